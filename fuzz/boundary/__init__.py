@@ -1,4 +1,4 @@
-"""Boundaries: where, along one number of a scenario, a controller begins to fail.
+"""Boundaries: the value of one number of a scenario at which a controller begins to fail.
 
 Contents:
     AXES, Axis, Subject: what can be varied.
@@ -7,8 +7,8 @@ Contents:
         which it fails.
     run_subject: one run of a scenario, with a fresh proof.
     Stretch, scan: every change of outcome between the values of a scan.
-    is_bounded, subject_of: of which failures one can ask where they begin.
-    with_boundaries, describe_boundaries: what a failure's record says of where it begins.
+    is_bounded, subject_of: the failures that can have a boundary.
+    with_boundaries, describe_boundaries: the boundaries in a failure's record.
 """
 
 from fuzz.boundary.axes import AXES, Axis, Subject, index_of

@@ -17,17 +17,18 @@ from worldgen.world import Witness, World
 
 __all__ = ["AXES", "Axis", "Subject", "index_of", "three_digits"]
 
-_DECADE = 900  # three-digit numbers from 100 to 999
+# Three-digit numbers from 100 to 999.
+_DECADE = 900
 _TRAP = "trap"
 
 
 @dataclass(frozen=True)
 class Subject:
-    """A scenario of which one number is varied.
+    """A scenario with one number that varies.
 
     Args:
-        world: Where.
-        scenario: What runs.
+        world: The world.
+        scenario: The scenario to run in it.
     """
 
     world: World
@@ -36,17 +37,17 @@ class Subject:
 
 @dataclass(frozen=True)
 class Axis:
-    """One number of a scenario.
+    """A number of a scenario that can vary.
 
     Args:
-        name: As the command line takes it.
-        unit: Of its values.
+        name: Name on the command line.
+        unit: Unit of its values.
         low: Index of the least value.
         high: Index of the greatest.
-        value: The value of an index.
-        index: The index of a subject's own value, or the nearest; ``None`` where the subject has no
+        value: Returns the value of an index.
+        index: Returns the index nearest to a subject's own value; ``None`` if the subject has no
             such number.
-        at: The subject with another value; it raises what its making raises.
+        at: Returns the subject with another value, or raises if it cannot be made.
     """
 
     name: str
@@ -59,7 +60,7 @@ class Axis:
 
 
 def three_digits(index: int) -> float:
-    """Return the number of three significant digits with this index; those of rising index rise."""
+    """Return the number of three significant digits with this index; they ascend with the index."""
     exponent, mantissa = divmod(index, _DECADE)
     return float(f"{mantissa + 100}e{exponent - 2}")
 
@@ -72,7 +73,10 @@ def index_of(value: float) -> int:
 
 
 def _with_radius(subject: Subject, value: float) -> Subject:
-    """Return the robot with another radius. The witness stays, as far as its clearance goes."""
+    """Return the robot with another radius.
+
+    It keeps the witness if that has enough clearance.
+    """
     return replace(
         subject, world=replace(subject.world, robot_radius=value, provenance=None, failure=None)
     )
@@ -81,7 +85,7 @@ def _with_radius(subject: Subject, value: float) -> Subject:
 def _with_speed(subject: Subject, value: float) -> Subject:
     """Return the robot with another speed.
 
-    The witness takes as much longer, but where the world changes on its way.
+    The witness is slowed down or sped up accordingly, unless the world changes on its way.
     """
     world = subject.world
     witness = subject.world.certificate
@@ -132,4 +136,4 @@ AXES = {
         Axis("depth", "cells", 1, 100, float, _depth, _with_depth),
     )
 }  # fmt: skip
-"""By the name that the command line takes."""
+"""The axes, by their names on the command line."""

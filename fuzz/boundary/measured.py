@@ -1,4 +1,4 @@
-"""What a failure's record says of where it begins."""
+"""Measure the boundaries of a failure, and describe those in its record."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ _MEASURED = (
     "radius",
     "speed",
     "time-step",
-)  # of each failure; the others only where a strategy came by them
+    # Axes measured for each failure; the others only if a strategy found them.
+)
 
 
 def is_bounded(scenario: Scenario) -> bool:
-    """Return True if failures of a scenario begin somewhere.
+    """Return True if failures of a scenario have a boundary.
 
-    Where runs hang on chance, they begin anywhere.
+    Runs that depend on chance have none.
     """
     controller = CONTROLLERS.get(scenario.controller)
     return not (
@@ -32,9 +33,9 @@ def is_bounded(scenario: Scenario) -> bool:
 
 
 def subject_of(failure: Failure) -> Subject | None:
-    """Return what can be varied of a failure.
+    """Return the subject to vary for a failure.
 
-    ``None`` if it is not one of not arriving, or hangs on chance.
+    It is ``None`` if the failure is not one of not arriving, or depends on chance.
     """
     if failure.oracle is not None or failure.is_breach:
         return None
@@ -42,13 +43,13 @@ def subject_of(failure: Failure) -> Subject | None:
 
 
 def with_boundaries(failure: Failure, found: Failure) -> Failure:
-    """Return the failure with a record of where it begins, in this world.
+    """Return the failure with its boundaries in this world in its record.
 
-    Compiled controllers are run at other radii, speeds and time steps; others, whose runs take
-    long, only along the axes along which the failure was found.
+    Compiled controllers are run at other radii, speeds and time steps. Others, whose runs take
+    long, only vary along the axes on which the failure was found.
 
     Args:
-        failure: Whose record is completed.
+        failure: Failure to complete.
         found: The failure as it was found.
     """
     subject = subject_of(failure)
@@ -69,9 +70,9 @@ def _boundary(subject: Subject, axis: Axis) -> Boundary | None:
 
 
 def _recorded(failure: Failure) -> list[tuple[Axis, float, float]]:
-    """Return axes with the values that fail and pass, as far as a record.
+    """Yield the axes of a record with the values that fail and pass.
 
-    It may be a stranger's, makes sense.
+    Records may come from anywhere, so malformed ones are skipped.
     """
     said = failure.record.details.get("boundaries")
     found = []
@@ -87,7 +88,7 @@ def _recorded(failure: Failure) -> list[tuple[Axis, float, float]]:
 
 
 def describe_boundaries(failure: Failure) -> str:
-    """Return where a failure begins, in words; empty where its record says nothing of it."""
+    """Describe a failure's boundaries in words; empty if its record has none."""
     said = [
         f"{axis.name} {fails:g} {axis.unit} ({passes:g} passes)"
         for axis, fails, passes in _recorded(failure)

@@ -25,18 +25,19 @@ __all__ = [
     "scan",
 ]
 
-_REACH = 512  # values; of three digits, a factor of nearly 4
+# Number of values; with three digits, a factor of nearly 4.
+_REACH = 512
 
 
 @dataclass(frozen=True)
 class BoundaryRun:
-    """What the robot does at one value.
+    """The robot's behaviour at one value.
 
     Args:
-        index: Of the value.
-        value: In the axis's unit.
-        subject: The scenario with it; its world carries a witness.
-        outcome: Of the run, with its witness's budget.
+        index: Index of the value.
+        value: The value in the axis's unit.
+        subject: The scenario with that value; its world carries a witness.
+        outcome: Outcome of the run, with the witness's budget.
     """
 
     index: int
@@ -46,19 +47,19 @@ class BoundaryRun:
 
     @property
     def arrives(self) -> bool:
-        """Whether the robot reaches the target and does nothing else that is wrong."""
+        """True if the robot reaches the target and does nothing else wrong."""
         return self.outcome.verdict == Verdict.REACHED
 
 
 class BoundaryRuns:
-    """Runs a subject at values of an axis, each once.
+    """Runs a subject at values of an axis, once each.
 
     Args:
         subject: The scenario.
-        axis: What to vary.
+        axis: The number to vary.
         seen: Called with each run.
-        spare: Share by which a wider robot must get there, too. Where the robot just fits, all
-            controllers fail.
+        spare: Share by which a wider robot must also be able to get there. If the robot only just
+            fits, all controllers fail.
     """
 
     def __init__(
@@ -83,7 +84,7 @@ class BoundaryRuns:
         return self._known[index]
 
     def seen_at(self, index: int) -> BoundaryRun | None:
-        """Return the run at a value if it was done already."""
+        """Return the run at a value if it has been done already."""
         return self._known.get(index)
 
     def _run(self, index: int) -> BoundaryRun | None:
@@ -92,7 +93,8 @@ class BoundaryRuns:
             return None
         try:
             subject = self.axis.at(self._subject, value)
-        except WorldgenError:  # there is no such world
+        # There is no such world.
+        except WorldgenError:
             return None
         ran = run_subject(subject, self._spare)
         return None if ran is None else BoundaryRun(index, value, *ran)
@@ -103,11 +105,11 @@ def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome]
 
     Args:
         subject: The scenario; its world's own witness is used if it is wide enough.
-        spare: Share by which a wider robot must get there, too.
+        spare: Share by which a wider robot must also be able to get there.
 
     Returns:
-        The scenario with the witness in its world, and how the run ended; ``None`` if the target
-        is not provably reachable, or the simulator takes no such numbers.
+        The scenario with the witness in its world, and how the run ended; ``None`` if the target is
+        not provably reachable, or the simulator refuses such numbers.
     """
     try:
         world = _proved(subject.world, spare)
@@ -136,9 +138,9 @@ class Boundary:
     """Two neighbouring values of an axis with different outcomes.
 
     Args:
-        axis: What was varied.
+        axis: The number that varied.
         passes: The run that arrives.
-        fails: The one that does not.
+        fails: The run that does not.
     """
 
     axis: Axis
@@ -146,7 +148,7 @@ class Boundary:
     fails: BoundaryRun
 
     def record(self) -> dict[str, Value]:
-        """Return what a failure's record says of it."""
+        """Return the entry for a failure's record."""
         return {
             "axis": self.axis.name,
             "fails_at": self.fails.value,
@@ -155,14 +157,14 @@ class Boundary:
 
 
 def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) -> Boundary | None:
-    """Return the boundary that doubling steps from a value meet first, narrowed down by bisection.
+    """Return the first boundary that doubling steps from a value find, narrowed down by bisection.
 
-    Outcomes need not be monotone: there may be other boundaries, nearer ones among them.
+    Outcomes need not be monotone, so there may be other boundaries, even nearer ones.
 
     Args:
         looks: The runs.
         start: Index of the value to start from.
-        reach: How many values away it may lie; 900 are a factor of ten.
+        reach: Largest distance in values; 900 values are a factor of ten.
     """
     here = looks(start)
     if here is None:
@@ -186,7 +188,7 @@ def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) ->
 def _last_that_differs(looks: BoundaryRuns, good: BoundaryRun, without: int) -> BoundaryRun | None:
     """Bisect towards the last value that has a run.
 
-    The first on the way whose outcome is another, if there is one.
+    Return the first run on the way with another outcome, if there is one.
     """
     while abs(good.index - without) > 1:
         middle = (good.index + without) // 2
@@ -201,9 +203,9 @@ def _last_that_differs(looks: BoundaryRuns, good: BoundaryRun, without: int) -> 
 
 
 def _narrowed(looks: BoundaryRuns, one: BoundaryRun, other: BoundaryRun) -> Boundary | None:
-    """Return the bisection between two values of different outcome.
+    """Bisect between two values of different outcome.
 
-    ``None`` where a value between them cannot be judged.
+    Return ``None`` if a value between them cannot be judged.
     """
     while abs(one.index - other.index) > 1:
         middle = looks((one.index + other.index) // 2)
@@ -219,15 +221,15 @@ def _narrowed(looks: BoundaryRuns, one: BoundaryRun, other: BoundaryRun) -> Boun
 
 @dataclass(frozen=True)
 class Stretch:
-    """Values of an axis, from ``first`` to ``last``, with one outcome as far as the scan saw.
+    """Values of an axis, from ``first`` to ``last``, with the same outcome as far as the scan saw.
 
     Args:
-        outcome: ``arrives``, ``fails``, or ``no proof`` where the target is not provably reachable
-            or there is no such scenario.
+        outcome: ``arrives``, ``fails``, or ``no proof`` if the target is not provably reachable or
+            there is no such scenario.
         first: Least value.
         last: Greatest value.
-        verdicts: Of the runs in it, each once.
-        runs: How many there were.
+        verdicts: The different verdicts of its runs.
+        runs: Number of runs.
     """
 
     outcome: str
@@ -240,12 +242,11 @@ class Stretch:
 def scan(looks: BoundaryRuns, indices: range) -> list[Stretch]:
     """Run the values of some indices and bisect between neighbours of different outcome.
 
-    Between two values of equal outcome nothing is looked at, so what changes twice between them is
-    not seen.
+    Nothing between two values of equal outcome is run, so a double change between them is missed.
 
     Args:
         looks: The runs.
-        indices: Rising.
+        indices: Ascending indices.
     """
     seen = {index: looks(index) for index in indices}
     for low, high in itertools.pairwise(indices):

@@ -1,4 +1,4 @@
-"""What a campaign looks for."""
+"""The definition of a campaign."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from worldgen.world import World
 
 __all__ = ["CampaignConfig"]
 
-_SLOWER = 8  # a step in Python takes microseconds
+# A step in Python takes microseconds.
+_SLOWER = 8
 
 
 @dataclass(frozen=True)
 class CampaignConfig(SearchOptions):
-    """What a campaign looks for.
+    """The definition of a campaign.
 
-    Together with a unit's number and memory, all that the unit depends on. With a database, what a
-    campaign finds depends on that folder, too. What the units of an epoch found, the units of the
-    epoch after the next one know.
+    Together with a unit's number and the search state, it determines the unit's result. With a
+    database, the result depends on that folder, too. The units of an epoch know what earlier epochs
+    found, except the one just before.
 
     Args:
-        scenario: Controller, motion model and switches; each draw has its own seed and time step.
-        seed: Of the whole campaign.
-        families: Families and other strategies to look for failures with; empty for all that fit.
+        scenario: Controller, motion model and options; each draw has its own seed and time step.
+        seed: Seed of the whole campaign.
+        families: Families and other strategies to search with; empty for all that fit.
         time_steps: Durations of a step to draw from, s.
         vary: Quantities of the robot and options of the motion model to draw from.
         fixed_map: A foreign map on which only start, heading, target and radius vary.
-        shrink: Whether failures are shrunk; on a user's own map they are more useful where they
-            are.
+        shrink: Whether to shrink failures; on a user's own map they are more useful unshrunk.
     """
 
     scenario: Scenario

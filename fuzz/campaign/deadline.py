@@ -1,4 +1,4 @@
-"""When the work that a campaign hands out is to end."""
+"""Deadlines for the work that a campaign hands out."""
 
 from __future__ import annotations
 
@@ -10,25 +10,27 @@ from dataclasses import dataclass
 
 __all__ = ["NO_DEADLINE", "TO_HAND_IN", "Deadline", "now", "stop_from", "stopping_from"]
 
-TO_HAND_IN = 3.0  # s after a stop within which running units must return their results
+# Seconds after a stop within which running units must return their results.
+TO_HAND_IN = 3.0
 # Seconds after a stop during which earlier failures are still proved; fewer than TO_HAND_IN.
 _TO_PROVE = 2.0
 
 _stops: list[
     Callable[[], float]
-] = []  # what this process asks besides the clock: when did somebody press Ctrl-C?
+    # In addition to the clock, this process checks when Ctrl-C was pressed.
+] = []
 
 
 def now() -> float:
-    """Return the time that deadlines are written in, s.
+    """Return the current time, s, by the clock of deadlines.
 
-    The only clock that other processes and machines share.
+    It is the only clock that other processes and machines share.
     """
     return time.time()
 
 
 def stop_from(stopped_at: Callable[[], float]) -> None:
-    """End all work of this process at a time that is not known yet, whatever its deadline.
+    """End all work of this process at a time still unknown, regardless of its deadline.
 
     Args:
         stopped_at: Returns that time, by :func:`now`; infinity until it is known.
@@ -49,28 +51,28 @@ def stopping_from(stopped_at: Callable[[], float]) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Deadline:
-    """When a piece of work is to end.
+    """The deadline of a piece of work.
 
     Args:
-        begin: No world is begun and no run goes on after this time, by :func:`now`.
-        prove: What was seen to fail before is proved until then.
+        begin: After this time, by :func:`now`, no world is begun and no run continues.
+        prove: Failures seen before are proved until then.
     """
 
     begin: float = math.inf
     prove: float = math.inf
 
     def to_begin_is_over(self) -> bool:
-        """Return whether nothing more is to be begun."""
+        """Return True if no further work may begin."""
         return _is_over(min(self.begin, _stopped_at()))
 
     def to_prove_is_over(self) -> bool:
-        """Return whether no proof is to go on."""
+        """Return True if no proof may continue."""
         return _is_over(min(self.prove, _stopped_at() + _TO_PROVE))
 
     def stopped_now(self) -> Deadline:
         """Return the deadline of work that is stopped.
 
-        Nothing more is begun, and proofs get a short time.
+        Nothing new is begun, and proofs get a short time.
         """
         at = now()
         return Deadline(min(self.begin, at), min(self.prove, at + _TO_PROVE))

@@ -1,6 +1,6 @@
-"""Loads what the first units of a campaign need, in each of its processes.
+"""Load what the first units of a campaign need, in each of its processes.
 
-The library and the controller.
+These are the library and the controller.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ def load(config: CampaignConfig) -> float:
     """Let the controller take two steps, and prove a world.
 
     Args:
-        config: The campaign's.
+        config: The campaign's configuration.
 
     Returns:
-        Seconds that the controller's own code took of this.
+        Seconds of this spent in the controller's own code.
     """
     began = Effort.so_far()
     try_out(config.scenario)

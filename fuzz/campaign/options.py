@@ -1,4 +1,4 @@
-"""Options of a campaign; each is declared once, here.
+"""The options of a campaign, each declared once.
 
 ``worldgen fuzz`` offers them as options and the studio as fields of a form. Together they make a
 :class:`CampaignConfig`. This module imports nothing heavy, because the command's help needs it.
@@ -76,8 +76,9 @@ class CampaignOptions(SearchOptions):
 
     @classmethod
     def declared(cls) -> tuple[Parameter, ...]:
-        """Return the options: first what is looked for, then how."""
-        fields: Any = cls  # a type checker takes no dataclass's type for hashable
+        """Return the options: first those that define the campaign, then the others."""
+        # Type checkers do not consider the type of a dataclass hashable.
+        fields: Any = cls
         found = parameters_of_fields(fields)
         kept = {option.name for option in parameters_of_fields(SearchOptions)}
         return tuple(sorted(found, key=lambda option: option.name in kept))

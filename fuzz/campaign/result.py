@@ -1,4 +1,4 @@
-"""What a unit of a campaign found, and what later units know of it."""
+"""The result of a unit, and what later units know of it."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ __all__ = ["Elite", "SearchState", "StrategyYield", "UnitResult"]
 
 @dataclass(frozen=True)
 class Elite:
-    """The best layout that a quality-diversity search knows in one cell of its archive.
+    """The best layout found by a quality-diversity search in one cell of its archive.
 
     Args:
-        layout: Bytes that a strategy turns into a world again.
-        quality: The more, the better.
-        verdict: At first look.
+        layout: Bytes from which a strategy makes the world again.
+        quality: Quality; higher is better.
+        verdict: Verdict of the screening run.
     """
 
     layout: bytes
@@ -29,21 +29,21 @@ class Elite:
 
 @dataclass
 class UnitResult:
-    """What one unit found.
+    """The result of one unit.
 
     Args:
-        strategy: Where its scenarios came from.
-        worlds: Scenarios simulated.
-        steps: Steps simulated.
-        verdicts: How often each verdict came up at first look; where the target is walled off,
+        strategy: Strategy that produced its scenarios.
+        worlds: Number of scenarios simulated.
+        steps: Number of steps simulated.
+        verdicts: How often each verdict came up in screening; if the target is walled off,
             ``breach`` for a robot that got there, ``sealed`` for one that did not.
         failures: The smallest failure of each class, with witness, evidence and class.
-        met: How often each class was met among the failures that were classified.
-        elites: By cell of the archive, what deserves to be there.
-        cut: Whether its time was over before its work was done; the rest holds what it had until
+        met: How often each class occurred among the classified failures.
+        elites: Candidates for the archive, by cell.
+        cut: Whether time ran out before its work was done; the other fields hold the results until
             then.
-        interrupted: Whether Ctrl-C did that.
-        effort: Where its time went, which no store keeps and no other unit knows.
+        interrupted: Whether the reason was Ctrl-C.
+        effort: Where its time went; no store keeps this and no other unit knows it.
     """
 
     strategy: str = ""
@@ -60,14 +60,14 @@ class UnitResult:
 
 @dataclass(frozen=True)
 class StrategyYield:
-    """What a strategy has brought so far.
+    """The yield of a strategy so far.
 
     Args:
-        units: Units that it had.
+        units: Units it was given.
         worlds: Scenarios simulated.
         steps: Steps simulated.
         failures: Failures proved and classified.
-        classes: Classes that it was the first to meet.
+        classes: Classes that it was the first to find.
     """
 
     units: int = 0
@@ -79,13 +79,13 @@ class StrategyYield:
 
 @dataclass(frozen=True)
 class SearchState:
-    """What the units of an epoch know of all units up to the epoch before the last.
+    """What the units of an epoch know about all units up to the epoch before the last.
 
-    The same for any timing.
+    It is the same for any timing.
 
     Args:
-        strategies: By strategy, what it brought.
-        failures: By class, the smallest failure as it was found, before shrinking.
+        strategies: Yield of each strategy.
+        failures: The smallest failure of each class as found, before shrinking.
         elites: The archive.
     """
 
@@ -94,7 +94,7 @@ class SearchState:
     elites: Mapping[tuple[int, ...], Elite] = field(default_factory=dict)
 
     def after(self, result: UnitResult) -> SearchState:
-        """Return the memory with one more unit's result."""
+        """Return the search state with one more unit's result."""
         had = self.strategies.get(result.strategy, StrategyYield())
         strategy = replace(
             had,
@@ -117,11 +117,11 @@ class SearchState:
         )
 
     def is_interesting(self, kind: str, failure: Failure) -> bool:
-        """Return True if a failure is the first of its class, or smaller than those known."""
+        """Return True if a failure is the first of its class, or smaller than the known one."""
         before = self.failures.get(kind)
         return before is None or failure.size < before.size
 
     def is_better(self, cell: tuple[int, ...], elite: Elite) -> bool:
-        """Return True if a cell of the archive is empty, or holds less."""
+        """Return True if a cell of the archive is empty or holds a worse layout."""
         before = self.elites.get(cell)
         return before is None or elite.quality > before.quality

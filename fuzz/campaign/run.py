@@ -1,6 +1,6 @@
-"""Campaigns: units done by an executor, their failures shrunk, all of it remembered.
+"""Campaigns: an executor does units, failures are shrunk, and all results are stored.
 
-Yields events; prints nothing.
+It yields events and prints nothing.
 """
 
 from __future__ import annotations
@@ -42,9 +42,12 @@ __all__ = [
 
 T = TypeVar("T")
 
-_RESTARTS = 6  # failures of one class that are shrunk; the smallest result stays
-GRACE = 1.0  # s after the end of the time in which work under way may still come in
-_AHEAD = 64  # units that may be done while the one before them is not
+# Failures of one class that are shrunk; the smallest result is kept.
+_RESTARTS = 6
+# Seconds after the end of the time in which results may still arrive.
+GRACE = 1.0
+# Units that may be done while an earlier one is not.
+_AHEAD = 64
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ class UnitDone:
 
     Args:
         unit: Its number.
-        state: The campaign's, with it.
+        state: State of the campaign, including the unit.
         again: Whether it was done in an earlier run.
     """
 
@@ -64,12 +67,12 @@ class UnitDone:
 
 @dataclass(frozen=True)
 class Discovery:
-    """A failure is new in its class, or smaller than what was known.
+    """A failure is the first of its class, or smaller than the known one.
 
     Args:
         kind: Its class.
-        failure: The failure, shrunk.
-        replaces: Whether the class had one already.
+        failure: The shrunk failure.
+        replaces: Whether the class already had one.
     """
 
     kind: str
@@ -82,16 +85,16 @@ Progress = UnitDone | Discovery
 
 @dataclass(frozen=True)
 class DiscoveryTotals:
-    """A class was met for the first time, or in a smaller world than before.
+    """A class occurred for the first time, or in a smaller world than before.
 
     Args:
-        unit: That met it.
-        strategy: Of that unit.
+        unit: Unit that found it.
+        strategy: Strategy of that unit.
         kind: The class.
-        failure: As it was found, before shrinking.
-        worlds: Of the campaign up to that unit, and with it.
-        steps: Same as above.
-        seconds: Likewise, over all runs.
+        failure: The failure as found, before shrinking.
+        worlds: Worlds of the campaign up to and including that unit.
+        steps: Steps up to and including that unit.
+        seconds: Seconds up to and including that unit, over all runs.
     """
 
     unit: int
@@ -108,23 +111,23 @@ class CampaignState:
     """Totals so far.
 
     Args:
-        units: Done and merged.
-        cut: Units beside these that are to be done again: cut short by the time or by Ctrl-C, or
-            too early.
-        too_early: Those of them that were done whole, but knew too little, since an earlier unit
+        units: Units done and merged.
+        cut: Additional units that must be done again, because they were cut short by the time limit
+            or Ctrl-C, or came too early.
+        too_early: Those of them that were completed but knew too little, because an earlier unit
             was cut short.
-        until: One more than the greatest number of a unit, whole or cut.
+        until: One more than the highest number of any unit, complete or cut.
         worlds: Scenarios simulated.
         steps: Steps simulated.
-        seconds: Of all runs together.
-        times: Of this run, s: ``start-up``, ``search`` and ``shrinking``.
-        effort: Of this run, of all workers together: where the time of units and of shrinking went.
-        verdicts: At first look.
-        met: How often each class was met.
-        known: The same, for classes that the baseline has.
-        best: By class, the smallest failure, shrunk.
-        memory: What the strategies brought, and what later units know of it.
-        finds: In the order of units.
+        seconds: Seconds of all runs together.
+        times: Seconds of this run: ``start-up``, ``search`` and ``shrinking``.
+        effort: For this run, where the time of units and of shrinking went, over all workers.
+        verdicts: Counts of the verdicts in screening.
+        met: How often each class occurred.
+        known: The same, for classes in the baseline.
+        best: The smallest shrunk failure of each class.
+        memory: The search state: the strategies' yields, and what later units know.
+        finds: First finds, in the order of units.
     """
 
     units: int = 0
@@ -146,11 +149,11 @@ class CampaignState:
 
 @dataclass(frozen=True, eq=False)
 class _Under(Generic[T]):
-    """Work under way, or remembered.
+    """Work in progress, or restored from the store.
 
     Args:
-        future: Its result.
-        seconds: Of the campaign when it was done in an earlier run; ``None`` of work that is new.
+        future: The pending result.
+        seconds: Seconds of the campaign when it was done in an earlier run; ``None`` for new work.
     """
 
     future: Future[T]
@@ -159,11 +162,11 @@ class _Under(Generic[T]):
 
 @dataclass(frozen=True)
 class Shrinking:
-    """What shrinking came to.
+    """The result of shrinking.
 
     Args:
         failure: The failure.
-        complete: Whether shrinking ended by itself, and not by the clock.
+        complete: Whether shrinking ended on its own, rather than by the clock.
         effort: Where its time went.
     """
 
@@ -174,12 +177,12 @@ class Shrinking:
 
 @dataclass(frozen=True, eq=False)
 class _ShrinkJob:
-    """A failure that is to be shrunk.
+    """A failure that waits to be shrunk.
 
     Args:
-        failure: As it was found.
-        kept: What shrinking keeps.
-        before: How many failures of its class have their turn before it.
+        failure: The failure as found.
+        kept: What shrinking must preserve.
+        before: Number of failures of its class that are shrunk before it.
     """
 
     failure: Failure
@@ -188,26 +191,26 @@ class _ShrinkJob:
 
 
 class Campaign:
-    """A budgeted search.
+    """A search with a budget.
 
     Args:
-        config: What to look for.
-        units: Amount of work; the corpus then depends on the seed alone.
+        config: Definition of the campaign.
+        units: Amount of work; with it, the corpus depends only on the seed.
         seconds: Time, ignored if ``units`` is given. Three quarters of it are for the search, the
-            rest for shrinking. Units under way are then cut short, and keep what they met. What was
-            not shrunk until the end is pending.
-        workers: Processes; 1 works in this one.
-        executor: Who does the work, instead of processes.
-        store: Remembers what was done, so that another campaign of the same configuration goes on
-            with it.
-        is_known: Whether a failure is of a class that is no news: those are counted, but not shrunk
-            and not kept.
-        began: When the time began, by ``time.monotonic``; with :meth:`run` if omitted.
-        own: Seconds since then that the controller's own code took.
+            rest for shrinking. Units in progress are then cut short, and keep what they found.
+            Failures not shrunk by the end are pending.
+        workers: Number of processes; 1 means this process.
+        executor: Executor to use instead of processes.
+        store: Stores results, so that another campaign of the same configuration continues from
+            them.
+        is_known: Returns whether a failure's class is known: such failures are counted, but neither
+            shrunk nor kept.
+        began: When the time began, by ``time.monotonic``; if omitted, when :meth:`run` is called.
+        own: Seconds since then spent in the controller's own code.
 
-    Iterating over :meth:`run` does the work. Whatever stops it, ``state.best`` and :meth:`pending`
-    keep all that was found. Whatever was stopped and when, once it has gone on to as many units the
-    state is the same.
+    Iterating over :meth:`run` does the work. However it is stopped, ``state.best`` and
+    :meth:`pending` keep everything that was found. However often a campaign is stopped, its state
+    is the same once it has continued to the same number of units.
     """
 
     def __init__(
@@ -233,39 +236,47 @@ class Campaign:
         self._schedule = Schedule(
             None if units is not None else seconds, shrinks=config.shrink, began=began, own=own
         )
-        self._candidates: dict[str, list[Failure]] = {}  # by class, those that are shrunk
+        # Failures being shrunk, by class.
+        self._candidates: dict[str, list[Failure]] = {}
         self._known_ones: dict[
             str, list[Failure]
-        ] = {}  # likewise, those that would be were their class no known one
-        self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
-        # What cut units met is kept and shown. What later units know and what is stored of them
-        # depends on whole ones alone, or a campaign would go on to something else than one that
-        # nobody stopped.
+            # Failures that would be shrunk if their class were not known, by class.
+        ] = {}
+        # Classes that are shrunk once more, preserving the class.
+        self._kept_whole: set[str] = set()
+        # Findings of cut units are kept and shown. What later units know, and what is stored about
+        # them, depends only on complete units; otherwise an interrupted campaign would diverge from
+        # an uninterrupted one.
         self._memory = SearchState()
         self._met_whole: Counter[tuple[str, bool]] = (
             Counter()
-        )  # units that met a class, by class and whether no news
-        self._known = [SearchState(), SearchState()]  # by epoch
+            # Units that found a class, by class and whether it is known.
+        )
+        # Search states by epoch.
+        self._known = [SearchState(), SearchState()]
         self._knows_too_little = (
             math.inf
-        )  # the first epoch whose memory lacks what a cut unit would have met
-        self._jobs: list[_ShrinkJob] = []  # that wait for a worker
+            # First epoch whose search state lacks what a cut unit would have found.
+        )
+        # Units that wait for a worker.
+        self._jobs: list[_ShrinkJob] = []
         self._under_way: dict[int, _Under[UnitResult]] = {}  # units
         self._shrinks: list[tuple[_ShrinkJob, _Under[Shrinking]]] = []
         self._next = 0  # unit
         self._merged = 0  # units
-        self._before = 0.0  # s, of earlier runs
+        # Seconds of earlier runs.
+        self._before = 0.0
         self._earlier = self._store.seconds()
 
     @property
     def is_ready(self) -> bool:
-        """Return True once what the first units need is loaded, and the time has begun."""
+        """True once everything that the first units need is loaded, and the time has begun."""
         return self._schedule.is_ready
 
     def pending(self) -> dict[str, Failure]:
-        """Return failures by class that are proved but not shrunk yet.
+        """Return failures by class that are proved but not yet shrunk.
 
-        Of use after an interruption, or when time is up.
+        This is useful after an interruption, or when time is up.
         """
         best = self.state.best
         return {
@@ -275,10 +286,10 @@ class Campaign:
         }
 
     def run(self) -> Generator[Progress, None, None]:
-        """Do the campaign, or what is left of it.
+        """Do the campaign, or the rest of it.
 
         Raises:
-            KeyboardInterrupt: After Ctrl-C, once the units under way have handed in what they had.
+            KeyboardInterrupt: After Ctrl-C, once the units in progress have returned what they had.
         """
         with self._executor as executor:
             try:
@@ -308,15 +319,16 @@ class Campaign:
             if self._schedule.is_over(GRACE):
                 break
         yield from self._take_what_is_done()
-        if self._under_way or self._shrinks:  # they do not answer in time, so nobody waits for them
+        # They do not answer in time, so they are not awaited.
+        if self._under_way or self._shrinks:
             executor.stop()
         if self.units is None:
             self._take_from_earlier()
 
     def _count_time(self) -> None:
-        """Bring the state's times up to now.
+        """Update the times in the state.
 
-        Remembered work adds what earlier runs spent, shrinking included.
+        Restored work adds the time of earlier runs, including shrinking.
         """
         self.state.seconds = self._before + self._schedule.elapsed()
         self.state.times = self._schedule.times()
@@ -331,9 +343,9 @@ class Campaign:
             raise KeyboardInterrupt
 
     def _take_what_is_done(self) -> Iterator[Discovery]:
-        """At the end: merge the units that are done, also those behind a unit that is not.
+        """At the end, yield the units that are done, including those after an unfinished one.
 
-        It has lost its turn.
+        The unfinished one has lost its turn.
         """
         for unit, under in sorted(self._under_way.items()):
             if under.future.done():
@@ -343,7 +355,7 @@ class Campaign:
         yield from self._kept()
 
     def _take_from_earlier(self) -> None:
-        """What an earlier run met in units that were cut short, and this one did not come to."""
+        """Add findings from an earlier run's cut units that this run did not get to."""
         for unit in self._store.units_cut():
             if unit >= self._merged and (done := self._store.cut_unit(unit)) is not None:
                 self._merge(unit, _Under(_finished(done.result), done.seconds))
@@ -351,8 +363,8 @@ class Campaign:
     def _hand_out(self, executor: Executor) -> None:
         """Give each free worker something to do.
 
-        The first failure of each class is shrunk before more is searched, the others after it.
-        Where time is the budget, shrinking has its share of it: during the search and after it.
+        The first failure of each class is shrunk before the search continues, the others after it.
+        If the budget is a time, shrinking has its share of it, during the search and after it.
         """
         while self._occupied() < executor.room and len(self._under_way) < executor.room + _AHEAD:
             search_first = self._schedule.search_comes_first
@@ -390,7 +402,7 @@ class Campaign:
     def _occupied(self) -> int:
         """Return how many workers have work, or a result that is merged before they get more.
 
-        Units are merged in order. Those that are done behind one that is not keep nobody busy.
+        Units are merged in order. Those that are done after an unfinished one keep no worker busy.
         """
         units = list(self._under_way.values())
         if self._merged in self._under_way and not self._under_way[self._merged].future.done():
@@ -398,16 +410,16 @@ class Campaign:
         return len(units) + len(self._shrinks)
 
     def _get_ready(self, executor: Executor) -> None:
-        """Wait until all that is needed is loaded; the time begins when it is."""
+        """Wait until everything is loaded; the time begins then."""
         loading = [] if self._schedule.is_unlimited else executor.prepare(self.config)
         while loading and wait(loading, LISTEN).not_done:
             executor.listen()
         self._schedule.begin(max((one.result() for one in loading), default=0.0))
 
     def _next_job(self, *, first_only: bool = False) -> _ShrinkJob | None:
-        """Return a failure to be shrunk, the first of each class before others.
+        """Return a failure to shrink, the first of each class before others.
 
-        ``None`` when none has its turn.
+        It is ``None`` if none is due.
         """
         if self._schedule.is_over() or (first_only and self._schedule.shrank_enough()):
             return None
@@ -419,11 +431,11 @@ class Campaign:
         return job
 
     def _jobs_before(self, job: _ShrinkJob) -> int:
-        """Return how many of those that wait are as urgent, with those under way."""
+        """Return how many waiting failures are equally urgent, including those in progress."""
         return sum(one.before <= job.before for one in self._jobs) + len(self._shrinks)
 
     def _queue(self, jobs: list[_ShrinkJob]) -> None:
-        """Put what is to be shrunk with what waits; with what is done if it needs no work."""
+        """Queue failures for shrinking, or finish them if they need no work."""
         for job in jobs:
             done = self._store.shrunk(job.failure, job.kept) if self.config.shrink else job.failure
             if done is None:
@@ -437,15 +449,15 @@ class Campaign:
         return self._next // self.config.epoch < len(self._known)
 
     def _unit(self, executor: Executor, unit: int) -> _Under[UnitResult] | None:
-        """Return the unit under way, or as the store has it.
+        """Return the unit in progress, or the stored one.
 
-        ``None`` where there is none, or who does it is not ready.
+        It is ``None`` if there is none, or the executor is not ready.
         """
         if not self._has_more_units():
             return None
         done = self._store.unit(unit)
         if done is not None:
-            # A unit's own figure leaves out what was shrunk after the last one.
+            # A unit's own figure excludes failures that were shrunk after the last unit.
             self._before = max(done.seconds, self._earlier)
             return _Under(_finished(done.result), done.seconds)
         if not self._schedule.is_ready or self._schedule.is_over():
@@ -456,7 +468,7 @@ class Campaign:
             return _Under(executor.submit(run_unit, self.config, unit, known, deadline))
 
     def _wait(self, executor: Executor) -> None:
-        # Units that are done behind the next one to be merged are no reason to wake up.
+        # Units done after the next one to merge are no reason to wake up.
         units = [
             one
             for unit, one in self._under_way.items()
@@ -474,7 +486,7 @@ class Campaign:
     def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_ShrinkJob]:
         """Add a unit's result to the totals and to the store.
 
-        Return what is to be shrunk, which is the same for any timing.
+        Return the failures to shrink, which are the same for any timing.
         """
         state = self.state
         result = under.future.result()
@@ -500,7 +512,7 @@ class Campaign:
             for cell, elite in result.elites.items()
             if self._memory.is_better(cell, elite)
         }
-        # The memory then has the same order as the store.
+        # The search state then has the same order as the store.
         result = replace(result, failures=kept, elites=elites)
         if under.seconds is None:
             self._store.save_unit(unit, Done(result, seconds))
@@ -516,7 +528,7 @@ class Campaign:
     def _enter_failures(
         self, unit: int, result: UnitResult, seconds: float
     ) -> tuple[list[_ShrinkJob], dict[str, Failure]]:
-        """Return what is to be shrunk of a unit's failures, and those that the store keeps."""
+        """Return a unit's failures to shrink, and those to store."""
         state = self.state
         jobs: list[_ShrinkJob] = []
         kept: dict[str, Failure] = {}
@@ -528,14 +540,14 @@ class Campaign:
             if is_interesting:
                 totals = (state.worlds, state.steps, seconds)
                 state.finds.append(DiscoveryTotals(unit, result.strategy, kind, failure, *totals))
-            # What is stored depends on whole units alone, so that a resumed campaign agrees.
+            # What is stored depends only on complete units, so that a resumed campaign agrees.
             few_whole = self.config.shrink and self._met_whole[kind, is_known] < _RESTARTS
             if few_whole or self._memory.is_interesting(kind, failure):
                 kept[kind] = failure
             self._met_whole[kind, is_known] += not result.cut
             if is_known:
                 state.known[kind] += result.met[kind]
-            # Without shrinking only a smaller failure of a class is worth a job.
+            # Without shrinking, only a smaller failure of a class is worth a job.
             is_wanted = before < _RESTARTS if self.config.shrink else is_interesting
             if is_wanted:
                 candidates.setdefault(kind, []).append(failure)
@@ -551,14 +563,14 @@ class Campaign:
         return replace(before.result, interrupted=result.interrupted)
 
     def _slid(self) -> list[_ShrinkJob]:
-        """Once all else is done.
+        """Return the smallest failures of slid classes, once everything else is done.
 
-        Of classes whose worlds all slid into other classes the smallest failure.
+        A class has slid if all its worlds changed class while they were shrunk.
         """
         return self._whole(kind for kind in self._candidates if kind not in self.state.best)
 
     def _slid_already(self) -> list[_ShrinkJob]:
-        """Return the same of classes whose first world has slid, while others wait.
+        """Return those of classes whose first world has slid, while others wait.
 
         They come before second worlds.
         """
@@ -574,8 +586,10 @@ class Campaign:
         fresh = sorted(set(kinds) - self._kept_whole)
         self._kept_whole.update(fresh)
         return [
-            _ShrinkJob(min(self._candidates[kind], key=_size), "class") for kind in fresh
-        ]  # each takes a second
+            _ShrinkJob(min(self._candidates[kind], key=_size), "class")
+            for kind in fresh
+            # Each takes a second.
+        ]
 
     def _kept(self) -> Iterator[Discovery]:
         """Take finished results off the shrink list, and keep the smallest failure of each class."""
@@ -587,11 +601,13 @@ class Campaign:
             if under.seconds is None and result.complete:
                 self._store.save_shrunk(job.failure, job.kept, shrunk)
             self._count_time()
-            if not result.complete and not shrunk.is_shrunk:  # no time was left for it
+            # There was no time left for it.
+            if not result.complete and not shrunk.is_shrunk:
                 continue
             if self._is_known(
                 shrunk
-            ):  # it slid there from a class that is news, which has its turn in the end
+                # It slid there from a new class, which is processed at the end.
+            ):
                 continue
             kind = shrunk.bucket
             before = self.state.best.get(kind)
@@ -603,16 +619,16 @@ class Campaign:
 def shrunk_or_same(
     failure: Failure, kept: str = "verdict", *, seconds: float | None = None, end: float = math.inf
 ) -> Shrinking:
-    """Return the failure shrunk, with where it begins.
+    """Return the shrunk failure with its boundaries.
 
-    As it was if it does not hold by shrinking's own terms.
+    It is returned unchanged if it is not reproducible by shrinking's own criteria.
 
     Args:
-        failure: As it was found.
-        kept: What shrinking keeps, as :func:`fuzz.shrink.shrink` takes it.
-        seconds: Stop after this time with the best so far.
-        end: By :func:`fuzz.campaign.deadline.now`: if even that is not proved until then, the
-            failure stays as it was.
+        failure: The failure as found.
+        kept: What shrinking must preserve, as for :func:`fuzz.shrink.shrink`.
+        seconds: Time limit, after which the best result so far is used.
+        end: Time by :func:`fuzz.campaign.deadline.now`: if the result isn't proved by then, the
+            failure stays unchanged.
     """
     began = Effort.so_far()
     renew()
@@ -630,7 +646,8 @@ def _shrunk_or_same(failure: Failure, kept: str, seconds: float | None, end: flo
                 return Shrinking(with_boundaries(made.failure, failure))
             except (
                 OutOfTime
-            ):  # it is shrunk and proved all the same; a later run measures where it begins
+                # It is shrunk and proved in any case; a later run measures its boundaries.
+            ):
                 return Shrinking(made.failure, complete=False)
     except OutOfTime:
         return Shrinking(failure, complete=False)
@@ -654,5 +671,5 @@ def _by_size(job: _ShrinkJob) -> tuple[int, int, tuple[tuple[int, ...], bytes]]:
 
 
 def _size(failure: Failure) -> tuple[tuple[int, ...], bytes]:
-    """Its size; of two failures of one size the one whose text comes first is the smaller."""
+    """Return its size; ties are broken by the text."""
     return failure.size, failure.dumps()

@@ -1,4 +1,4 @@
-"""How a campaign divides its time: start-up, search, shrinking."""
+"""Divide a campaign's time into start-up, search and shrinking."""
 
 from __future__ import annotations
 
@@ -11,30 +11,41 @@ from fuzz.campaign.deadline import NO_DEADLINE, Deadline, now
 
 __all__ = ["Schedule"]
 
-_SEARCH = 0.75  # share of the time after which shrinking comes first
-_SEARCH_ON = 0.9  # share after which no more is searched, even if nothing is left to shrink
-_PROVE = 0.5  # share of what is then left in which a failure that was met is still proved
-_UNSHRUNK = 0.97  # share of the time for the search where nothing is shrunk
+# Share of the time after which shrinking takes precedence.
+_SEARCH = 0.75
+# Share after which the search ends, even if nothing is left to shrink.
+_SEARCH_ON = 0.9
+# Share of the remaining time in which a failure can still be proved.
+_PROVE = 0.5
+# Share of the time for the search if nothing is shrunk.
+_UNSHRUNK = 0.97
 _SHRINKING = (
-    0.25  # share of the work during the search that goes to the first failure of each class
+    # Share of the work during the search that goes to the first failure of each class.
+    0.25
 )
-_ONE_OF = 0.1  # share of the time that one failure may take to be shrunk while the search goes on
-_COUNTED = 3.0  # s of the start-up that count, at most, and no more than the search's share leaves
-_LEAST = 0.05  # s that a failure gets to be shrunk
-_TO_CONFIRM = 0.3  # share of a failure's time in which what it was shrunk to is proved
+# Share of the time for shrinking one failure while the search continues.
+_ONE_OF = 0.1
+# Most seconds of start-up that count; never more than the search's share leaves.
+_COUNTED = 3.0
+# Seconds for shrinking a failure.
+_LEAST = 0.05
+# Share of a failure's time for proving the shrunk result.
+_TO_CONFIRM = 0.3
 
 
 class Schedule:
-    """A campaign's clock. The time begins with the first work that no earlier run did.
+    """The clock of a campaign.
 
-    What start-up takes counts, up to three seconds and a quarter of the time: a slow machine would
-    leave nothing of a short budget. What the controller's own code took of it counts in full.
+    Time begins with the first work that no earlier run did.
+
+    Start-up counts up to three seconds and a quarter of the time, since a slow machine would leave
+    nothing of a short budget. The time of the controller's own code counts in full.
 
     Args:
-        seconds: Of search and shrinking together; ``None`` for no limit.
+        seconds: Time for search and shrinking together; ``None`` for no limit.
         shrinks: Whether failures are shrunk.
         began: When the command began, by ``time.monotonic``; now if omitted.
-        own: Seconds since then that the controller's own code took already.
+        own: Seconds since then already spent in the controller's own code.
     """
 
     def __init__(
@@ -55,45 +66,45 @@ class Schedule:
 
     @property
     def is_unlimited(self) -> bool:
-        """Return True if no time is set."""
+        """True if there is no time limit."""
         return self._seconds is None
 
     @property
     def is_ready(self) -> bool:
-        """Return True once work can begin."""
+        """True once work can begin."""
         return self._ready < math.inf
 
     @property
     def search_comes_first(self) -> bool:
-        """Return True until the search's share of the time is over.
+        """True until the search's share of the time is over.
 
-        Then it goes on where nothing is to be shrunk.
+        After that the search only continues if there is nothing to shrink.
         """
         return self._left(self._share_to_search(urgent=True)) > 0.0
 
     @property
     def may_search(self) -> bool:
-        """Return True if a unit may still begin."""
+        """True if a unit may still begin."""
         return self._left(self._share_to_search(urgent=False)) > 0.0
 
     def begin(self, own: float = 0.0) -> None:
-        """Begin the time: all that is needed is loaded.
+        """Start the time: everything is loaded.
 
         Args:
-            own: Seconds that the controller's own code took of that.
+            own: Seconds of that spent in the controller's own code.
         """
         self._ready = time.monotonic()
         self._own += own
         self.start_up = self._ready - self._began
 
     def is_over(self, grace: float = 0.0) -> bool:
-        """Return True if the time is over, and ``grace`` seconds more."""
+        """Return True if the time, plus ``grace`` seconds, is over."""
         return self._seconds is not None and self._left() + grace <= 0.0
 
     def deadline(self) -> Deadline:
-        """Return when a unit is to end.
+        """Return when a unit must end.
 
-        With the search's share of the time, or with what is left of it after that.
+        That is at the end of the search's share of the time, or later if some of it is left.
         """
         if self._seconds is None:
             return NO_DEADLINE
@@ -109,13 +120,13 @@ class Schedule:
         return self._shrinking > _SHRINKING * (self._search + self._shrinking)
 
     def for_shrinking(self, failures: int, workers: int) -> tuple[float | None, float]:
-        """Return the seconds that the next failure gets, and when it must be proved.
+        """Return the seconds for the next failure, and when it must be proved.
 
         The second is a time by :func:`fuzz.campaign.deadline.now`.
 
         Args:
-            failures: How many are to be shrunk, this one included.
-            workers: Who do it.
+            failures: Number of failures to shrink, including this one.
+            workers: Number of workers.
         """
         if self._seconds is None:
             return None, math.inf
@@ -126,7 +137,7 @@ class Schedule:
 
     @contextlib.contextmanager
     def doing(self, units: int, shrinks: int) -> Iterator[None]:
-        """Count the time inside for what is under way."""
+        """Count the time spent inside towards work in progress."""
         begin = time.monotonic()
         try:
             yield
@@ -155,7 +166,7 @@ class Schedule:
         return _SEARCH if urgent else _SEARCH_ON
 
     def _left(self, share: float = 1.0) -> float:
-        """Return seconds until this share of the time is over; all of it before it began."""
+        """Return the seconds until this share of the time is over, counted from now."""
         if self._seconds is None:
             return math.inf
         ours = max(self.start_up - self._own, 0.0)

@@ -1,4 +1,4 @@
-"""A campaign at a terminal: progress on stderr, failures into a folder, a summary at the end."""
+"""Run a campaign at a terminal: progress on stderr, failures in a folder, a summary at the end."""
 
 from __future__ import annotations
 
@@ -48,23 +48,26 @@ from worldgen.support.progress import working
 
 __all__ = ["CampaignSession", "configure"]
 
-_SUMMARY_EVERY = 1.0  # s, at least, between two summaries while the search goes on
-_TO_DRAW = 2.0  # s for the runs of all pictures together
+# Least seconds between two summaries while the search continues.
+_SUMMARY_EVERY = 1.0
+# Seconds for the runs of all pictures together.
+_TO_DRAW = 2.0
 _VARY = "--vary"
-_NO_FAILURE = (Verdict.REACHED, "sealed")  # verdicts at first look
+# Verdicts in screening.
+_NO_FAILURE = (Verdict.REACHED, "sealed")
 
 
 def configure(options: CampaignOptions, seed: int, seconds: float | None = None) -> CampaignConfig:
     """Check a campaign's parts before any work begins.
 
     Args:
-        options: What was said.
-        seed: Of the whole campaign.
-        seconds: The most that trying the controller may take; None for any time.
+        options: Options as given.
+        seed: Seed of the whole campaign.
+        seconds: Most seconds for trying out the controller; None for any time.
 
     Raises:
-        InvalidParameter: If a name is unknown, or controller and motion model do not fit.
-        InvalidWorld: If the map leaves no room.
+        InvalidParameter: If a name is unknown, or controller and motion model do not fit together.
+        InvalidWorld: If the map has no room.
     """
     usual = RunOptions.time_step
     fixed_map = None if options.world is None else read_world(options.world)
@@ -107,13 +110,13 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
 
 
 def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedOracle]) -> None:
-    """One short run in an empty arena, judged by each oracle.
+    """Do one short run in an empty arena, judged by each oracle.
 
-    So that a name or a compile error shows at once.
+    It reveals a wrong name or a compile error immediately.
     """
     scenario = config.scenario
     outcome = try_out(scenario, seconds)
-    # So would every run, each for the whole start-up deadline.
+    # Every other run would fail too, after the whole start-up deadline.
     if outcome.fault is not None and outcome.verdict == Verdict.HANG and outcome.steps == 1:
         raise InvalidParameter(
             "no-first-answer",
@@ -136,12 +139,12 @@ class CampaignSession:
         executor: Who does the work.
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
-        baseline: Failures whose classes are known: they are counted only; none if left out.
-        count_hazards: Whether a robot burned by what its controller cannot sense makes the exit
-            code 1, too.
+        baseline: Failures whose classes are known, which are only counted; none if omitted.
+        count_hazards: Whether a robot burned by something its controller cannot sense also makes
+            the exit code 1.
         began: When the command began, by ``time.monotonic``.
-        lasts: Whether the folder is still there after the command, so that a message can name it.
-        own: Seconds since then that the controller's own code took.
+        lasts: Whether the folder still exists after the command, so that a message can name it.
+        own: Seconds since then spent in the controller's own code.
     """
 
     def __init__(
@@ -183,7 +186,8 @@ class CampaignSession:
         self._status = "running"
         self._goes_on = (
             campaign_run.done > 0
-        )  # until all that was done before has been gone through
+            # Until all earlier results have been processed.
+        )
         self._summarised = time.monotonic()
 
     def run(self) -> int:
@@ -223,7 +227,8 @@ class CampaignSession:
             ) from error
         end = (
             time.monotonic() + _TO_DRAW
-        )  # a run of a slow controller may take longer than the budget
+            # A run of a slow controller may take longer than the budget.
+        )
         with stopping_when(lambda: time.monotonic() > end):
             self._report()
             if self._outputs:
@@ -247,7 +252,7 @@ class CampaignSession:
         return f"worldgen fuzz --resume {shlex.quote(str(self._out))} goes on"
 
     def _failing(self) -> dict[str, Failure]:
-        """By class, what makes the exit code 1."""
+        """Return the classes, with counts, that make the exit code 1."""
         best = self._campaign.state.best
         return (
             best
@@ -256,14 +261,14 @@ class CampaignSession:
         )
 
     def _hazards(self) -> dict[str, Failure]:
-        """By class, what burned the robot though its controller could not have known better."""
+        """Return the classes, with counts, in which the controller could not have avoided the fire."""
         failing = self._failing()
         return {kind: one for kind, one in self._campaign.state.best.items() if kind not in failing}
 
     def _nothing_ran(self) -> InvalidParameter | None:
         """Return an error if no world could be run.
 
-        A build must not take that for a controller without failures.
+        A build must not mistake that for a controller without failures.
         """
         state = self._campaign.state
         strategies = self._campaign.state.memory.strategies.keys()
@@ -286,7 +291,7 @@ class CampaignSession:
         )
 
     def _search_and_say_how_it_ended(self) -> bool:
-        """Search; the folder says how that ended before other processes may have it.
+        """Search, and record how it ended before other processes may use the folder.
 
         Return whether Ctrl-C came.
         """
@@ -294,7 +299,8 @@ class CampaignSession:
         try:
             stopped = self._search()
         except WorldgenError:
-            with contextlib.suppress(OutputError):  # a full disk may be why
+            # A full disk may be the reason.
+            with contextlib.suppress(OutputError):
                 self._keep_status("failed")
             raise
         idle = None if stopped else self._nothing_ran()
@@ -307,7 +313,8 @@ class CampaignSession:
         self._status = status
         if (
             self._goes_on
-        ):  # what earlier runs did is not gone through, so the numbers of their summary stay
+            # Earlier results are not all processed, so the numbers of their summary are kept.
+        ):
             self._store.save_status(status)
         else:
             self._store.save_summary(self._summary())
@@ -351,7 +358,7 @@ class CampaignSession:
     def _say_late(self, late: int) -> None:
         """Say how many classes were not shrunk, and what shrinks them.
 
-        Nothing does where time was not the reason.
+        Nothing is printed if time was not the reason.
         """
         state = self._campaign.state
         are = (
@@ -368,7 +375,7 @@ class CampaignSession:
         )
 
     def _so_far(self) -> str:
-        """Return the campaign in half a line."""
+        """Describe the campaign in half a line."""
         if not self._campaign.is_ready:
             return "loading the simulator in each process"
         state = self._campaign.state
@@ -393,11 +400,12 @@ class CampaignSession:
             self._save(at_least_after=_SUMMARY_EVERY)
 
     def _save(self, at_least_after: float = 0.0) -> None:
-        """Write the failures that are new, and from time to time what reports read."""
+        """Write the new failures, and from time to time the file that reports read."""
         for kind in sorted(self._unsaved):
             data = self._campaign.state.best[kind].dumps()
             path = self._path(kind)
-            if not path.is_file() or path.read_bytes() != data:  # when it was first seen stays
+            # The date of its first occurrence is kept.
+            if not path.is_file() or path.read_bytes() != data:
                 self._store.write_failure(path.name, data)
         self._unsaved.clear()
         if time.monotonic() - self._summarised >= at_least_after:
@@ -405,9 +413,9 @@ class CampaignSession:
             self._summarised = time.monotonic()
 
     def _save_pending(self) -> dict[str, Failure]:
-        """Return what was proved but not shrunk yet is kept as it is.
+        """Return failures that are proved but not yet shrunk, which are kept as found.
 
-        Nothing where not even the earlier is gone through.
+        There are none if earlier results are not all processed.
         """
         if self._goes_on:
             return {}
@@ -415,7 +423,8 @@ class CampaignSession:
         self._campaign.state.best |= pending
         self._unsaved |= (
             self._campaign.state.best.keys()
-        )  # also what came in when no event could say so any more
+            # This includes results that arrived after the last event.
+        )
         self._save()
         return pending
 
@@ -479,7 +488,7 @@ class CampaignSession:
             click.echo(f"no {what} of {who} found{beside}")
 
     def _as_report(self) -> Report:
-        """Return the campaign for the programs that run tests for a team."""
+        """Return the campaign in the form of the reports for CI services."""
         state = self._campaign.state
         scenario = self._config.scenario
         best = sorted(state.best.items())

@@ -1,4 +1,4 @@
-"""A campaign in numbers: what reports and ``--json`` say of it."""
+"""Summarise a campaign in numbers, for reports and ``--json``."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ __all__ = [
 
 
 def summary_of(config: CampaignConfig, state: CampaignState, status: str, folder: Path) -> Summary:
-    """Return the summary of a campaign as it stands.
+    """Return the summary of a campaign's current state.
 
     Args:
-        config: What it looks for.
-        state: What it did until now.
-        status: One of those that a summary has.
-        folder: Where its failures are.
+        config: Definition of the campaign.
+        state: Its state.
+        status: One of the statuses of a summary.
+        folder: Folder of its failures.
     """
     strategies = [
         StrategyTotals(
@@ -87,7 +87,7 @@ def _archive_of(state: CampaignState) -> Archive | None:
 
 
 def describe_strategies(state: CampaignState) -> str:
-    """Return a table of the strategies: what each had and what it brought."""
+    """Return a table of the strategies, with their shares and yields."""
     rows = [["strategy", "units", "worlds", "steps", "failures", "new classes"]]
     for name, strategy in sorted(state.memory.strategies.items()):
         rows.append(
@@ -109,9 +109,9 @@ def describe_strategies(state: CampaignState) -> str:
 
 
 def describe_units(state: CampaignState) -> str:
-    """Return the units by what became of them.
+    """Describe the units by result.
 
-    ``9 units and 2 cut short and 1 that learned too little from those``.
+    For example ``9 units and 2 cut short and 1 that learned too little from those``.
     """
     words = counted(state.units, "unit")
     cut = state.cut - state.too_early
@@ -123,10 +123,10 @@ def describe_units(state: CampaignState) -> str:
 
 
 def controller_share(config: CampaignConfig, state: CampaignState) -> float | None:
-    """Return the share of this run's work that was the controller's own code.
+    """Return the share of this run's work spent in the controller's own code.
 
-    ``None`` for a compiled controller, which is a part of the kernels, and for a run that had
-    nothing to do.
+    It is ``None`` for a compiled controller, which runs inside the kernels, and for a run without
+    work.
     """
     if (
         isinstance(CONTROLLERS.get(config.scenario.controller), CompiledController)
@@ -139,8 +139,7 @@ def controller_share(config: CampaignConfig, state: CampaignState) -> float | No
 def describe_time(state: CampaignState) -> str:
     """Describe how long this run took: ``30.0 s: start-up 2.0 s, search 21.9 s, shrinking 6.1 s``.
 
-    A run that had nothing left to do reports the time of all runs before it, whose parts are
-    unknown.
+    A run without work reports the total time of earlier runs, whose parts are unknown.
     """
     whole = sum(state.times.values())
     if not whole:

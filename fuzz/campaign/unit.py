@@ -1,6 +1,6 @@
-"""Units of a campaign: pure functions of (configuration, unit number, memory).
+"""Units of a campaign: pure functions of (configuration, unit number, search state).
 
-So any worker may do any of them.
+Any worker may do any of them.
 """
 
 from __future__ import annotations
@@ -27,19 +27,20 @@ def run_unit(
 ) -> UnitResult:
     """Do one unit: draw, run, prove, classify.
 
-    Without a deadline it depends on nothing but its arguments.
+    Without a deadline the result depends only on the arguments.
 
     Args:
-        config: What to look for.
-        unit: Its number.
-        memory: What the units up to the epoch before the last one found; nothing if omitted.
-        deadline: When it ends with what it has until then, as ``cut`` in the result says.
+        config: Definition of the campaign.
+        unit: Number of the unit.
+        memory: Findings of the units up to the epoch before the last; none if omitted.
+        deadline: When to end with the results so far; the result then has ``cut`` set.
     """
     began = Effort.so_far()
     known = SearchState() if memory is None else memory
     name = planned_strategy(config, unit, known)
     result = UnitResult(strategy=name)
-    renew()  # what a shared library has kept from other units counts for nothing in this one
+    # State that a shared library has kept from other units does not count here.
+    renew()
     try:
         with stopping_when(deadline.to_begin_is_over):
             check_time()

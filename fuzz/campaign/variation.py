@@ -1,4 +1,4 @@
-"""Quantities that a campaign varies next to the world: ``--vary sensor_noise=0,0.05,0.2``."""
+"""Quantities that a campaign varies in addition to the world: ``--vary sensor_noise=0,0.05,0.2``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from worldgen.world import Provenance, Value, World
 
 __all__ = ["Variation", "applied", "map_provenance"]
 
-_OF_THE_ROBOT = {"robot_radius": "m", "robot_speed": "m/s"}  # fields of a world
+# Fields of a world.
+_OF_THE_ROBOT = {"robot_radius": "m", "robot_speed": "m/s"}
 _OPTION = "--vary"
 _EXAMPLE = "write NAME=VALUE,VALUE,..., such as sensor_noise=0,0.05"
 
@@ -25,7 +26,7 @@ class Variation:
     Args:
         name: ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s), or an option of the
             motion model.
-        values: The simplest first.
+        values: Values, the simplest first.
     """
 
     name: str
@@ -36,11 +37,11 @@ class Variation:
         """Read ``NAME=VALUE,VALUE,...``.
 
         Args:
-            text: As the command line takes it.
-            scenario: Its motion model decides which options there are.
+            text: Text from the command line.
+            scenario: Scenario whose motion model decides which options exist.
 
         Raises:
-            InvalidParameter: If the name is unknown, a value is none for it, or out of range.
+            InvalidParameter: If the name is unknown, or a value is invalid or out of range.
         """
         name, equals, said = text.partition("=")
         name = name.strip().replace("-", "_")
@@ -81,9 +82,9 @@ def applied(
     """Return the world and the scenario with these values.
 
     Args:
-        values: By name, one of each :class:`Variation`.
-        world: Loses its certificate if its robot becomes another.
-        scenario: What runs in it.
+        values: One value for each :class:`Variation`, by name.
+        world: The world; it loses its certificate if its robot changes.
+        scenario: The scenario to run in it.
 
     Raises:
         InvalidWorld: If the robot does not fit the world.
@@ -100,10 +101,10 @@ def applied(
 
 
 def map_provenance(world: World) -> Provenance | None:
-    """Return how the cells came here if they are a foreign map's.
+    """Return the provenance of the cells if they are a foreign map's.
 
-    True of them whichever robot drives there, and from where. It has the map's origin, so that a
-    failure can go back to where the map is used. A family's says the whole world.
+    It is true for any robot and any start. It includes the map's origin, so that a failure can be
+    located on the original map. A family's provenance describes the whole world.
     """
     made = world.provenance
     return made if made is not None and made.family == "import" else None

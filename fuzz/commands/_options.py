@@ -1,4 +1,4 @@
-"""Options that several of the fuzzer's commands take."""
+"""Options shared by several of the fuzzer's commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``worldgen boundary``: where, along one number of a scenario, a controller begins to fail."""
+"""``worldgen boundary``: the value of one number at which a controller begins to fail."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ EXAMPLES = (
     "  worldgen boundary failures/loop.grid --axis speed --json\n"
     "  worldgen boundary trap.grid --controller bug2 --axis depth"
 )
-_POINTS = 65  # of a scan
-_FACTOR = 2  # by which it goes up and down from the own value
+# Number of values in a scan.
+_POINTS = 65
+# Factor above and below the scenario's own value.
+_FACTOR = 2
 
 
 @click.command(epilog=EXAMPLES)

@@ -1,4 +1,4 @@
-"""``worldgen chance``: what becomes of a random controller, whatever it draws."""
+"""``worldgen chance``: what a random controller can do, whatever it draws."""
 
 from __future__ import annotations
 

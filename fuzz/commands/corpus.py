@@ -1,4 +1,4 @@
-"""``worldgen corpus``: folders and archives of failures, looked at and kept small."""
+"""``worldgen corpus``: inspect folders and archives of failures, and keep them small."""
 
 from __future__ import annotations
 

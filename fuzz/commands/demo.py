@@ -1,4 +1,4 @@
-"""``worldgen demo``: the whole chain on one screen, with the commands that do it step by step."""
+"""``worldgen demo``: the whole workflow on one screen, with the commands for each step."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from worldgen.cli.output import emit_json, force_option, json_option, note
 __all__ = ["demo"]
 
 _SEED = 7
-# some ten seconds, all of it shrunk
+# Some ten seconds, everything shrunk.
 _UNITS = 3
 _EXAMPLES = 200
 

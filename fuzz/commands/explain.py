@@ -1,4 +1,4 @@
-"""``worldgen explain``: the least changes after which the robot of a failure arrives."""
+"""``worldgen explain``: the smallest changes after which the robot of a failure arrives."""
 
 from __future__ import annotations
 

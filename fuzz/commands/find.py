@@ -197,7 +197,7 @@ def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
 
 
 def _parameters(families: tuple[str, ...], settings: tuple[str, ...]) -> dict[str, Value]:
-    """Return what ``--set`` fixes, with the types that the families declare."""
+    """Return the parameters that ``--set`` fixes, with the types that the families declare."""
     from worldgen.errors import InvalidParameter
     from worldgen.family import FAMILIES
     from worldgen.parameters import parse_options
@@ -237,7 +237,7 @@ def _pose(text: str) -> Pose:
 
 
 def _try_out(config: FindConfig) -> None:
-    """A drawn world and one short run, so that what does not fit shows before the search."""
+    """Try a drawn world and one short run, so that mismatches show before the search."""
     import numpy as np
 
     from fuzz.find import draw

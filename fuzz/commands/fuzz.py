@@ -38,7 +38,7 @@ EXAMPLES = (
 
 _DECLARED = CampaignOptions.declared()
 _BEGUN = {option.name for option in _DECLARED} | {"out", "seed"}
-"""Parameters that say what a campaign is, not how far it goes."""
+"""Parameters that define a campaign rather than its extent."""
 
 
 @click.command(epilog=EXAMPLES)

@@ -75,7 +75,7 @@ def init(
 
     project = Project(folder, controller, motion, families, units, ci or _service_of(folder))
     project.check(force=force)
-    # The controller is named as seen from the project, whose folder CI starts in.
+    # The controller's path is relative to the project, whose folder CI starts in.
     with contextlib.chdir(folder), tempfile.TemporaryDirectory() as scratch:
         config = configure(
             CampaignOptions(controller=controller, motion=motion, families=families), SEED
@@ -114,7 +114,7 @@ def _service_of(folder: Path) -> str:
 
 
 def _report(project: Project, failures: int, written: list[Path]) -> None:
-    """Say what was written, and what is left for the user to do."""
+    """Print what was written, and what is left for the user to do."""
     from fuzz.ci.project import FIXED, KNOWN
     from worldgen.support.plain_text import counted
 

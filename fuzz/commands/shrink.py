@@ -1,4 +1,4 @@
-"""``worldgen shrink``: a failure's world, as small as it can be."""
+"""``worldgen shrink``: make a failure's world as small as possible."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["shrink"]
 
 
 def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) -> None:
-    """Print what gets simpler, and how, and ends."""
+    """Print what gets simpler, and how, and exit."""
     from fuzz.shrink import ORDER, PASSES
 
     if not wanted or context.resilient_parsing:
@@ -117,7 +117,7 @@ def shrink(
 
 
 def _watched(failure: Failure, seconds: float | None, keep: str) -> Shrunk:
-    """Shrink, and say how far that is."""
+    """Shrink, and report progress."""
     from fuzz.shrink import shrink as shrink_failure
 
     with working("shrinking") as work:

@@ -103,6 +103,8 @@ def studio(
     folder, file = (path, None) if path.is_dir() else (path.parent, path.name)
     shared = Folder(folder)
     note(
-        f"studio of {shared.root}: open {gate.address}", always=True
-    )  # without it nobody finds the page
+        f"studio of {shared.root}: open {gate.address}",
+        always=True,
+        # Without the address nobody finds the page.
+    )
     serve(Studio(shared, gate, controllers, file), listener, browse=browser, said=note)

@@ -1,9 +1,9 @@
 """Find a world in which given controllers have given outcomes, or nearly so.
 
 Contents:
-    parse_targets, Wish: what is wanted.
-    FindConfig, Find, Found: the search, unit by unit, and what it came to.
-    draw: a world that it might look at first, to see whether there is one.
+    parse_targets, Wish: the targets.
+    FindConfig, Find, Found: the search, unit by unit, and its result.
+    draw: a world that the search might try first, to check that there is one.
 """
 
 from fuzz.find.search import FindConfig, NearestWorld, OutcomeSearch, draw

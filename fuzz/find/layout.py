@@ -19,8 +19,10 @@ Box = tuple[int, int, int, int]
 Walls = npt.NDArray[np.bool_]
 
 _MOST_BOXES = 12
-_LONGEST = 12  # cells of a box that an edit adds
-_FAR = 3  # cells that an edit moves or stretches by, at most
+# Sides, cells, of a box that an edit adds.
+_LONGEST = 12
+# Most cells that an edit moves or stretches by.
+_FAR = 3
 
 
 @dataclass(frozen=True)
@@ -28,14 +30,14 @@ class Layout:
     """Boxes [x0, x1) x [y0, y1) of solid cells in an otherwise empty world.
 
     Args:
-        empty: The world without what the boxes cover; its border stays as it is.
-        boxes: The boxes; with ``mirror`` those of one half.
+        empty: The world without the boxes; its border stays unchanged.
+        boxes: The boxes; with ``mirror``, those of one half.
         mirror: Whether every box also stands mirrored along the diagonal from the upper left to the
             lower right.
         fixed_target: Whether the target stays where it is.
-        leash: Cells that a box's side, or the target, may go from where it was in ``home``; then no
-            box comes or goes. -1 for no such limit.
-        home: The layout's beginning, for the leash.
+        leash: Cells that a box's side, or the target, may move from its place in ``home``; boxes
+            are then neither added nor removed. -1 for no limit.
+        home: The initial layout, for the leash.
     """
 
     empty: World
@@ -74,7 +76,7 @@ class Layout:
         return home if leash < 0 else replace(home, leash=leash, home=home)
 
     def world(self) -> World:
-        """Return the world that the layout stands for."""
+        """Return the world that the layout describes."""
         walls = self.empty.walls.copy()
         for x0, y0, x1, y1 in self.drawn():
             walls[y0:y1, x0:x1] = True
@@ -87,7 +89,7 @@ class Layout:
         return (*self.boxes, *(_mirrored(box, self.empty.width) for box in self.boxes))
 
     def edited(self, rng: RandomStream) -> Layout | None:
-        """Return the layout after one random edit; ``None`` if that edit cannot be made."""
+        """Return the layout after one random edit; ``None`` if that edit is impossible."""
         kind = rng.below(16)
         if kind == 0:
             return self._with_target(rng)
@@ -111,7 +113,7 @@ class Layout:
         return self._kept((*self.boxes[:index], box, *self.boxes[index + 1 :]))
 
     def simpler(self) -> list[Layout]:
-        """Return layouts with one box less, or one row of one box less, the largest step first."""
+        """Yield layouts with one box fewer, or one row of one box fewer, the largest step first."""
         found = []
         if self.home is None:
             found = [
@@ -203,11 +205,10 @@ def _mirrored(box: Box, side: int) -> Box:
 
 
 def _half(walls: Walls) -> list[Box]:
-    """Return boxes that with their mirror images are all of a symmetric world's solid cells.
+    """Return boxes that, with their mirror images, make up a symmetric world's solid cells.
 
-    Boxes on the diagonal stay whole. The box of a cell's mirror image may be another than the box's
-    mirror image, so that both are left out; the cells that are missing then come in boxes of their
-    own.
+    Boxes on the diagonal stay whole. The box of a cell's mirror image may differ from the box's
+    mirror image, so that both are left out; the missing cells then form boxes of their own.
     """
     side = len(walls)
     boxes = [box for box in _boxes(walls) if box <= _mirrored(box, side)]
@@ -221,7 +222,7 @@ def _half(walls: Walls) -> list[Box]:
 def _boxes(walls: Walls) -> list[Box]:
     """Return solid cells as boxes that do not overlap.
 
-    From the lowest left cell on, as wide and then as high as it goes.
+    Each starts at the lowest left cell and extends as wide, then as high, as possible.
     """
     left = walls.copy()
     boxes = []

@@ -1,6 +1,6 @@
-"""The search: sample many layouts, climb from the best by small edits, prove what is kept.
+"""The search: sample many layouts, climb from the best by small edits, and prove what is kept.
 
-Prints nothing.
+It prints nothing.
 """
 
 from __future__ import annotations
@@ -26,29 +26,32 @@ from worldgen.world import Certificate, Pose, Provenance, Value, World
 
 __all__ = ["VERSION", "FindConfig", "NearestWorld", "OutcomeSearch", "draw"]
 
-VERSION = 1  # goes up whenever equal seeds find another world than before
+# Raise this whenever equal seeds find another world than before.
+VERSION = 1
 
-_SAMPLES = 200  # layouts drawn in a unit before it climbs
-_CLIMBS = 1500  # edits tried in a unit
-_MEMORY = 40  # steps back that an edit may be compared with, instead of with the last
+# Layouts drawn in a unit before it climbs.
+_SAMPLES = 200
+# Edits tried in a unit.
+_CLIMBS = 1500
+# Number of steps back that an edit may be compared with, instead of with the last.
+_MEMORY = 40
 
 
 @dataclass(frozen=True)
 class FindConfig:
-    """What is looked for, and where.
+    """The goal of a search, and its space.
 
     Args:
         wishes: An outcome for each of some controllers.
-        seed: Of all chance.
-        families: Families to draw from; none stands for feature layouts.
-        params: Parameters of the family that are fixed.
-        begin: A world to begin from, instead.
-        start: A start pose that every world gets.
-        mirror: Whether worlds are symmetric about the diagonal through the upper left.
-        fixed_target: Whether edits leave the target where it is.
-        leash: Cells that edits may move a wall's side, or the target, from where they were; -1 for
-            any.
-        edit: Whether sampled worlds are edited at all.
+        seed: Seed of the search.
+        families: Families to draw from; none means feature layouts.
+        params: Fixed parameters of the family.
+        begin: A world to begin from instead.
+        start: Start pose of every world.
+        mirror: Whether worlds are symmetric across the diagonal through the upper left.
+        fixed_target: Whether edits leave the target in place.
+        leash: Cells that edits may move a wall's side, or the target, from its place; -1 for any.
+        edit: Whether to edit sampled worlds at all.
     """
 
     wishes: tuple[OutcomeTarget, ...]
@@ -68,8 +71,8 @@ class NearestWorld:
     """A world and how near it comes.
 
     Args:
-        world: With a witness, and how it was made.
-        results: One for each wish.
+        world: The world, with a witness and its provenance.
+        results: One result for each wish.
         unit: Number of the unit that found it.
     """
 
@@ -83,7 +86,7 @@ class NearestWorld:
         return _distance(self.results)
 
     def rank(self) -> tuple[float, int]:
-        """Return the smaller the better: near first, then few solid cells."""
+        """Return a sort key: nearest first, then fewest solid cells."""
         return self.distance, self.world.solid_cells
 
 
@@ -93,12 +96,12 @@ def _distance(results: tuple[Result, ...]) -> float:
 
 @dataclass(frozen=True)
 class _UnitResult:
-    """What a unit hands in.
+    """The result of a unit.
 
     Args:
         nearest: Its best world, if any was proved.
         tried: Worlds tried.
-        interrupted: Whether Ctrl-C broke into the unit; the search must not go on.
+        interrupted: Whether Ctrl-C interrupted the unit; the search must then end.
     """
 
     nearest: NearestWorld | None
@@ -116,7 +119,7 @@ class _Candidate:
     certificate: Certificate | None = None
 
     def rank(self) -> tuple[float, int]:
-        """As :meth:`Found.rank`."""
+        """Return the same key as :meth:`Found.rank`."""
         return self.distance, self.world.solid_cells
 
 
@@ -125,13 +128,13 @@ def _never() -> bool:
 
 
 class _Unit:
-    """One unit's work: counts the worlds it tries, keeps its best proved candidate.
+    """One unit's work: counts the worlds it tries, and keeps its best proved candidate.
 
     Args:
-        config: What is looked for.
-        number: Decides all chance, together with the seed.
-        stopped: Asked before each world; once it says so, the unit ends with what it has, at least
-            one world.
+        config: The goal.
+        number: Number of the unit, which together with the seed determines all randomness.
+        stopped: Called before each world; once it returns True, the unit ends with what it has, at
+            least one world.
     """
 
     def __init__(
@@ -180,10 +183,10 @@ class _Unit:
         return self.best is not None and (self.best.distance == 0.0 or self._stopped())
 
     def run(self) -> _UnitResult:
-        """Return sample, climb, simplify.
+        """Sample, climb and simplify.
 
-        A run of a slow controller that is under way when the time is over is given up. So is one
-        that Ctrl-C interrupts because it did not end in time: the best until then is kept.
+        A slow controller's run in progress is abandoned when the time is over. So is a run that
+        Ctrl-C interrupts because it did not end in time; the best result until then is kept.
         """
         interrupted = False
         try:
@@ -207,7 +210,7 @@ class _Unit:
             self._simplify()
 
     def _climb(self, first: _Candidate) -> None:
-        """Late acceptance: an edit is taken if it is no worse than what was held some steps ago.
+        """Climb by late acceptance: take an edit if it is no worse than the layout some steps ago.
 
         Source: Edmund Burke and Yuri Bykov, "The late acceptance hill-climbing heuristic", EJOR
             2017.
@@ -231,7 +234,7 @@ class _Unit:
             past[step % _MEMORY] = held.distance
 
     def _simplify(self) -> None:
-        """Take away what the outcome does not need."""
+        """Remove what the outcome does not need."""
         before = None
         while self.best is not None and self.best.distance == 0.0 and self.best is not before:
             before = self.best
@@ -248,7 +251,7 @@ class _Unit:
                         break
 
     def found(self) -> NearestWorld | None:
-        """Return the best until now."""
+        """Return the best result so far."""
         best = self.best
         if best is None:
             return None
@@ -275,7 +278,7 @@ class _Unit:
 
 
 def _sample(config: FindConfig, rng: RandomStream) -> _Candidate | None:
-    """Return a layout to look at, or ``None`` where the draw comes to none."""
+    """Return a layout to try, or ``None`` if the draw fails."""
     try:
         return _drawn(config, rng)
     except (InvalidWorld, InvalidParameter):
@@ -283,11 +286,10 @@ def _sample(config: FindConfig, rng: RandomStream) -> _Candidate | None:
 
 
 def draw(config: FindConfig) -> World:
-    """Return a world that the search might look at first.
+    """Return a world that the search might try first.
 
     Raises:
-        InvalidWorld, InvalidParameter: If as many draws as a unit makes come to none; that of the
-            last.
+        InvalidWorld, InvalidParameter: If all draws of a unit fail; it is the last draw's error.
     """
     rng = RandomStream(config.seed).child("draw", 0)
     for _ in range(_SAMPLES - 1):
@@ -319,7 +321,7 @@ def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
 
 
 def _of_family(name: str, fixed: dict[str, Value], rng: RandomStream) -> tuple[World, Provenance]:
-    """Return a world of a family as ``worldgen FAMILY --seed`` makes it, not proved yet."""
+    """Return a world of a family as ``worldgen FAMILY --seed`` makes it, not yet proved."""
     family = FAMILIES.get(name)
     own = {parameter.name for parameter in family.parameters}
     params: dict[str, Value] = {
@@ -340,10 +342,10 @@ class OutcomeSearch:
     """A search over units.
 
     Args:
-        config: What is looked for.
-        units: Amount of work; the result then depends on the seed alone.
-        seconds: End after this time; ignored if ``units`` is given.
-        workers: Processes; 1 works in this one.
+        config: The goal.
+        units: Amount of work; with it, the result depends only on the seed.
+        seconds: Time limit; ignored if ``units`` is given.
+        workers: Number of processes; 1 means this process.
 
     Iterating over :meth:`run` does the work and yields each better world; ``best`` keeps the last
     of them.
@@ -369,7 +371,8 @@ class OutcomeSearch:
         """Search until a world has every outcome exactly, or the budget is spent.
 
         Raises:
-            KeyboardInterrupt: After Ctrl-C, when ``best`` holds what the units under way had found.
+            KeyboardInterrupt: After Ctrl-C, when ``best`` holds what the units in progress had
+                found.
             WorkersLost: If a worker process died.
         """
         deadline = Deadline(begin=now() + self._seconds)
@@ -401,7 +404,7 @@ class OutcomeSearch:
                         list(self._take(unit))
                 raise
             finally:
-                # Nobody waits for units whose world is not needed any more.
+                # Units whose world is no longer needed are not awaited.
                 executor.stop()
 
     def _take(self, unit: Future[_UnitResult]) -> Iterator[NearestWorld]:

@@ -1,6 +1,6 @@
-"""What somebody wants of a world.
+"""Targets for a world: outcomes of controllers.
 
-For each of some controllers an outcome, and how far a run is from it.
+Each controller has an outcome; a run's distance from it can be measured.
 """
 
 from __future__ import annotations
@@ -22,15 +22,21 @@ from worldgen.world import World
 
 __all__ = ["SEEDS", "OutcomeTarget", "Result", "parse_targets"]
 
-SEEDS = 20  # runs of a controller with chance
-_SHARE = 0.05  # of the seeds that may do otherwise: one of twenty
-_OTHERWISE = 2.0  # distance of a run that ends in another way altogether
+# Runs of a controller with chance.
+SEEDS = 20
+# Seeds that may do otherwise: one in twenty.
+_SHARE = 0.05
+# Distance of a run that ends in a completely different way.
+_OTHERWISE = 2.0
 _BROKEN = (
-    3.0  # distance of a run that breaks through a wall, burns or crashes, where that is not wanted
+    # Distance of an unwanted run that breaks through a wall, burns or crashes.
+    3.0
 )
 _UNTIMED_STEPS = 20_000
-_TIMED_STEPS = 1_000  # at least, where a latest arrival is wanted
-_LATE = 3  # times the steps that are wanted: so long a run may take
+# Least budget if a latest arrival is wanted.
+_TIMED_STEPS = 1_000
+# A run may take this many times the wanted steps.
+_LATE = 3
 
 _GROUPS = {
     "never": NEVER,
@@ -46,15 +52,15 @@ _RANGE = re.compile(
 
 @dataclass(frozen=True)
 class Result:
-    """How a controller did: in one run, or over the seeds of one with chance.
+    """The result of a controller: of one run, or over the seeds of one with chance.
 
     Args:
-        verdict: The run's; of several runs the most frequent.
-        steps: Until the run's end, of a ``loop`` its period; over seeds the median until the
-            target, ``inf`` where most do not arrive.
-        share: Of the runs that arrived.
-        distance: From what was wanted, 0 if it is that.
-        seeds: How many runs it tells of.
+        verdict: Verdict of the run; of several runs, the most frequent.
+        steps: Steps until the run's end, or the period of a ``loop``; over seeds, the median until
+            the target, ``inf`` if most do not arrive.
+        share: Share of runs that arrived.
+        distance: Distance from the target; 0 if it is met.
+        seeds: Number of runs.
     """
 
     verdict: str
@@ -67,19 +73,21 @@ class Result:
 @dataclass(frozen=True)
 class _Run:
     verdict: str
-    steps: int  # of a loop its period
+    # The period of a loop.
+    steps: int
     distance: float
-    chance: bool  # whether another seed may do otherwise
+    # Whether another seed may do otherwise.
+    chance: bool
 
 
 @dataclass(frozen=True)
 class OutcomeTarget:
-    """One controller's outcome.
+    """The wanted outcome of one controller.
 
     Args:
         scenario: The controller and how it runs.
         text: The outcome as it was written.
-        verdicts: Verdicts that are meant.
+        verdicts: Accepted verdicts.
         low: Fewest steps (or shortest period), or ``None``.
         high: Most steps (or longest period), or ``None``.
     """
@@ -92,16 +100,16 @@ class OutcomeTarget:
 
     @property
     def says_chance(self) -> bool:
-        """Whether the controller, or the simulator under it, is known to draw random numbers."""
+        """True if the controller, or the simulator under it, is known to draw random numbers."""
         controller = CONTROLLERS.get(self.scenario.controller)
         chance = isinstance(controller, CompiledController) and controller.randomised
         return chance or is_noisy(controller, self.scenario.run)
 
     @property
     def cost(self) -> int:
-        """The larger the longer a look takes.
+        """A rank that is larger the longer a run takes.
 
-        One compiled run, many, or those of a controller in Python.
+        In order: one compiled run, many, those of a controller in Python.
         """
         if not isinstance(CONTROLLERS.get(self.scenario.controller), CompiledController):
             return 2
@@ -124,12 +132,12 @@ class OutcomeTarget:
     def look(self, world: World, *, prove: bool = False) -> Result:
         """Run the controller in a world.
 
-        One that draws random numbers there, with :data:`SEEDS` seeds.
+        A controller that draws random numbers there is run with :data:`SEEDS` seeds.
 
         Args:
-            world: Where.
+            world: The world.
             prove: Whether to prove a loop that the kernel claims. Only a controller that hides
-                memory can come out otherwise, but the proof records the run.
+                memory can disagree, but the proof records the run.
 
         Raises:
             InvalidWorld: If the robot cannot stand at the start.
@@ -139,7 +147,8 @@ class OutcomeTarget:
             return self._over_seeds(
                 [first, *(self._run(world, seed, prove) for seed in range(1, SEEDS))]
             )
-        if self.says_chance:  # but drew nothing, so that every seed does the same
+        # It drew nothing, so every seed does the same.
+        if self.says_chance:
             return self._over_seeds([first] * SEEDS)
         return Result(
             first.verdict, first.steps, float(first.verdict == Verdict.REACHED), first.distance
@@ -172,9 +181,10 @@ class OutcomeTarget:
         ) else episode.steps
 
     def _over_seeds(self, runs: list[_Run]) -> Result:
-        """Return the outcome of many runs.
+        """Return the combined outcome of many runs.
 
-        Nearly all as wanted and none through walls, or the median time as wanted.
+        It is met if nearly all runs are as wanted and none passes through walls, or the median time
+        is as wanted.
         """
         verdicts = [run.verdict for run in runs]
         verdict = max(Verdict, key=verdicts.count)
@@ -191,9 +201,9 @@ class OutcomeTarget:
         return Result(verdict, steps, share, distance, len(runs))
 
     def _distance(self, verdict: str, number: int, chance: bool) -> float:
-        """Of one run; where there is chance, no state need come back, and never means only.
+        """Return the distance of one run from the target.
 
-        Not in the budget.
+        With chance, no state needs to recur, so ``never`` only means not within the budget.
         """
         if verdict in self.verdicts or (
             chance and verdict == Verdict.TIMEOUT and self.verdicts == _GROUPS["never"]
@@ -201,7 +211,8 @@ class OutcomeTarget:
             return self._off(number)
         if verdict not in (Verdict.REACHED, *UNENDED):
             return _BROKEN
-        if verdict == Verdict.REACHED:  # the later the nearer to never
+        # The later it arrives, the nearer to never.
+        if verdict == Verdict.REACHED:
             return _OTHERWISE - min(number / self.steps, 1.0)
         return _OTHERWISE
 
@@ -220,15 +231,15 @@ def parse_targets(
     """Read ``CONTROLLER=OUTCOME, ...``.
 
     Args:
-        text: Each outcome a verdict, ``never`` (loop or stalled; with chance also timeout) or
-            ``fails`` (anything but reached); behind ``reached`` or ``loop`` an ``@`` and steps (of
-            a loop: its period): ``330``, ``300..400``, ``<400``, ``>400``; an ``s`` behind a number
-                makes it seconds.
-        motion: Motion model of controllers that do not name one.
-        time_step: s, likewise.
+        text: Each outcome is a verdict, ``never`` (loop or stalled; with chance also timeout) or
+            ``fails`` (anything but reached); after ``reached`` or ``loop`` may come an ``@`` and
+            steps (for a loop, its period): ``330``, ``300..400``, ``<400``, ``>400``; an ``s``
+            after a number means seconds.
+        motion: Motion model of controllers without one of their own.
+        time_step: Time step of such controllers, s.
 
     Raises:
-        InvalidParameter: If the text is no such list.
+        InvalidParameter: If the text isn't such a list.
     """
     parts = [part.strip() for part in text.split(",")]
     return tuple(_parse_wish(part, motion, time_step) for part in parts)

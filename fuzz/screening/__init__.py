@@ -1,8 +1,8 @@
 """Native search: the C core draws, simulates and judges thousands of worlds a second in one call.
 
 Contents:
-    evaluate: runs of a compiled controller in the worlds of many layouts.
-    Looks: what came of them.
+    evaluate: run a compiled controller in the worlds of many layouts.
+    Looks: the results.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Runs as the core takes them, made of arrays, and the seats in which robots run."""
+"""Runs in the form that the core takes, made of arrays, and the seats in which robots run."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _KINDS = {"int64_t": "<i8", "uint64_t": "<u8", "double": "<f8"}
 
 
 def _numbers_of(name: str) -> list[tuple[str, str, int]]:
-    """Return name, type and offset of the numbers of a struct, those of structs in it included."""
+    """Yield name, type and offset of a struct's numbers, including those of nested structs."""
     found = []
     for field_name, field in ffi.typeof(name).fields:
         if field.type.kind == "struct":
@@ -71,18 +71,18 @@ def _type_of(name: str) -> np.dtype[Any]:
 
 
 LOOK = _type_of("WgLook")
-"""What came of a run: the columns of ``WgReport`` and ``WgLook``."""
+"""The result of a run: the columns of ``WgReport`` and ``WgLook``."""
 
 REPORT_FIELDS = tuple(name for name, _, _ in _numbers_of("WgReport"))
 
 
 class Patience(NamedTuple):
-    """How long a run gets that has no budget of its own.
+    """The budget of a run that has none of its own.
 
     Args:
-        multiple: Of the time that the path takes at top speed.
-        fewest: Steps at least.
-        most: Steps at most.
+        multiple: Multiple of the time that the path takes at top speed.
+        fewest: Least number of steps.
+        most: Most steps.
         watched: Steps for which a run is watched after it has spent its budget.
     """
 
@@ -93,20 +93,20 @@ class Patience(NamedTuple):
 
 
 class Batch:
-    """Runs, and what came of them.
+    """Runs and their results.
 
     Args:
         layouts: (n, LAYOUT_BYTES or SCENE_BYTES).
         seeds: (n,) uint64.
-        kinds: (n,) which of the settings.
-        budgets: (n,) steps; 0 for some that the path to the target suggests.
-        settings: WgSettings of each time step, for any start.
-        radii: m, of a scene's robots.
+        kinds: (n,) index into the settings.
+        budgets: (n,) steps; 0 for a number derived from the path to the target.
+        settings: WgSettings for each time step, for any start.
+        radii: Radii of a scene's robots, m.
         patience: For runs without a budget.
-        memory: Where the core is to find all this, and to write what comes of it.
+        memory: Where the core finds the inputs and writes the results.
 
     Attributes:
-        deaths: Runs that ended the process in which they were made.
+        deaths: Runs that ended their process.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class Batch:
         for k, one in enumerate(settings):
             ffi.memmove(ffi.addressof(self._settings, k), one, ffi.sizeof("WgSettings"))
         discs, targets = _discs(radii)
-        # The core holds addresses, so what they point to is kept here.
+        # The core holds addresses, so the objects they point to are kept here.
         made = (layouts, seeds, kinds, budgets, np.array(radii), targets)
         self._arrays = (*(memory.own(array) for array in made), headings())
         self._discs = memory.new("WgDisc[]", discs, ffi)
@@ -164,7 +164,7 @@ class Batch:
 
     @property
     def at(self) -> int:
-        """The run that comes next, or that is under way."""
+        """The next run, or the one in progress."""
         return int(self.c.at)
 
     @at.setter
@@ -173,16 +173,17 @@ class Batch:
 
     @property
     def beams(self) -> int:
-        """Range beams of the robots."""
+        """Number of range beams of the robots."""
         return int(self._settings[0].beams)
 
     def results(self) -> Columns:
-        """Return what came of the runs, in memory of this process."""
+        """Return the results of the runs, in this process's memory."""
         if not self.memory.is_shared:
             return self.looks
         return (
             self.looks.view(np.uint8).copy().view(LOOK)
-        )  # also what lies between the columns, so that bytes compare
+            # This includes the padding between columns, so that bytes can be compared.
+        )
 
     def leave_out(self, runs: Any) -> None:
         """Mark runs as not run."""
@@ -195,10 +196,10 @@ class Seat:
 
     Args:
         batch: The runs.
-        memory: The controller's at reset; write into :attr:`memory` before a run begins to change
-            it.
-        driver: A controller that is a function of a core; without one the core stops wherever it is
-            to act.
+        memory: The controller's memory at reset; write into :attr:`memory` before a run begins to
+            change it.
+        driver: A controller that is a function of a core; without one the core stops whenever the
+            controller is to act.
         number: For the owner of many seats.
     """
 
@@ -226,7 +227,7 @@ class Seat:
         self._held = (batch, driver)
 
     def _place(self, batch: Batch, controller: Any) -> None:
-        """Make the seat where the process that runs its robot finds it."""
+        """Create the seat where the process that runs its robot can find it."""
         sizes = ffi.new("int64_t[3]")
         check(lib.wg_seat_sizes(batch.c, controller, sizes))
         seat, episode, log = sizes
@@ -241,7 +242,7 @@ class Seat:
 
     @property
     def episode(self) -> Any:
-        """Its episode, as :class:`sim.runners.core_calls.Workspace` takes it."""
+        """Its episode, in the form that :class:`sim.runners.core_calls.Workspace` takes."""
         return SimpleNamespace(c=self.c.episode, seat=self)
 
     def begin(self) -> None:

@@ -1,4 +1,4 @@
-"""First looks at many layouts: packs them for the core, runs it, reads the results back."""
+"""Screening runs of many layouts: pack them for the core, run it, read the results back."""
 
 from __future__ import annotations
 
@@ -43,35 +43,36 @@ Flags = npt.NDArray[np.bool_]
 
 _KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
 _FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
-_MOST_KEYS = 1 << 16  # more than the facts of a run without a crash can make
+# More than the key of a run without a crash can be.
+_MOST_KEYS = 1 << 16
 _PORTION = (
     1 << 20
-)  # steps of a compiled controller, about 0.1 s: between two portions Ctrl-C is heard
+    # Steps of a compiled controller, about 0.1 s; Ctrl-C is checked between two portions.
+)
 
-# Patience of first looks: as long as a witness's budget, so that who spends it has failed, but for
-# the longest ways.
+# Patience of screening runs: as long as a witness's budget, so that a run that spends it has
+# failed, except on the longest paths.
 _PATIENT = Patience(50, 4_000, 8_000, 600)
-# Where each step takes microseconds, runs that fail take most of the time: they are shorter, and
+# If each step takes microseconds, failing runs take most of the time, so they are shorter. They are
 # proved all the same.
 _BRISK = Patience(15, 800, 2_400, 150)
 
 
 @dataclass(frozen=True, eq=False)
 class Screening:
-    """First looks at many worlds; every array is of shape (n,).
+    """Screening runs in many worlds; every array is of shape (n,).
 
-    Where the flood found no way to the target nothing was simulated: ``ran`` is false there, and
-        the rest but for
-    ``layout`` means nothing.
+    If the flood found no path to the target, nothing was simulated: ``ran`` is False there, and
+        only ``layout`` has a meaning.
 
     Args:
         layouts: (n, LAYOUT_BYTES or SCENE_BYTES) uint8.
-        scenario: What ran; of each run :meth:`scenario_of` knows its seed and time step.
+        scenario: The scenario; :meth:`scenario_of` knows the seed and time step of each run.
         seeds: uint64.
         time_steps: s.
         raw: (n,) :data:`fuzz.screening.batch.LOOK`.
-        robot: Size and speed of all robots, where the scenes have no say.
-        deaths: Runs that ended the process which ran a controller of a shared library.
+        robot: Size and speed of all robots, if the scenes do not set them.
+        deaths: Runs that ended the process that ran a shared library's controller.
     """
 
     layouts: Bytes
@@ -87,18 +88,18 @@ class Screening:
 
     @property
     def ran(self) -> Flags:
-        """Whether the robot can surely reach the target, so that the controller was run."""
+        """True if the robot can certainly reach the target, so that the controller was run."""
         found: Flags = self.raw["distance"] >= 0
         return found
 
     @property
     def ending(self) -> Ints:
-        """``WG_LIMIT`` and the like of ``sim/core/wg_sim.h``."""
+        """The ending, such as ``WG_LIMIT``, from ``sim/core/wg_sim.h``."""
         return self.raw["ending"]
 
     @property
     def verdict(self) -> npt.NDArray[np.str_]:
-        """At first look: ``undecided`` where the budget was spent, empty where nothing ran."""
+        """The verdict in screening: ``undecided`` if the budget was spent, empty if nothing ran."""
         ending = self.ending
         overlaps = self.raw["overlap_step"] >= 0
         covered = overlaps & np.isin(ending, (lib.WG_LIMIT, lib.WG_REACHED, lib.WG_LOOP))
@@ -106,38 +107,38 @@ class Screening:
 
     @property
     def failed(self) -> Flags:
-        """Whether the controller was run and did not arrive as it should."""
+        """True if the controller was run and did not arrive as it should."""
         found: Flags = self.ran & (self.verdict != Verdict.REACHED.value)
         return found
 
     @property
     def steps(self) -> Ints:
-        """Steps until the run ended, for a loop until it was found."""
+        """Steps until the run ended; for a loop, until it was found."""
         return self.raw["steps"]
 
     @property
     def budget(self) -> Ints:
-        """Steps that the run was given."""
+        """Budget of the run, steps."""
         return self.raw["budget"]
 
     @property
     def simulated(self) -> int:
-        """Steps simulated in all, with those that were only watched."""
+        """Total steps simulated, including those that were only watched."""
         return int(self.steps.sum() + self.raw["watched"].sum())
 
     @property
     def period(self) -> Ints:
-        """Steps of a loop's period."""
+        """Period of a loop, steps."""
         return self.raw["period"]
 
     @property
     def collisions(self) -> Ints:
-        """Times that the robot began to touch a wall."""
+        """How often the robot began to touch a wall."""
         return self.raw["collisions"]
 
     @property
     def solid(self) -> Ints:
-        """Solid cells."""
+        """Number of solid cells."""
         return self.raw["solid"]
 
     @property
@@ -150,12 +151,12 @@ class Screening:
 
     @property
     def way(self) -> Ints:
-        """Cells of a way to the target along edges, an upper bound of the shortest."""
+        """Cells of a path to the target along edges, an upper bound of the shortest."""
         return self.raw["distance"]
 
     @property
     def straight(self) -> Floats:
-        """Distance of start and target, cells."""
+        """Distance from start to target, cells."""
         cells: Floats = np.sqrt(self.raw["straight_sq"])
         return cells
 
@@ -172,28 +173,28 @@ class Screening:
 
     @property
     def visited(self) -> Ints:
-        """Cells that the robot's centre was in."""
+        """Cells that the robot's centre visited."""
         return self.raw["visited"]
 
     @property
     def revisits(self) -> Floats:
-        """Driven cells for each cell that the centre was in.
+        """Driven cells per visited cell.
 
-        About 1 for a robot that is nowhere twice.
+        It is about 1 for a robot that visits no place twice.
         """
         return self.driven / np.maximum(self.visited, 1)
 
     @property
     def least_clearance(self) -> Ints:
-        """Distance of the cell nearest to a wall among those that the centre was in.
+        """Distance to the nearest wall among the cells that the centre visited.
 
-        1, 2, or 3 for more.
+        It is 1, 2, or 3 for more.
         """
         return self.raw["least_clearance"]
 
     @property
     def mean_clearance(self) -> Floats:
-        """The mean of these distances, 1 to 3."""
+        """Mean of these distances, 1 to 3."""
         return self.raw["clearances"] / np.maximum(self.visited, 1)
 
     @property
@@ -201,9 +202,10 @@ class Screening:
         """A coarse signature of what went wrong, the same in a mirrored, turned or shifted world.
 
         It is made of the ending; of touches, kind of contact, turning, extent and progress in one
-        period of a loop, or in a few more steps of a run that spent its budget; of the kind of wall
-        that a robot went through or into. It comes near to the failure's class (docs/reference/verdicts.md),
-        without a recording. 0 where it arrived or nothing ran.
+        period of a loop, or in a few more steps of a run that spent its budget; and of the kind of
+        wall that a robot went through or into. It approximates the failure's class
+        (docs/reference/verdicts.md) without a recording. It is 0 if the robot arrived or nothing
+        ran.
         """
         raw = self.raw
         made = self.ending + 1
@@ -218,14 +220,14 @@ class Screening:
         )
         for fact, kinds in facts:
             made = made * kinds + fact
-        # OneByOne tells crashes apart by a number here; compiled controllers leave 0.
+        # OneByOne distinguishes crashes by a number here; compiled controllers leave 0.
         crashed = np.where(self.ending == CRASH, np.maximum(raw["hit_ix"], 0), 0)
         made += crashed * _MOST_KEYS
         return np.where(self.failed, made, 0)
 
     @property
     def _extent(self) -> Ints:
-        """Larger side of the box in which the robot was while it was watched, lattice units."""
+        """Larger side of the robot's bounding box while it was watched, lattice units."""
         raw = self.raw
         wide = raw["right"] - raw["left"]
         larger: Ints = np.maximum(wide, raw["high"] - raw["low"])
@@ -236,14 +238,14 @@ class Screening:
         return _world_of(self.layouts, n, self.robot)
 
     def scenario_of(self, n: int) -> Scenario:
-        """Return what ran there, with its seed and time step."""
+        """Return the scenario of a run, with its seed and time step."""
         return self.scenario.with_run(seed=int(self.seeds[n]), time_step=float(self.time_steps[n]))
 
 
 def can_screen(scenario: Scenario) -> bool:
     """Return True if native search can run a scenario.
 
-    Any controller, under a motion model on the pose lattice.
+    It can run any controller, under a motion model on the pose lattice.
     """
     return MOTIONS.get(scenario.run.motion).kernel == LATTICE
 
@@ -256,27 +258,26 @@ def evaluate(
     budget: int | npt.ArrayLike | None = None,
     **robot: float,
 ) -> Screening:
-    """Run a controller once in the world of each layout, and look at what happens; prove nothing.
+    """Run a controller once in the world of each layout and describe the result; prove nothing.
 
-    Each run is to the bit that of :func:`sim.simulate` in ``decode_scene(layout)`` with the
-    scenario's options, the run's seed and time step, and the same budget. Where no way is sure to
-    be wide enough for the robot nothing is run. The result depends on the arguments alone. Threads
-    may call it with a compiled controller at the same time. Of a program or a shared library that
-    hangs no run after the second hang is done.
+    Each run equals, bit for bit, that of :func:`sim.simulate` in ``decode_scene(layout)`` with the
+    scenario's options, the run's seed and time step, and the same budget. If no path is certainly
+    wide enough for the robot, nothing is run. The result depends only on the arguments. Threads may
+    call it with a compiled controller at the same time. After the second hang of a program or a
+    shared library, no more runs are done.
 
     Args:
         layouts: (n, LAYOUT_BYTES) or (n, SCENE_BYTES) uint8, any bytes.
-        scenario: What runs; its seed and time step count for nothing.
+        scenario: The scenario; its seed and time step are ignored.
         seeds: (n,) uint64.
-        time_steps: s; (n,), or one for all.
-        budget: Steps, (n,) or one for all; without it what the way to the target suggests: 4,000 to
-            8,000 of a compiled controller, 800 to 2,400 of another.
+        time_steps: Time steps, s; (n,), or one for all.
+        budget: Steps, (n,) or one for all; if omitted, derived from the path to the target: 4,000
+            to 8,000 for a compiled controller, 800 to 2,400 for another.
         **robot: ``robot_radius`` (m, at most a cell) and ``robot_speed`` (m/s) of all worlds,
-            whatever their bytes say.
+            overriding their bytes.
 
     Raises:
-        InvalidParameter: If the scenario or robot cannot run natively, or the arrays do not fit
-            each other.
+        InvalidParameter: If the scenario or robot cannot run natively, or the arrays do not match.
     """
     _check(layouts, scenario, budget, robot)
     count = len(layouts)
@@ -291,7 +292,7 @@ def evaluate(
 
 
 def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, float]) -> None:
-    """Refuse what the core cannot take."""
+    """Reject what the core cannot take."""
     widths = (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES)
     if layouts.ndim != 2 or layouts.shape[1] not in widths or layouts.dtype != np.uint8:
         raise InvalidParameter(
@@ -355,7 +356,7 @@ def _spread(values: Any, count: int, name: str) -> Any:
 
 @dataclass(frozen=True)
 class _Packed:
-    """A scenario as the core takes it."""
+    """A scenario in the form that the core takes."""
 
     controller: Controller
     runs: tuple[LatticeRun, ...]
@@ -367,7 +368,7 @@ class _Packed:
     ) -> _Packed:
         """Pack the simplest layout for each time step.
 
-        The core puts in what other layouts have instead.
+        The core replaces the parts that other layouts have.
         """
         controller = CONTROLLERS.get(scenario.controller)
         world = replace(decode_world(bytes(layout_bytes.LAYOUT_BYTES)), **robot)  # type: ignore[arg-type]
@@ -379,7 +380,8 @@ class _Packed:
         self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints
     ) -> Batch:
         """Return the runs of one call."""
-        finds = not isinstance(self.controller, ProcessController)  # whose memory cannot be seen
+        # Its memory is not visible.
+        finds = not isinstance(self.controller, ProcessController)
         for run in self.runs:
             run.settings.find_loop = lib.WG_SEEK_LOOP if finds and run.can_loop else lib.WG_NO_LOOP
             run.settings.digest = 0
@@ -405,7 +407,8 @@ class _Packed:
         alone = OneByOne(self.controller, batch, world)
         if isinstance(self.controller, ProcessController):
             if self.controller.offer is None:
-                alone.run(1)  # its first answer may make an offer
+                # Its first answer may make an offer.
+                alone.run(1)
             begun = batch.at
             if screen_in_batch(self.controller, batch):
                 return

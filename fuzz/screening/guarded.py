@@ -1,6 +1,6 @@
-"""First looks at runs of a controller in a shared library.
+"""Screening runs of a controller in a shared library.
 
-Whole batches in another process, which may die.
+Whole batches run in another process, which may die.
 """
 
 from __future__ import annotations
@@ -17,22 +17,23 @@ from worldgen.errors import WorldgenError
 __all__ = ["CRASH_NUMBERS", "MOST_HANGS", "look_guarded"]
 
 CRASH_NUMBERS = (1 << 24) - 1
-"""Numbers that a crash can have."""
+"""Numbers that identify crashes."""
 
 MOST_HANGS = 2
-"""Hangs of a batch: each takes a whole deadline, and no unit proves more of them."""
+"""Most hangs of a batch: each takes a whole deadline, and no unit proves more of them."""
 
-_PORTION = 1 << 24  # steps of a call, about a second
+# Steps of a call, about a second.
+_PORTION = 1 << 24
 
 
 def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
     """Run a controller in the worlds of a batch.
 
-    After a death the next run is the one after that in which it came.
+    After a death, the batch continues with the run after the one that caused it.
 
     Args:
         batch: The runs; their results are filled in.
-        seat: Where they run.
+        seat: The seat to run them in.
         act: Address of the controller's function.
     """
     work = ffi.addressof(lib, "wg_call_looks")
@@ -61,9 +62,9 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
 
 
 def _note(batch: Batch, n: int, death: ControllerDied) -> None:
-    """Note how a run ended, crashes of one kind with one number.
+    """Record how a run ended; equal crashes share a number.
 
-    A frequent one is not to hide the others.
+    So a frequent crash does not hide the others.
     """
     ended = batch.looks[n : n + 1]
     if death.is_hang:

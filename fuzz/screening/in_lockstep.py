@@ -1,6 +1,6 @@
-"""First looks in lockstep.
+"""Screening runs in lockstep.
 
-As many robots as there are places act at once, each in a world of its own.
+As many robots as there are slots act together, each in its own world.
 """
 
 from __future__ import annotations
@@ -28,26 +28,28 @@ __all__ = ["screen_in_batch", "screen_in_lockstep"]
 Floats = npt.NDArray[np.float64]
 
 PLACES = 1_024
-"""Robots of a vector class that act at once, at most.
+"""Most robots of a vector class that act together.
 
-A call of NumPy for 512 took 10 % more for each, and the worlds of 2,048 do not fit into a cache.
+With 512, a NumPy call took 10 % more for each robot, and the worlds of 2,048 do not fit into a
+cache.
 """
 
 
 class _Seats:
-    """Robots that act at once; those whose controller is to act come first in every array.
+    """Robots that act together; those whose controller is to act come first in every array.
 
     Args:
         batch: The runs.
-        memory: The controller's at reset.
-        count: How many places.
+        memory: The controller's memory at reset.
+        count: Number of slots.
     """
 
     def __init__(self, batch: Batch, memory: Floats, count: int) -> None:
         self.observation = np.full((count, SENSES + batch.beams), np.nan)
         self.memory = np.zeros((count, memory.size))
         self.after = np.zeros((count, memory.size))
-        self.command = np.zeros((count, 3))  # speed, turn rate, whether the random number was used
+        # Speed, turn rate, whether the random number was used.
+        self.command = np.zeros((count, 3))
         self.numbers = np.zeros(count, np.int64)
         self.fresh = np.zeros(count, np.uint8)
         self._kept = [Seat(batch, memory.tolist(), number=k) for k in range(count)]
@@ -76,12 +78,12 @@ class _Seats:
         )
 
     def runs(self) -> list[int]:
-        """Return the runs that are under way."""
+        """Return the runs in progress."""
         return [int(self._seats[k].run) for k in range(self.taken)]
 
 
 Ask = Callable[[], None]
-"""Fills in commands and memories of the places that are taken."""
+"""Fills in commands and memories of the occupied slots."""
 
 
 def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
@@ -92,9 +94,8 @@ def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
         batch: The runs; their results are filled in.
 
     Returns:
-        False if the controller raised, or changed what is outside its memory: then no run can be
-            trusted to be its own,
-        and each must be run alone.
+        False if the controller raised, or changed something outside its memory: then no run can be
+            trusted, and each must be run alone.
     """
     before = hidden_state(controller)
     if before is None:
@@ -117,15 +118,15 @@ def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
 
 
 def screen_in_batch(controller: ProcessController, batch: Batch) -> bool:
-    """Run a program that offers it in the worlds of a batch, many at a time.
+    """Run a program that supports it in the worlds of a batch, many at a time.
 
     Args:
         controller: The program.
         batch: The runs from ``at`` on; their results are filled in.
 
     Returns:
-        False if the program offers nothing, or does anything wrong: then it must be seen alone in
-            each world.
+        False if the program does not support it, or does anything wrong: then it must be run alone
+            in each world.
     """
     offer = controller.offer
     if offer is None:
@@ -151,7 +152,7 @@ def screen_in_batch(controller: ProcessController, batch: Batch) -> bool:
 
 
 def _run(asker: Callable[[_Seats], Ask], memory: Floats, batch: Batch, most: int) -> None:
-    """Run all while there is time; a place whose robot is done takes the next world."""
+    """Run all while there is time; a slot whose robot is done takes the next world."""
     places = _Seats(batch, memory, min(most, len(batch)))
     ask = asker(places)
     while places.taken:

@@ -1,6 +1,6 @@
-"""First looks at runs of a Python class or a program.
+"""Screening runs of a Python class or a program.
 
-One world after the other, the core stopping in each step.
+It runs one world after another, and the core stops in each step.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _ENDINGS = {
 
 
 class OneByOne:
-    """Runs a controller in one world of a batch after the other.
+    """Runs a controller in the worlds of a batch, one after another.
 
     Args:
         controller: A Python class or a program; a vector class acts for a single robot.
@@ -57,11 +57,11 @@ class OneByOne:
     def run(self, worlds: int) -> None:
         """Run in the next worlds.
 
-        What the controller prints goes to stderr, and what it raises ends a run as a crash. Once
-        the time is over (:mod:`sim.runners.stopping`), the rest is not run.
+        The controller's prints go to stderr, and its exceptions end a run as a crash. Once the time
+        is over (:mod:`sim.runners.stopping`), the remaining worlds are not run.
 
         Args:
-            worlds: How many, at most; what is left of the batch is marked as not run.
+            worlds: Most worlds to run; the rest of the batch is marked as not run.
         """
         with contextlib.redirect_stdout(sys.stderr), contextlib.suppress(OutOfTime):
             for _ in range(worlds):
@@ -76,9 +76,9 @@ class OneByOne:
         return self._hangs >= MOST_HANGS or is_out_of_time()
 
     def _look(self, n: int) -> None:
-        """Run the controller in a world, and watch it for a while where that says more."""
+        """Run the controller in a world, and watch it for a while if that reveals more."""
         if isinstance(self._controller, ProcessController):
-            # Outside the guard: a program that is not there is nobody's crash.
+            # Outside the guard, because a missing program is not a crash.
             self._controller.start()
         seat = None
         try:
@@ -88,23 +88,25 @@ class OneByOne:
             seat.begin()
             self._drive(Stops(ffi, lib, "wg_seat", seat.c, seat.episode), memory)
         except OutOfTime:
-            if seat is None or seat.c.watch < 0:  # else how it ended is known already
+            # Otherwise the ending is already known.
+            if seat is None or seat.c.watch < 0:
                 raise
         except (KeyboardInterrupt, WantsMemory):
             raise
         except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             self._hangs += _ending_of(error) == HANG
-            if seat is None or seat.c.watch < 0:  # what it does after its budget is no finding
+            # What it does after its budget is not a finding.
+            if seat is None or seat.c.watch < 0:
                 self._fail(n, seat, error)
 
     def _seat_for(self, memory: int) -> Seat:
-        """Return the seat for so many numbers of memory, made once."""
+        """Return the seat for a memory of this many numbers, made once."""
         if memory not in self._by_memory:
             self._by_memory[memory] = Seat(self._batch, (0.0,) * memory)
         return self._by_memory[memory]
 
     def _seated(self, n: int, memory: int) -> Seat:
-        """Return a seat for so many numbers of memory, in the world of a run."""
+        """Return a seat for a memory of this many numbers, in the world of a run."""
         seat = self._seat_for(memory)
         if seat is not self._seat:
             lib.wg_seat_open(seat.c, n)
@@ -112,7 +114,7 @@ class OneByOne:
         return seat
 
     def _fail(self, n: int, seat: Seat | None, error: BaseException) -> None:
-        """Note a run in which the controller failed; without a seat, in ``reset``."""
+        """Record a run in which the controller failed; without a seat, in ``reset``."""
         ended = self._batch.looks[n : n + 1]
         if seat is None:
             for name in REPORT_FIELDS:
@@ -126,9 +128,9 @@ class OneByOne:
             ended["hit_ix"] = self._number_of(error, int(ended["steps"][0]))
 
     def _number_of(self, error: BaseException, step: int) -> int:
-        """Return a number for what crashed.
+        """Return a number that identifies what crashed.
 
-        So that a frequent one does not keep others from being proved.
+        So a frequent crash does not keep others from being proved.
         """
         fault = error if isinstance(error, ControllerError) else crash_of(error, self._controller)
         bucket = crash_bucket(replace(fault.evidence, step=step))

@@ -38,10 +38,14 @@ from worldgen.world import Pose, Target, World
 
 __all__ = ["explore", "poses_on", "search", "search_again", "strategy_worlds"]
 
-_SEARCH_STEPS = 6_000  # budget of a first run, before the witness is known
-_DEARER = 4  # feature layouts that take as long to draw as one world of a family
-_MOST_AGAIN = 10_000  # examples that are run again
-_EXAMPLE_WORDS = 128  # of 8 bytes; more than any Hypothesis strategy here reads
+# Budget of a first run, before the witness is known.
+_SEARCH_STEPS = 6_000
+# Feature layouts that take as long to draw as one world of a family.
+_DEARER = 4
+# Examples that are run again.
+_MOST_AGAIN = 10_000
+# Words of 8 bytes; more than any Hypothesis strategy here reads.
+_EXAMPLE_WORDS = 128
 
 Visit = Callable[[World, Scenario], str]
 """Runs one scenario and returns the failure's class, or an empty string if it arrives."""

@@ -55,8 +55,8 @@ __all__ = [
 RADII = (DEFAULT_ROBOT_RADIUS, 0.06, 0.08, 0.09)
 """Radii of a scene's robot, m.
 
-All fit where a layout leaves room for the default one, and none is as wide as a gap of
-one cell or two, where even controllers that are complete fail."""
+All fit if a layout leaves room for the default one, and none is as wide as a gap of one or two
+cells, where even complete controllers fail."""
 
 TARGET_RADII = (DEFAULT_CELL_SIZE / 2, 0.02, 0.08)
 """Radii of a scene's target, m."""
@@ -69,7 +69,7 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
 
     Args:
         data: ``LAYOUT_BYTES`` bytes.
-        robot_radius: m.
+        robot_radius: Radius of the robot, m.
 
     Returns:
         An arena of 8 to 28 cells a side inside a border of solid cells, without certificate.
@@ -101,8 +101,8 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
 def decode_scene(data: bytes) -> World:
     """Return the world that a scene describes.
 
-    A layout, and three bytes for the robot's radius, the target's and the heading. Three zeros
-    change nothing, and neither do three bytes that are not there.
+    A scene is a layout, and three bytes for the robot's radius, the target's radius and the
+    heading. Three zeros change nothing, nor do three missing bytes.
 
     Args:
         data: ``SCENE_BYTES`` or ``LAYOUT_BYTES`` bytes.

@@ -17,7 +17,8 @@ SEALED = "sealed"
 LAYOUT_STRATEGIES = ("features", SEALED)
 """Strategies that ``--family`` takes as well."""
 
-TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)  # s: the range of the thesis's spinner
+# Time steps, s: the range of the thesis's spinner.
+TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)
 
 
 def can_breach(scenario: Scenario) -> bool:

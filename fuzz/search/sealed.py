@@ -1,6 +1,6 @@
 """Worlds from a few bytes whose target is walled off.
 
-Only a robot that goes through a wall gets there.
+Only a robot that passes through a wall gets there.
 """
 
 from __future__ import annotations
@@ -13,18 +13,22 @@ from worldgen.world import World
 
 __all__ = ["SEALED_BYTES", "decode_sealed"]
 
-# Width, height, form, wall, bend; start and target across and along the wall; heading; how many
+# Width, height, form, wall, bend; start and target across and along the wall; heading; number of
 # features.
 _HEAD_BYTES = 11
-_MOST_FEATURES = 3  # more of them keep the robot away from the wall
+# More of them keep the robot away from the wall.
+_MOST_FEATURES = 3
 SEALED_BYTES = _HEAD_BYTES + _MOST_FEATURES * FEATURE_BYTES
 
-# arena sides, cells: 10 to 20; in smaller ones the wall is met more often
+# Arena sides, cells: 10 to 20; in smaller ones the robot hits the wall more often.
 _SMALLEST = 10
 _SPREAD = 11
-_ARENA = 8  # side, cells, that `decode_world` makes of a byte 0
-_INNER = 2  # first cell on an axis, and last but this, where the default disc has room next to the border
-_ROOM = 2  # cells from start or target to the wall
+# Side, cells, that `decode_world` makes of a byte 0.
+_ARENA = 8
+# First cell on an axis, and last but this, where the default disc has room next to the border.
+_INNER = 2
+# Cells from start or target to the wall.
+_ROOM = 2
 _EDGE = _INNER + _ROOM
 
 Cells = list[tuple[int, int]]
@@ -33,16 +37,17 @@ Cells = list[tuple[int, int]]
 def decode_sealed(data: bytes) -> World:
     """Return the world that a layout string describes; any ``SEALED_BYTES`` bytes describe one.
 
-    A wall of one cell, straight from side to side or bent around the target's corner, parts the
-    target from the start. Boxes, cups and the other features of :mod:`fuzz.search.features` stand
-    about.
+    A wall of one cell, straight from side to side or bent around the target's corner, separates the
+    target from the start. Boxes, cups and the other features of :mod:`fuzz.search.features` are
+    scattered around.
 
     Returns:
         An arena of 10 to 20 cells a side inside a border of solid cells, without certificate.
     """
     size = [_SMALLEST + data[k] % _SPREAD for k in (0, 1)]
     form = data[2]
-    axis = form % 2  # that the wall stops; it runs along the other one
+    # The axis that the wall blocks; it runs along the other one.
+    axis = form % 2
     across = size[axis]
     along = size[1 - axis]
     wall = _EDGE + data[3] % (across - 2 * _EDGE)
@@ -63,7 +68,7 @@ def decode_sealed(data: bytes) -> World:
 
 
 def _beyond(wall: int, length: int, draw: int) -> int:
-    """Return a place behind a wall that stands at ``wall``; anywhere if that is 0."""
+    """Return a position behind a wall at ``wall``, or any position if that is 0."""
     first = max(wall + _ROOM, _INNER)
     return first + draw % (length - _INNER - first)
 
@@ -82,8 +87,8 @@ def _build(
     walls = world.walls.copy()
     for ix, iy in solid:
         walls[iy, ix] = True
-    # With headings in eighths of a turn the thesis's robot meets walls in few ways only: of 4,000
-    # draws each, rules 1 and 2 came through to the target in none; with these in 5 and 4.
+    # With headings in eighths of a turn the thesis's robot hits walls at few angles: in 4,000 draws
+    # each, rules 1 and 2 never came through to the target; with these headings they did in 5 and 4.
     return replace(
         world, walls=walls, start=replace(world.start, heading=data[9] * (math.pi / 128))
     )

@@ -32,7 +32,8 @@ EXAMPLES = (
 )
 PATH = click.Path(path_type=Path)
 PUBLISHED = "published.csv"
-_TIME_FOR_NEVER = 300.0  # s; most of the thesis's endless runs have proved to be loops by then
+# Seconds; most of the thesis's endless runs are proved to be loops by then.
+_TIME_FOR_NEVER = 300.0
 
 
 @click.command(epilog=EXAMPLES)
@@ -138,7 +139,7 @@ def compare(
 
 
 def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow, ...]:
-    """Return earlier figures: those of ``--against``, or those that lie next to the worlds."""
+    """Return earlier figures: those of ``--against``, or those next to the worlds."""
     from sim.compare.published import read_figures
     from worldgen.files.whole import read_text
 
@@ -201,7 +202,7 @@ def _scenarios(
 
 
 def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
-    """Return the worlds of all files, with names of their own."""
+    """Return the worlds of all files, with unique names."""
     from sim.compare.comparison import NamedWorld
     from worldgen.errors import InvalidParameter
 
@@ -232,9 +233,9 @@ def _with_time(world: NamedWorld, figures: Sequence[PublishedRow]) -> NamedWorld
 
 
 def _read(path: Path) -> Iterator[tuple[Path, World]]:
-    """Return the worlds of a folder, or, if there is none, of the folders below; of an archive.
+    """Return the worlds of an archive or a folder, or, if it has none, of its subfolders.
 
-    Or of the one file.
+    A single file is also accepted.
     """
     from worldgen.files.worlds import is_world_file, read_worlds
 
@@ -253,7 +254,7 @@ def _stem(file: Path) -> str:
 def _note_strangers(
     figures: Sequence[PublishedRow], worlds: Sequence[NamedWorld], scenarios: dict[str, Scenario]
 ) -> None:
-    """Say which published figures have no world here, or were made under another motion model."""
+    """Report published figures that have no world here, or belong to another motion model."""
     from sim.compare.published import figures_of
 
     strange = sorted(

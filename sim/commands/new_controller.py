@@ -1,4 +1,4 @@
-"""``worldgen new-controller``: a working example to begin from."""
+"""``worldgen new-controller``: write a working example to start from."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force:
 
 
 def _word(name: str) -> str:
-    """Return the name as Python takes it."""
+    """Return the name as a Python identifier."""
     import keyword
 
     word = name.replace("-", "_")
@@ -98,7 +98,7 @@ def _word(name: str) -> str:
 
 
 def _suffix(kind: str) -> str:
-    """Return how a file of the kind ends."""
+    """Return the suffix of a file of this kind."""
     return f".{kind}" if kind in _COMPILERS else ".py"
 
 
@@ -120,7 +120,7 @@ def _place(out: Path | None, word: str, kind: str) -> Path:
 
 
 def _build(path: Path, kind: str) -> str:
-    """Return the command that makes a shared library; empty for what needs none."""
+    """Return the command that builds a shared library; empty if none is needed."""
     import shlex
 
     if kind not in _COMPILERS:
@@ -130,7 +130,7 @@ def _build(path: Path, kind: str) -> str:
 
 
 def _renamed(text: str, word: str) -> str:
-    """Return the example under another name, without the notes to our own linter."""
+    """Return the example under another name, without the directives for our linter."""
     text = re.sub(r"  # noqa: .*", "", text)
     return re.sub(r"\bExample\b", _title(word), re.sub(r"\bexample\b", word, text))
 
@@ -141,7 +141,7 @@ def _title(word: str) -> str:
 
 
 def _reference(path: Path, word: str, kind: str) -> str:
-    """Return how ``--controller`` names it."""
+    """Return the name for ``--controller``."""
     import shlex
 
     place = str(path) if path.is_absolute() or str(path).startswith((".", "~")) else f"./{path}"

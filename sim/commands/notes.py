@@ -1,4 +1,4 @@
-"""Notes for the person at the terminal about options that change nothing."""
+"""Notes at the terminal about options that change nothing."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def note_unused(scenarios: Iterable[Scenario], *, seeds: Collection[str] = ()) -
     """Report on stderr which options have no effect on these runs, or less than one might think.
 
     Args:
-        scenarios: What is run.
-        seeds: Names of the command's options for seeds of the runs; said to be idle if typed and no
+        scenarios: The scenarios that are run.
+        seeds: Names of the command's options for seeds; reported as idle if they are given and no
             run draws numbers.
     """
     from sim.options.unused import coarse_forces, random_run, unused_options

@@ -147,10 +147,10 @@ def _why_uncertain(world: World, scenario: Scenario) -> str:
 
 
 def _is_reachable(world: World, episode: Episode) -> bool | None:
-    """Return True if the target can be reached at all; None where that is undecided.
+    """Return True if the target can be reached at all; None if that is undecided.
 
-    A file without a certificate is decided only if the robot did not arrive, for that can take as
-    long as the run.
+    A file without a certificate is decided only if the robot did not arrive, because that can take
+    as long as the run.
     """
     from worldgen.reach import decide
     from worldgen.world import Witness

@@ -19,10 +19,10 @@ from worldgen.world import World
 
 __all__ = ["disturbances_in", "drive_of", "trail_of"]
 
-# Marks of bumps; more of them would hide the picture.
+# Most marks of bumps; more of them would hide the picture.
 _MOST_BUMPS = 400
 
-# The same of pushes.
+# Most marks of pushes.
 _MOST_PUSHES = 100
 
 
@@ -77,7 +77,7 @@ def disturbances_in(trace: Trace) -> Disturbances:
         if step > trace.steps:
             break
         # A push is the last thing on the path of its step. It began at the point from which it
-        # comes nearest to the displacement that was asked for.
+        # comes nearest to the requested displacement.
         last = int(np.searchsorted(trace.path_step, step, side="right")) - 1
         first = max(int(np.searchsorted(trace.path_step, step)) - 1, 0)
         dx = trace.path_x[last] - trace.path_x[first : last + 1]

@@ -1,4 +1,4 @@
-"""Find the walls that a robot went into: which cells, when, and where it broke in.
+"""Find the walls that a robot entered: which cells, when, and where.
 
 The player on web pages marks the same cells.
 """
@@ -23,10 +23,10 @@ __all__ = ["penetrated_cells"]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
-# Cells. No motion model reports a cut of the disc that is shallower.
+# Cells. No motion model reports a shallower cut of the disc.
 _TOLERANCE = 0.1
 
-# Cells. Of a larger robot, only the cells that its centre enters are looked for.
+# Cells. For a larger robot, only the cells that its centre enters are checked.
 _FURTHEST = 6
 
 # Cells between two places of a path that are checked.
@@ -67,7 +67,7 @@ def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
 
 
 def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
-    """Yield steps and cells that the robot cuts into; a cell may come more than once."""
+    """Yield steps and cells that the robot cuts into; a cell may occur more than once."""
     side = world.cell_size
     line = world.timeline
     steps = trace.path_step
@@ -127,7 +127,7 @@ def _is_solid(solid: npt.NDArray[np.bool_], ix: Ints, iy: Ints) -> npt.NDArray[n
 
 
 def _firsts(steps: Ints, ix: Ints, iy: Ints) -> Iterator[tuple[int, int, int]]:
-    """Yield each cell once, with its first step; the steps must be in rising order."""
+    """Yield each cell once, with its first step; the steps must be ascending."""
     cells, first = np.unique(np.column_stack((ix, iy)), axis=0, return_index=True)
     for (i, j), at in zip(cells.tolist(), first.tolist(), strict=True):
         yield int(steps[at]), i, j

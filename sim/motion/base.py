@@ -11,8 +11,10 @@ from worldgen.errors import InvalidParameter
 
 __all__ = ["LATTICE", "MOTIONS", "THESIS", "Motion", "Motions"]
 
-LATTICE = "lattice"  # integer poses, any controller
-THESIS = "thesis"  # float64 poses in pixels, the thesis's own robots
+# Integer poses, any controller.
+LATTICE = "lattice"
+# float64 poses in pixels, the thesis's own robots.
+THESIS = "thesis"
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Dataclasses of declared options.
 
-Checked when made, stored if they are not at their default, read from text.
+They are checked when created, stored if they differ from their defaults, and parsed from text.
 """
 
 from __future__ import annotations
@@ -17,15 +17,14 @@ __all__ = ["OptionSet"]
 
 @dataclass(frozen=True)
 class OptionSet:
-    """Base of option sets: dataclasses whose fields declare bounds, words, heading and help.
+    """Base of option sets: dataclasses whose fields declare bounds, choices, heading and help.
 
     A field is ``slip: Annotated[float, Bounds(0, 1), Group("Forces")] = 0.0``, and its help is its
-        entry in the
-    docstring's ``Args``. Nothing else has to be written for a new option.
+        entry in the docstring's ``Args``. A new option needs nothing else.
     """
 
     OWNER: ClassVar[str] = "options"
-    """What the set is called in messages."""
+    """Name of the set in messages."""
     TOGETHER: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     """Names that switch on several options."""
 
@@ -35,7 +34,7 @@ class OptionSet:
             object.__setattr__(self, parameter.name, value)
 
     def changed(self) -> dict[str, Value]:
-        """Return the options that are not at their default, in order of declaration."""
+        """Return the options that differ from their defaults, in order of declaration."""
         values = {one.name: getattr(self, one.name) for one in self.declared()}
         return {
             one.name: list(values[one.name]) if isinstance(one.default, tuple) else values[one.name]
@@ -46,7 +45,8 @@ class OptionSet:
     @classmethod
     def declared(cls) -> tuple[Parameter, ...]:
         """Return the options, in order of declaration."""
-        fields: Any = cls  # a type checker takes no dataclass's type for hashable
+        # Type checkers do not consider the type of a dataclass hashable.
+        fields: Any = cls
         found: tuple[Parameter, ...] = parameters_of_fields(fields)
         return found
 
@@ -72,10 +72,10 @@ class OptionSet:
 
     @classmethod
     def parse(cls, name: str, text: str | None) -> dict[str, Value]:
-        """Return the values of one option as it is written on the command line.
+        """Return the values of one option as written on the command line.
 
         Args:
-            name: Of the option, or of several that are switched on together.
+            name: Name of the option, or of several that are switched on together.
             text: Its value; ``None`` for a switch.
 
         Raises:

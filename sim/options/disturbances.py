@@ -1,4 +1,4 @@
-"""What moves a robot besides its wheels, and whether it can still arrive.
+"""Disturbances that move a robot in addition to its wheels, and whether it can still arrive.
 
 Options write pushes and decoys as flat lists of numbers; this module reads them.
 """
@@ -26,18 +26,19 @@ __all__ = [
     "why_arrival_is_not_certain",
 ]
 
-_EDGE = 1e-9  # m, by which places count as larger, for what floats round
+# Margin, m, added to places to allow for rounding.
+_EDGE = 1e-9
 
 
 @dataclass(frozen=True)
 class Push:
-    """Something pushes the robot at a time.
+    """A push of the robot at a time.
 
     Args:
-        time: s.
-        dx: m.
-        dy: m.
-        turn: rad, counter-clockwise.
+        time: Time, s.
+        dx: Displacement along x, m.
+        dy: Displacement along y, m.
+        turn: Turn, rad, counter-clockwise.
     """
 
     time: float
@@ -51,11 +52,11 @@ class PushPlace:
     """A place that pushes the robot at the end of each step that its centre spends there.
 
     Args:
-        x: m; the place is the whole cell of this point.
-        y: m.
-        dx: m.
-        dy: m.
-        turn: rad, counter-clockwise.
+        x: x, m; the place is the whole cell of this point.
+        y: y, m.
+        dx: Displacement along x, m.
+        dy: Displacement along y, m.
+        turn: Turn, rad, counter-clockwise.
     """
 
     x: float
@@ -70,8 +71,8 @@ class Decoy:
     """Another source of the signal.
 
     Args:
-        x: m.
-        y: m.
+        x: x, m.
+        y: y, m.
         strength: How many times as strong as the target's signal.
     """
 
@@ -85,7 +86,7 @@ def _in_groups(numbers: Sequence[float], size: int) -> list[Sequence[float]]:
 
 
 def pushes_of(robot: RobotOptions) -> list[Push]:
-    """Return the pushes at times, in their order."""
+    """Return the pushes at given times, in order."""
     return [Push(*group) for group in _in_groups(robot.pushes, 4)]
 
 
@@ -100,11 +101,12 @@ def decoys_of(robot: RobotOptions) -> list[Decoy]:
 
 
 def delay_of(world: World, robot: RobotOptions) -> tuple[float, Fraction]:
-    """Return by how much disturbances can delay even a perfect robot.
+    """Return how much disturbances can delay even a perfect robot.
 
     Returns:
-        Seconds until the last push is over and the way that it took is driven back, and the factor
-        by which a drift against the robot lengthens its way; 1 if the drift is as fast as it is.
+        The seconds until the last push is over and its displacement is driven back, and the factor
+        by which a drift against the robot lengthens its path; 1 if the drift is as fast as the
+        robot.
     """
     pushed = sum(math.hypot(push.dx, push.dy) for push in pushes_of(robot))
     last = max((push.time for push in pushes_of(robot)), default=0.0)
@@ -115,12 +117,12 @@ def delay_of(world: World, robot: RobotOptions) -> tuple[float, Fraction]:
 
 
 def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> str:
-    """Return why a robot that is disturbed may fail whatever its controller does; else nothing.
+    """Return why a disturbed robot may fail whatever its controller does; empty if it cannot.
 
-    A push at a time moves the robot along a clear way, so in a world that stands still it can drive
-    back and take the witness from there. A robot that turns and changes its speed at once, and is
-    faster than a drift, can drive the witness against it. A place that pushes is harmless if the
-    witness stays out of its cell. Nothing else is certain.
+    A push at a time moves the robot along a clear path, so in a static world it can drive back and
+    take the witness from there. A robot that turns and changes its speed instantly, and is faster
+    than a drift, can drive the witness against it. A place that pushes is harmless if the witness
+    stays out of its cell. Nothing else is certain.
 
     Args:
         world: The world, with its certificate.
@@ -145,7 +147,7 @@ def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> str:
 
 
 def _crosses(witness: Witness, world: World, places: Sequence[PushPlace]) -> bool:
-    """Whether the witness's centre enters one of the places, or touches its edge."""
+    """Return True if the witness's centre enters one of the places, or touches its edge."""
     side = world.cell_size
     points = list(zip(witness.x.tolist(), witness.y.tolist(), strict=True))
     pieces = list(itertools.pairwise(points)) or [(points[0], points[0])]
@@ -163,7 +165,7 @@ def _meets(
     end: tuple[float, float],
     box: tuple[tuple[float, float], tuple[float, float]],
 ) -> bool:
-    """Whether a segment meets a box, by clipping it to the two slabs.
+    """Return True if a segment meets a box, by clipping it to the two slabs.
 
     Source: Ericson, Real-Time Collision Detection (2005), 5.3.3.
     """

@@ -1,4 +1,4 @@
-"""Which of the simulator's own random numbers reach a run."""
+"""The simulator's own random numbers that reach a run."""
 
 from __future__ import annotations
 

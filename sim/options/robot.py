@@ -1,6 +1,6 @@
 """Options of the robot under the motion models on the pose lattice: its dynamics and its sensors.
 
-All are off by default: the robot then turns and changes its speed at once, and senses without
+All are off by default: the robot then turns and changes its speed instantly, and senses without
     error.
 """
 
@@ -22,7 +22,7 @@ MOST_PUSHES = 1000
 _MOVES = "Disturbances"
 Signal = Literal["open", "weakened", "blocked"]
 SIGNALS: tuple[Signal, ...] = typing.get_args(Signal)
-# Options that are lists: how many numbers each entry has, and what they are.
+# Options that are lists: the number of values in each entry, and their meaning.
 _LISTS = (
     ("pushes", 4, "time, dx, dy, turn"),
     ("push_places", 5, "x, y, dx, dy, turn"),
@@ -34,50 +34,48 @@ _LISTS = (
 class RobotOptions(OptionSet):
     """How the robot moves and senses under ``swept`` and ``endpoint``.
 
-    A failure stores what is not at its default.
+    A failure stores those that differ from their defaults.
 
     Args:
-        turn_limit: Greatest rate of turning, rad/s; 0 means none.
-        acceleration: Greatest gain of speed, m/s2; 0 means at once.
-        friction: Greatest loss of speed, by brakes or on the floor, m/s2; 0 means at once.
+        turn_limit: Greatest turn rate, rad/s; 0 means no limit.
+        acceleration: Greatest gain of speed, m/s2; 0 means no limit.
+        friction: Greatest loss of speed, by brakes or floor friction, m/s2; 0 means no limit.
         wall_friction: Share of a slide along a wall that friction takes, 0 to 1.
-        slip: Largest share of a step's way that is lost on the floor, 0 to 1, another in each step.
-        odometry_noise: Largest share by which a measured way or turn is wrong, 0 to 1, another in
-            each step.
-        sensor_cells: How many cells around its own the signal sensor looks at, 1 to 10; 1 sees
-            eight.
-        sensor_range: Distance from the target beyond which there is no signal, m; 0 means none.
-        sensor_field: Angle that the signal sensor looks into, rad, about the heading; 0 means all
-            round.
-        sensor_noise: Largest share by which a strength is wrong, 0 to 1, another for each cell and
-            step.
-        signal: What walls do to the signal on its straight way from the target: nothing (``open``),
+        slip: Largest share of a step's path that is lost to slip, 0 to 1, drawn for each step.
+        odometry_noise: Largest share by which a measured distance or turn is wrong, 0 to 1, drawn
+            for each step.
+        sensor_cells: Reach of the signal sensor, cells around its own, 1 to 10; 1 sees eight cells.
+        sensor_range: Distance from the target beyond which there is no signal, m; 0 means no limit.
+        sensor_field: Field of view of the signal sensor, rad, centred on the heading; 0 means all
+            around.
+        sensor_noise: Largest share by which a signal strength is wrong, 0 to 1, drawn for each cell
+            and step.
+        signal: Effect of walls on the signal's straight line from the target: none (``open``),
             halve it for each wall cell (``weakened``), or end it (``blocked``).
-        smoke: Share of the signal that each cell of that way takes which lies in smoke, 0 to 1.
-        smoke_reach: How many cells around each burning cell its smoke fills, 0 to 10, corners
+        smoke: Share of the signal taken by each cell of that line in smoke, 0 to 1.
+        smoke_reach: Number of cells that smoke fills around each burning cell, 0 to 10, corners
             included.
         beams: Number of range beams, 0 to 1000.
         beam_range: Longest distance that a beam measures, m.
-        beam_field: Angle between the first beam and the last, rad, about the heading; 0: evenly all
-            round, the first ahead, the others counter-clockwise.
-        beam_noise: Largest share by which a distance is wrong, 0 to 1, another for each beam and
+        beam_field: Angle between the first and the last beam, rad, centred on the heading; 0
+            spreads them evenly over a full turn, the first ahead, the others counter-clockwise.
+        beam_noise: Largest share by which a distance is wrong, 0 to 1, drawn for each beam and
             step.
         beam_dropout: Probability, 0 to 1, that a beam returns nothing.
-        drift: Speed at which a tilted floor carries the robot along, m/s.
-        drift_heading: Where it carries it, rad, counter-clockwise from the x axis.
-        pushes: Pushes at stated times, four numbers each: time (s), displacement along x and y (m),
-            turn (rad, counter-clockwise). Each happens at the end of its step, along a clear way
-            only, so a wall stops it.
-        push_places: Places that push the robot, five numbers each: a point (m) whose cell it is,
-            and displacement and turn as for ``pushes``. Each step that ends with the centre in the
-            cell ends with that push.
-        decoys: Other sources of the signal, three numbers each: place (m), and strength as a
+        drift: Speed at which a tilted floor carries the robot, m/s.
+        drift_heading: Direction of the drift, rad, counter-clockwise from the x axis.
+        pushes: Pushes at given times, four numbers each: time (s), displacement along x and y (m),
+            turn (rad, counter-clockwise). Each happens at the end of its step; walls stop it.
+        push_places: Cells that push the robot, five numbers each: a point in the cell (m), then
+            displacement and turn as for ``pushes``. A step that ends with the centre in the cell
+            ends with that push.
+        decoys: Additional sources of the signal, three numbers each: place (m), and strength as a
             multiple of the target's.
-        lattice: Poses are rounded after each step to 1/lattice of a cell, where the way there is
-            clear; a power of 2 from 2 to 1024, 0 means not.
-        coin: How many values a random number of the controller has, 0, 1/coin and so on, equally
-            likely; 0 means any number below 1. With few values, and a coarse lattice, all that can
-            happen can be looked at.
+        lattice: Poses are rounded after each step to 1/lattice of a cell, if the way there is
+            clear; a power of 2 from 2 to 1024, 0 means no rounding.
+        coin: Number of values that the controller's random number can have: 0, 1/coin and so on,
+            equally likely; 0 means any number below 1. With few values, and a coarse lattice,
+            everything that can happen can be explored.
 
     Raises:
         InvalidParameter: If a value is out of range.
@@ -166,12 +164,12 @@ class RobotOptions(OptionSet):
 
     @property
     def moved(self) -> bool:
-        """Whether something moves the robot besides its wheels."""
+        """True if something moves the robot in addition to its wheels."""
         return self.drift > 0.0 or bool(self.pushes) or bool(self.push_places)
 
     @property
     def plain_sensor(self) -> bool:
-        """Whether the signal sensor has no limits but the thesis's."""
+        """True if the signal sensor has no limits beyond the thesis's."""
         limits = (
             self.sensor_cells,
             self.sensor_range,

@@ -1,4 +1,4 @@
-"""How a run is done: everything beside world and controller that decides what happens."""
+"""Options of a run: everything except world and controller that determines its result."""
 
 from __future__ import annotations
 
@@ -46,17 +46,25 @@ __all__ = [
     "worlds_of",
 ]
 
-DEFAULT_TIME_STEP = 0.015  # s: the thesis's
-TIME_STEPS = (0.001, 10.0)  # s, the least and the largest
+# Seconds: the thesis's time step.
+DEFAULT_TIME_STEP = 0.015
+# Least and largest time step, s.
+TIME_STEPS = (0.001, 10.0)
 MAX_STEPS = 100_000_000
-MAX_RECORDED = 4_000_000  # steps; a recorded one takes about 300 bytes
+# Most steps; a recorded one takes about 300 bytes.
+MAX_RECORDED = 4_000_000
 BUDGET_FACTOR = (
-    50  # a run may take this many times the witness's time before it counts as stalled or timed out
+    # A run may take this many times the witness's time before it counts as stalled or timed out.
+    50
 )
-_MOST_OF_A_DRIFT = 10  # a budget grows at most so many times for a drift
-_ROUNDING = 1e-6  # cells: the tolerated overlap where the model should have none
-_LONGEST_STEP = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
-FEWEST_STEPS = 4_000  # of a budget, however short the witness
+# A budget grows at most this many times for a drift.
+_MOST_OF_A_DRIFT = 10
+# Cells: the tolerated overlap if the model should have none.
+_ROUNDING = 1e-6
+# Cells: larger steps would come near the end of 64-bit lattice arithmetic.
+_LONGEST_STEP = 1_000
+# Least budget, steps, however short the witness.
+FEWEST_STEPS = 4_000
 _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
 _MAX_SEED = 2**64 - 1
@@ -64,14 +72,14 @@ _MAX_SEED = 2**64 - 1
 
 @dataclass(frozen=True)
 class RunOptions:
-    """Options of a run; a failure file stores them, so that it replays.
+    """Options of a run; a failure file stores them so that it can be replayed.
 
     Args:
         motion: Name of the motion model.
         steps: Budget in steps.
         time_step: Duration of a step, s, 0.001 to 10.
         seed: Seed of the run's random numbers.
-        thesis: Switches of the motion model ``stepped``.
+        thesis: Options of the motion model ``stepped``.
         robot: Dynamics and sensors under the other motion models.
 
     Raises:
@@ -111,7 +119,7 @@ class RunOptions:
         return replace(motion, overlap_tolerance=_ROUNDING) if self.thesis.repaired else motion
 
     def changed(self) -> dict[str, Value]:
-        """Return the options of the motion model that are not at their default."""
+        """Return the options of the motion model that differ from their defaults."""
         return self.thesis.changed() | self.robot.changed()
 
     def parameters(self) -> dict[str, Value]:
@@ -133,7 +141,7 @@ class RunOptions:
 TIME_STEP = next(
     option for option in parameters_of_fields(RunOptions) if option.name == "time_step"
 )
-"""The option, for whoever reads one from text."""
+"""The option, for code that parses one from text."""
 
 
 def switch_class(motion: str) -> type[ThesisOptions] | type[RobotOptions]:
@@ -173,7 +181,7 @@ def option_without_effect(motion: str, name: str) -> InvalidParameter:
 
 
 def check_recordable(steps: int) -> None:
-    """Refuse to record a run that takes too much memory.
+    """Reject a recording that takes too much memory.
 
     Raises:
         InvalidParameter: If the run has more than ``MAX_RECORDED`` steps.
@@ -191,11 +199,11 @@ def check_recordable(steps: int) -> None:
 
 
 def check_step_length(world: World, time_step: float, shortest: Fraction) -> None:
-    """Refuse a top speed that the simulator cannot represent at this time step.
+    """Reject a top speed that the simulator cannot represent at this time step.
 
     Args:
-        world: Whose robot it is.
-        time_step: s.
+        world: World of the robot.
+        time_step: Time step, s.
         shortest: Least length of a step at top speed, cells.
 
     Raises:
@@ -230,12 +238,12 @@ def step_budget(
     """Return the steps that a run gets.
 
     They are ``BUDGET_FACTOR`` times the witness's time, at least 4,000; 20,000 without a witness.
-    What pushes the robot or carries it away costs it more time, which is added before.
+    Time lost to pushes and drift is added first.
 
     Args:
         world: The world, with its certificate.
-        time_step: s.
-        robot: Options of the robot; without them nothing disturbs it.
+        time_step: Time step, s.
+        robot: Options of the robot; if omitted, nothing disturbs it.
     """
     if not isinstance(world.certificate, Witness):
         return _STEPS_WITHOUT_WITNESS
@@ -270,7 +278,7 @@ def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
 def options_from(
     world: World, options: RunOptions | None, settings: Mapping[str, Value]
 ) -> RunOptions:
-    """Return the options that a caller gave: all of them at once, or as single settings.
+    """Return the options that a caller gave, together or as single settings.
 
     Raises:
         InvalidParameter: If both are given, or a name or a value is unknown or out of range.
@@ -292,10 +300,10 @@ def options_from(
 
 
 def check_world(world: object) -> World:
-    """Return the world; anything else is refused.
+    """Return the world, and reject anything else.
 
     Raises:
-        InvalidParameter: If it is none.
+        InvalidParameter: If it isn't a world.
     """
     if isinstance(world, World):
         return world
@@ -313,7 +321,7 @@ def worlds_of(worlds: object) -> list[World]:
     """Return one world or many as a list.
 
     Raises:
-        InvalidParameter: If one of them is none.
+        InvalidParameter: If one of them isn't a world.
     """
     found = (
         list(worlds) if isinstance(worlds, Iterable) and not isinstance(worlds, str) else [worlds]
@@ -322,10 +330,10 @@ def worlds_of(worlds: object) -> list[World]:
 
 
 def poses_of(starts: object) -> tuple[Pose, ...]:
-    """Start as a tuple.
+    """Return the starts as a tuple.
 
     Raises:
-        InvalidParameter: If they are no list of poses of finite numbers.
+        InvalidParameter: If they are not a list of poses of finite numbers.
     """
     if not isinstance(starts, Iterable):
         raise InvalidParameter(
@@ -347,10 +355,10 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
 
 
 def seeds_of(seeds: object) -> npt.NDArray[np.uint64]:
-    """Return the seeds from a list of them, or those from 0 from their number.
+    """Return the given seeds, or those from 0 if a count is given.
 
     Raises:
-        InvalidParameter: If a seed, or their number, is no whole number or out of range.
+        InvalidParameter: If a seed, or their number, isn't a whole number or is out of range.
     """
     if isinstance(seeds, Iterable) and not isinstance(seeds, str):
         return np.array([whole("seed", seed, 0, _MAX_SEED) for seed in seeds], np.uint64)
@@ -358,10 +366,10 @@ def seeds_of(seeds: object) -> npt.NDArray[np.uint64]:
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:
-    """Return a whole number, Python's or NumPy's, from low to high.
+    """Return an integer, Python's or NumPy's, from low to high.
 
     Raises:
-        InvalidParameter: If it is none.
+        InvalidParameter: If it isn't one.
     """
     if not isinstance(value, int | np.integer) or isinstance(value, bool):
         raise InvalidParameter(

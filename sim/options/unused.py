@@ -1,4 +1,4 @@
-"""Options that cannot change a run, because its controller reads nothing that they change."""
+"""Options that cannot change a run, because its controller reads nothing that they affect."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _SENSOR = (
     "smoke_reach",
 )
 _BEAMS = ("beams", "beam_range", "beam_field", "beam_noise", "beam_dropout")
-# What a controller must read for an option to matter: any of these fields of its observation.
+# An option matters only if the controller reads one of these fields of its observation.
 _READ_BY = {
     **dict.fromkeys(_SENSOR, _SIGNAL),
     **dict.fromkeys(_BEAMS, ("beams",)),
@@ -32,7 +32,7 @@ _READ_BY = {
     "odometry_noise": ("odometry_x", "odometry_y", "odometry_heading"),
     "coin": ("random",),
 }
-# An option that only shapes another one, which is off.
+# Options that only shape another one, which is off.
 _SHAPES = dict.fromkeys(_BEAMS[1:], "beams") | {
     "smoke_reach": "smoke",
     "drift_heading": "drift",
@@ -42,10 +42,10 @@ _SHAPES = dict.fromkeys(_BEAMS[1:], "beams") | {
 def unused_options(scenario: Scenario) -> list[str]:
     """Return a sentence for each option that is set and cannot change any run of the scenario.
 
-    A controller that does not declare what it senses is taken to read everything but the clock.
+    A controller that does not declare its senses is assumed to read everything but the clock.
 
     Raises:
-        InvalidParameter: If no controller or motion model is called so.
+        InvalidParameter: If no controller or motion model has that name.
     """
     controller = CONTROLLERS.get(scenario.controller)
     if switch_class(scenario.run.motion) is ThesisOptions:
@@ -68,7 +68,7 @@ def unused_options(scenario: Scenario) -> list[str]:
 def coarse_forces(scenario: Scenario) -> list[str]:
     """Return a sentence about forces under a motion model that rounds every move to whole pixels.
 
-    Else nothing.
+    It is empty otherwise.
     """
     if switch_class(scenario.run.motion) is not ThesisOptions:
         return []
@@ -89,7 +89,7 @@ def coarse_forces(scenario: Scenario) -> list[str]:
 def random_run(scenario: Scenario) -> bool:
     """Return True if a seed can change a run of the scenario.
 
-    Of a Python class or a program that cannot be known.
+    For a Python class or a program that is unknown.
     """
     controller = CONTROLLERS.get(scenario.controller)
     return (

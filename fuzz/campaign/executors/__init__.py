@@ -1,10 +1,10 @@
-"""Who does a campaign's work: this process, others on this machine, or a Dask cluster's workers.
+"""Executors of a campaign's work: this process, others on this machine, or a Dask cluster.
 
 Contents:
-    Executor: what a campaign asks of them.
-    InlineExecutor, ProcessExecutor, local_executor: here, and on this machine.
-    cluster_executor: a cluster's.
-    WorkersLost: raised if they end before the work does.
+    Executor: the interface.
+    InlineExecutor, ProcessExecutor, local_executor: in this process, and on this machine.
+    cluster_executor: on a cluster.
+    WorkersLost: raised if workers end before the work does.
 """
 
 from fuzz.campaign.config import CampaignConfig
@@ -24,10 +24,10 @@ __all__ = [
 
 
 def cluster_executor(address: str, config: CampaignConfig) -> Executor:
-    """Return the workers of the Dask cluster with this scheduler.
+    """Return an executor for the Dask cluster with this scheduler.
 
     Raises:
-        InvalidParameter: If the extra ``[dask]`` is not installed, or a file of the configuration
+        InvalidParameter: If the extra ``[dask]`` isn't installed, or a file of the configuration
             cannot be read.
     """
     try:

@@ -1,4 +1,4 @@
-"""The workers of a Dask cluster; the only module that needs the extra ``[dask]``."""
+"""Run work on a Dask cluster; this is the only module that needs the extra ``[dask]``."""
 
 from __future__ import annotations
 
@@ -26,16 +26,20 @@ T = TypeVar("T")
 
 _ADDRESS = re.compile(
     r"([a-z]+://)?[^\s/]+:[0-9]{1,5}"
-)  # Dask itself leaves half a client behind for any other
-_PER_WORKER = 2  # units under way for each: one that it does, one that waits there
-_LOOK = 1.0  # s between two looks at which workers there are
-_TO_CONNECT = 10.0  # s
+    # For any other address, Dask leaves a half-built client behind.
+)
+# Units in progress per worker: one that it does, and one that waits there.
+_PER_WORKER = 2
+# Seconds between two checks of the list of workers.
+_LOOK = 1.0
+# Timeout, s.
+_TO_CONNECT = 10.0
 _OPTION = "--scheduler"
 _GONE = "the Dask scheduler at {address} does not answer any more"
 
 
 class _Client(Client):  # type: ignore[misc] # it has no types
-    """A client that nobody waits for who could not make it."""
+    """A client that is not awaited by code that failed to create it."""
 
     def __del__(self) -> None:
         if self.status == "running":
@@ -45,16 +49,16 @@ class _Client(Client):  # type: ignore[misc] # it has no types
 class DaskExecutor:
     """The workers of a Dask cluster, which may come and go.
 
-    A worker that dies is the scheduler's business: it gives the work to another. Each worker is
-    asked before its first work whether its code is this one's; the files of controllers, families
-    and oracles of one's own go along.
+    If a worker dies, the scheduler gives its work to another. Before its first work, each worker
+    checks that its code equals ours; the files of the user's controllers, families and oracles are
+    sent along.
 
     Args:
-        address: The scheduler's: ``tcp://host:8786``.
-        config: What the campaign looks for.
+        address: Address of the scheduler: ``tcp://host:8786``.
+        config: Definition of the campaign.
 
     Raises:
-        InvalidParameter: If the address is none, or a file of the configuration cannot be read.
+        InvalidParameter: If the address is invalid, or a file of the configuration cannot be read.
     """
 
     def __init__(self, address: str, config: CampaignConfig) -> None:
@@ -74,23 +78,24 @@ class DaskExecutor:
 
     @property
     def room(self) -> int:
-        """Two for each worker that there is."""
+        """Two for each worker."""
         if time.monotonic() - self._looked > _LOOK:
             self._room = _PER_WORKER * len(self._client.nthreads())
             self._looked = time.monotonic()
-        return max(self._room, _PER_WORKER)  # without any worker they wait at the scheduler
+        # Without any worker they wait at the scheduler.
+        return max(self._room, _PER_WORKER)
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Give it to the scheduler."""
+        """Submit it to the scheduler."""
         future: Future[T] = self._pool.submit(self._job.run, work, args, kwargs)
         return future
 
     def prepare(self, config: CampaignConfig) -> list[Future[float]]:
-        """Nothing: workers come and go, and each loads what it needs with its first work."""
+        """Do nothing: workers come and go, and each loads what it needs with its first work."""
         return []
 
     def stop(self) -> None:
-        """Nothing: what is under way is cancelled at the end."""
+        """Do nothing: work in progress is cancelled at the end."""
 
     def listen(self) -> None:
         """Raise ``KeyboardInterrupt`` if Ctrl-C came.
@@ -110,14 +115,16 @@ class DaskExecutor:
         """
         logging.getLogger("distributed").setLevel(
             logging.CRITICAL
-        )  # what goes wrong we say ourselves, once
+            # We report errors ourselves, once.
+        )
         try:
             self._client = _Client(self._address, timeout=_TO_CONNECT, set_as_default=False)
         except (
             MemoryError,
             OSError,
             ValueError,
-        ) as error:  # a server of another kind may seem to send exabytes
+            # A server of another kind may seem to send exabytes.
+        ) as error:
             raise InvalidParameter(
                 "no-scheduler",
                 "no Dask scheduler answers at {address!r} ({reason})",
@@ -135,11 +142,11 @@ class DaskExecutor:
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        """Disconnect; what is under way is cancelled.
+        """Disconnect, which cancels work in progress.
 
         Raises:
-            WorkersLost: If the scheduler is gone, or work killed worker after worker.
-            InvalidParameter: If the workers' code is other than ours.
+            WorkersLost: If the scheduler is gone, or the work killed worker after worker.
+            InvalidParameter: If the workers' code differs from ours.
         """
         with self._open, suppress(OSError, RuntimeError):
             self._pool.shutdown(wait=False)
@@ -149,7 +156,7 @@ class DaskExecutor:
 
 
 def _retell(error: BaseException, address: str) -> None:
-    """Raise what went wrong as a sentence, where it is not our fault."""
+    """Raise an error as a plain sentence if it isn't our fault."""
     if isinstance(error, KilledWorker):
         raise WorkersLost(
             "killed-worker",

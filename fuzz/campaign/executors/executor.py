@@ -1,4 +1,4 @@
-"""What a campaign asks of those who do its work."""
+"""The interface between a campaign and its workers."""
 
 from __future__ import annotations
 
@@ -17,30 +17,30 @@ T = TypeVar("T")
 
 
 class WorkersLost(WorldgenError):
-    """Those who did the work ended before it did."""
+    """The workers ended before the work did."""
 
 
 class Executor(Protocol):
-    """Does pure functions of arguments that can be pickled, in any order."""
+    """Runs pure functions of arguments that can be pickled, in any order."""
 
     @property
     def room(self) -> int:
-        """How many units may be under way at a time."""
+        """Number of units that may be in progress at a time."""
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Begin a piece of work, or put it behind what is under way."""
+        """Submit a piece of work, which may wait for others."""
 
     def prepare(self, config: CampaignConfig) -> list[Future[float]]:
-        """Begin to load what the first units need, wherever work will be done.
+        """Begin to load what the first units need, wherever the work will be done.
 
-        Results are those of :func:`fuzz.campaign.loading.load`.
+        The results are those of :func:`fuzz.campaign.loading.load`.
         """
 
     def listen(self) -> None:
         """Raise ``KeyboardInterrupt`` if Ctrl-C came; called often while the campaign waits."""
 
     def stop(self) -> None:
-        """Tell whatever is under way to end with what it has; nobody waits for what does not."""
+        """Tell work in progress to end with what it has; work that does not end is not awaited."""
 
     def __enter__(self) -> Self:
         """Start what is needed."""
@@ -51,8 +51,8 @@ class Executor(Protocol):
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        """End it, at once if something went wrong.
+        """End the executor, immediately if something went wrong.
 
         Raises:
-            WorkersLost: Instead of what went wrong, if it was that.
+            WorkersLost: If that is what went wrong.
         """

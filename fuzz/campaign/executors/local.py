@@ -1,4 +1,4 @@
-"""This process, or several on this machine."""
+"""Run work in this process, or in several on this machine."""
 
 from __future__ import annotations
 
@@ -25,30 +25,32 @@ __all__ = ["InlineExecutor", "ProcessExecutor", "local_executor"]
 P = ParamSpec("P")
 T = TypeVar("T")
 
-_WAITING = 1  # units that wait for a worker, so that none is idle
+# Units waiting for a worker, so that none is idle.
+_WAITING = 1
 
 
 def local_executor(workers: int) -> Executor:
-    """So many processes; of one, this one."""
+    """Return an executor for this many processes; for one, this process."""
     return InlineExecutor() if workers == 1 else ProcessExecutor(workers)
 
 
 class InlineExecutor:
-    """Do the work at once, in this process.
+    """Do work immediately, in this process.
 
-    Ctrl-C stops the work as it stops that of other processes, so that a unit hands in what it met.
-    Work that does not end in time is interrupted.
+    Ctrl-C stops the work in the same way as in other processes, so a unit returns what it has
+    found. Work that does not end in time is interrupted.
     """
 
     room = 1
 
     def __init__(self) -> None:
-        self._stopped_at = math.inf  # by the clock of deadlines
+        # By the clock of deadlines.
+        self._stopped_at = math.inf
         self._patience: threading.Timer | None = None
         self._open = ExitStack()
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Do it."""
+        """Do the work."""
         future: Future[T] = Future()
         try:
             with stopping_from(lambda: self._stopped_at):
@@ -58,7 +60,7 @@ class InlineExecutor:
         return future
 
     def prepare(self, config: CampaignConfig) -> list[Future[float]]:
-        """Load it here.
+        """Load it in this process.
 
         Raises:
             KeyboardInterrupt: If Ctrl-C came meanwhile; nothing has been found by then.
@@ -79,7 +81,7 @@ class InlineExecutor:
     def _stop(self) -> None:
         """Tell the work to end, and interrupt it if it takes too long.
 
-        A controller that never answers does.
+        A controller that never returns takes too long.
         """
         self._stopped_at = now()
         self._patience = threading.Timer(TO_HAND_IN, _thread.interrupt_main)
@@ -91,10 +93,10 @@ class InlineExecutor:
             self._patience.cancel()
 
     def stop(self) -> None:
-        """Do nothing: no work is under way when anyone can call this."""
+        """Do nothing: no work is in progress when this can be called."""
 
     def __enter__(self) -> Self:
-        """Hold Ctrl-C back from here on."""
+        """Hold back Ctrl-C from here on."""
         self._listen = self._open.enter_context(ctrl_c_held_back(self._stop))
         return self
 
@@ -104,27 +106,27 @@ class InlineExecutor:
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        """Leave Ctrl-C as it was."""
+        """Restore Ctrl-C."""
         self._stop_waiting()
         self._open.close()
 
 
 class ProcessExecutor:
-    """Processes on this machine, which ignore Ctrl-C and end when this one ends.
+    """Processes on this machine that ignore Ctrl-C and end when this process ends.
 
     Args:
-        workers: How many.
+        workers: Number of processes.
     """
 
     def __init__(self, workers: int) -> None:
         self.room = workers + _WAITING
         self._workers = workers
         self._open = ExitStack()
-        # One word, so it needs no lock.
+        # A single word, so it needs no lock.
         self._stopped_at = get_context("spawn").RawValue(c_double, math.inf)
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Give it to the next process that is free."""
+        """Submit it to the next free process."""
         return self._pool.submit(work, *args, **kwargs)
 
     def prepare(self, config: CampaignConfig) -> list[Future[float]]:
@@ -140,7 +142,7 @@ class ProcessExecutor:
         self._stopped_at.value = now()
 
     def __enter__(self) -> Self:
-        """Ready to start processes, one when it is first needed."""
+        """Prepare to start processes, the first when it is needed."""
         self._pool = WorkerPool(self._workers, _stop_from, self._stopped_at)
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
@@ -151,7 +153,7 @@ class ProcessExecutor:
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        """End the processes; at once if something went wrong, or they were told to stop.
+        """End the processes, immediately if something went wrong or they were told to stop.
 
         Raises:
             WorkersLost: If one of them died.
@@ -171,5 +173,5 @@ class ProcessExecutor:
 
 
 def _stop_from(stopped_at: c_double) -> None:
-    """Let all work of a worker end when the driver says so."""
+    """Let a worker's work end when the main process says so."""
     stop_from(lambda: stopped_at.value)

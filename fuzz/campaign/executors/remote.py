@@ -1,4 +1,4 @@
-"""Work that is done elsewhere: first it is made sure that the code there is the code here."""
+"""Do work elsewhere, after checking that the code there equals the code here."""
 
 from __future__ import annotations
 
@@ -29,20 +29,21 @@ __all__ = ["RemoteJob"]
 P = ParamSpec("P")
 T = TypeVar("T")
 
-_ONE = threading.Lock()  # controllers that are programs, and Hypothesis, are one thread's
-_here: dict[str, str] = {}  # key of the job that this process is ready for
+# Controllers that are programs, and Hypothesis, belong to one thread.
+_ONE = threading.Lock()
+# Key of the job that this process is ready for.
+_here: dict[str, str] = {}
 _REGISTRIES: tuple[Registry[Any], ...] = (CONTROLLERS, FAMILIES, ORACLES)
 
 
 @dataclass(frozen=True)
 class RemoteJob:
-    """What goes along with each piece of work.
+    """Data sent along with each piece of work.
 
     Args:
-        config: The campaign's.
-        fingerprint: Here.
-        files: Contents of the Python files that the configuration names, by the names that it gives
-            them.
+        config: The campaign's configuration.
+        fingerprint: Fingerprint of the code here.
+        files: Contents of the Python files that the configuration names, by those names.
     """
 
     config: CampaignConfig
@@ -64,12 +65,12 @@ class RemoteJob:
         )
 
     def run(self, work: Callable[P, T], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> T:
-        """Do the work in this process, whose code is looked at first.
+        """Do the work in this process, after checking its code.
 
         Raises:
-            InvalidParameter: If it is other code.
+            InvalidParameter: If the code differs.
         """
-        # Dask's own threads draw from `random` while Hypothesis, in this one, looks whether a
+        # Dask's own threads draw from `random` while Hypothesis checks, in this thread, whether a
         # strategy did.
         warnings.filterwarnings(
             "ignore", "Do not use the `random` module", HypothesisDeprecationWarning
@@ -92,12 +93,12 @@ def _places(config: CampaignConfig) -> list[str]:
 
 
 def _be_alike(job: RemoteJob) -> None:
-    """Take over the job's files, and check that all code is the same.
+    """Install the job's files, and check that all code is the same.
 
-    Once for each campaign in turn.
+    This happens once per campaign.
 
     Raises:
-        InvalidParameter: If it is not.
+        InvalidParameter: If it differs.
     """
     key = digest_of([job.fingerprint.digest, sorted(job.files)])
     if _here.get("job") == key:
@@ -120,7 +121,7 @@ def _be_alike(job: RemoteJob) -> None:
 
 
 def _copy(name: str, data: bytes) -> Path:
-    """Return a file of this content, in a folder that goes when this process does."""
+    """Return a file with this content, in a folder that is deleted with this process."""
     folder = Path(_folder().name) / hashlib.sha256(data).hexdigest()
     folder.mkdir(exist_ok=True)
     (folder / name).write_bytes(data)

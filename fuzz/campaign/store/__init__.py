@@ -1,17 +1,14 @@
-"""What a campaign remembers on disk.
+"""The store of a campaign on disk.
 
-So that nothing that ends it loses more than the units under way. Contents:
-    FolderStore: the folder ``OUT/.campaign``: who writes it, and what is in it.
-    CampaignRun, Budget, begin, resume: opens it for a new campaign, or to go on with the same one.
-    Fingerprint, fingerprint_of: a configuration, and the code that decides what its units find.
-    errors_recorded, record_error, read_error, forget_error: why a campaign gave up, as data for
-        other programs.
-    Summary, StrategyTotals, BucketTotals, Archive, read_summary: a campaign in numbers, as
-        ``summary.json`` has it.
-    MEMORY: name of the folder in a campaign's folder.
-    CampaignStore: what a campaign needs of a store; this one remembers nothing.
+Whatever ends a campaign, it loses only the units in progress. Contents: FolderStore: the folder
+    ``OUT/.campaign`` and its lock. CampaignRun, Budget, begin, resume: open it for a new campaign,
+    or to continue one. Fingerprint, fingerprint_of: a configuration, and the code that determines
+    the units' results. errors_recorded, record_error, read_error, forget_error: why a campaign gave
+    up, as data for other programs. Summary, StrategyTotals, BucketTotals, Archive, read_summary:
+    the numbers in ``summary.json``. MEMORY: name of the store's folder in a campaign's folder.
+    CampaignStore: the interface of a store; this one stores nothing.
 
-``docs/howto/campaigns.md`` tells what a user sees.
+``docs/howto/campaigns.md`` describes it for users.
 """
 
 from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of

@@ -1,6 +1,6 @@
-"""A unit's result as an entry of the store, and back.
+"""Convert a unit's result to an entry of the store, and back.
 
-A table in JSON's types with a digest over all of it.
+An entry is a table in JSON's types with a digest of all of it.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ _FAILURE_ID = re.compile(rf"[0-9a-f]{{{ID_DIGITS}}}")
 
 @dataclass(frozen=True)
 class Done:
-    """A unit that is done.
+    """A finished unit.
 
     Args:
-        result: What it found; of the failures and elites only what was worth keeping.
-        seconds: Of the campaign, over all runs, when the unit was merged.
+        result: Its result; of the failures and elites, only those worth keeping.
+        seconds: Seconds of the campaign, over all runs, when the unit was merged.
     """
 
     result: UnitResult
@@ -38,10 +38,10 @@ def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, 
     """Return the text of an entry.
 
     Args:
-        unit: Its number.
+        unit: Number of the unit.
         done: Its result.
-        fingerprint: Digest of what the campaign is, without which an entry means nothing.
-        failures: By class, the name of the failure's file.
+        fingerprint: Digest of the campaign's fingerprint, without which an entry is meaningless.
+        failures: Name of the failure's file, by class.
     """
     result = done.result
     entry = {
@@ -62,17 +62,17 @@ def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, 
 
 
 def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], Failure]) -> Done:
-    """Return the unit that an entry tells of.
+    """Parse the unit in an entry.
 
     Args:
         text: The entry's file.
-        unit: Whose entry it is to be.
-        fingerprint: Digest of what the campaign is.
+        unit: Number of the expected unit.
+        fingerprint: Digest of the campaign's fingerprint.
         failure: Reads the failure of a name.
 
     Raises:
-        ValueError: If it is cut off, changed, or another unit's or campaign's; or if a failure of
-            it cannot be read.
+        ValueError: If the entry is truncated, changed, or another unit's or campaign's, or one of
+            its failures cannot be read.
     """
     try:
         entry = json.loads(text)

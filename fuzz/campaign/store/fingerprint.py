@@ -1,4 +1,4 @@
-"""What decides the result of a campaign's units: the configuration, and the code that does them."""
+"""What determines the results of a campaign's units: the configuration, and the code."""
 
 from __future__ import annotations
 
@@ -37,25 +37,27 @@ _SHOWS = (
     "worldgen/cli",
     "worldgen/commands",
 )
-"""What shows campaigns and decides nothing in them.
+"""Packages that present campaigns and decide nothing in them.
 
-That no search imports it is a contract in pyproject.toml.
+A contract in pyproject.toml ensures that no search imports them.
 """
 _LEFT_OUT = tuple(f"{folder}/" for folder in _SHOWS)
 _COMPILED = (".so", ".pyd")
-_DIGITS = 16  # hex, of every digest here
-_LONGEST = 60  # characters of a value in a message
+# Hex digits of every digest here.
+_DIGITS = 16
+# Characters of a value in a message.
+_LONGEST = 60
 
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """A configuration and the code that goes with it.
+    """A configuration and the code that belongs to it.
 
     Campaigns of equal fingerprints find the same.
 
     Args:
-        configuration: The campaign's, in JSON's types.
-        code: Digests and versions of whatever else decides what a unit finds.
+        configuration: The campaign's configuration, in JSON's types.
+        code: Digests and versions of everything else that determines a unit's result.
     """
 
     configuration: Mapping[str, Any]
@@ -63,11 +65,11 @@ class Fingerprint:
 
     @functools.cached_property
     def digest(self) -> str:
-        """The first hex digits of the SHA-256 of all of it."""
+        """First hex digits of the SHA-256 of all of it."""
         return digest_of([self.configuration, self.code])
 
     def differences(self, now: Fingerprint) -> list[str]:
-        """Return how another fingerprint differs from this one, in words: ``seed is 5, not 6``."""
+        """Describe how another fingerprint differs from this one: ``seed is 5, not 6``."""
         found = []
         for name in sorted(self.configuration.keys() | now.configuration.keys()):
             before = self.configuration.get(name)
@@ -83,7 +85,7 @@ class Fingerprint:
 
 
 def fingerprint_of(config: CampaignConfig) -> Fingerprint:
-    """Return the fingerprint of a configuration, with the code as it is here and now.
+    """Return the fingerprint of a configuration, with the code as it is now.
 
     Raises:
         InvalidParameter: If a controller, family or oracle cannot be found.
@@ -114,16 +116,17 @@ def _configuration(config: CampaignConfig) -> dict[str, Any]:
     plain["fixed_map"] = None if config.fixed_map is None else dumps(config.fixed_map).decode()
     configuration: dict[str, Any] = json.loads(
         json.dumps(plain, default=asdict)
-    )  # with lists for tuples, as it will be read
+        # With lists for tuples, as it will be read.
+    )
     return configuration
 
 
 def config_of(configuration: Mapping[str, Any]) -> CampaignConfig:
-    """Return the configuration that was stored.
+    """Return the stored configuration.
 
     Raises:
-        WorldgenError: If a part of it is out of range.
-        TypeError, ValueError, KeyError: If it is none.
+        WorldgenError: If part of it is out of range.
+        TypeError, ValueError, KeyError: If it isn't a configuration.
     """
     values: dict[str, Any] = {
         name: tuple(value) if isinstance(value, list) else value
@@ -154,17 +157,17 @@ def _own_folders() -> list[Path]:
 
 @functools.cache
 def _own_sources() -> str:
-    """Return a digest of our own files: which of them a unit hangs on is hard to say."""
+    """Return a digest of our own files, because it is hard to tell which ones a unit depends on."""
     return digest_of_sources(_own_folders())
 
 
 def digest_of_sources(folders: Sequence[Path]) -> str:
     """Return a digest of packages' files, without those that only present results.
 
-    What is compiled of them is left out: another compiler's core computes the same.
+    Compiled files are excluded: another compiler's core computes the same.
 
     Args:
-        folders: Of the packages.
+        folders: Folders of the packages.
     """
     digest = hashlib.sha256()
     for folder in folders:
@@ -182,7 +185,7 @@ def digest_of_sources(folders: Sequence[Path]) -> str:
 
 
 def _other_sources(config: CampaignConfig) -> Iterator[tuple[str, str]]:
-    """Yield what is not our own, and its digest."""
+    """Yield objects that are not our own, with their digests."""
     controller = config.scenario.controller
     found = CONTROLLERS.get(controller)
     if isinstance(found, ProcessController):
@@ -206,7 +209,7 @@ def _digest_of_source(registry: Registry[Any], name: str) -> str:
 
 
 def _digest_of_program(command: Sequence[str]) -> str:
-    """Return the digest of what runs: those of a command's words that are files here."""
+    """Return the digest of a program: of the words of a command that are files here."""
     paths = [Path(shutil.which(word) or word) for word in command]
     return _digest_of_files(*(path for path in paths if path.is_file()))
 

@@ -1,7 +1,7 @@
-"""The folder ``OUT/.campaign``: written by one process at a time, whole at every moment.
+"""The folder ``OUT/.campaign``: written by one process at a time, and consistent at every moment.
 
-Every file is written under another name and then renamed, so it is there whole or not at all; those
-with failures before the entry that names them.
+Every file is written under another name and then renamed, so that it is complete or absent; files
+with failures are written before the entry that names them.
 """
 
 from __future__ import annotations
@@ -43,16 +43,19 @@ def _content_name(data: bytes) -> str:
 
 
 class CampaignStore:
-    """A campaign's memory; this one remembers nothing, for a campaign that nobody goes on with."""
+    """A campaign's store.
+
+    This one stores nothing, for a campaign that is never continued.
+    """
 
     def unit(self, unit: int) -> Done | None:
-        """Return a unit that was done before; ``None`` if it is to be done."""
+        """Return a unit that was done before; ``None`` if it has yet to be done."""
         return None
 
     def cut_unit(self, unit: int) -> Done | None:
-        """Return what a unit had met when it was cut short.
+        """Return the findings of a unit that was cut short.
 
-        ``None`` if there is nothing of it, or it was done since.
+        It is ``None`` if there are none, or the unit was done since.
         """
         return None
 
@@ -61,25 +64,25 @@ class CampaignStore:
         return []
 
     def save_unit(self, unit: int, done: Done) -> None:
-        """Keep a unit; one that was cut short apart from those that are done."""
+        """Store a unit; one that was cut short is stored separately."""
 
     def seconds(self) -> float:
-        """Return how long earlier runs took, as far as that is known."""
+        """Return how long earlier runs took, as far as is known."""
         return 0.0
 
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:
-        """Return what a failure was shrunk to before; ``None`` if it is to be shrunk."""
+        """Return what a failure was shrunk to before; ``None`` if it has yet to be shrunk."""
         return None
 
     def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
-        """Keep what a failure was shrunk to."""
+        """Store what a failure was shrunk to."""
 
 
 class FolderStore(CampaignStore):
-    """A campaign's memory in ``OUT/.campaign``, kept from other processes until :meth:`close`.
+    """A campaign's store in ``OUT/.campaign``, locked against other processes until :meth:`close`.
 
     Args:
-        out: The folder of the campaign's failures; made if it is missing.
+        out: Folder of the campaign's failures; created if missing.
 
     Raises:
         OutputError: If it cannot be written, or another process is writing it.
@@ -107,9 +110,9 @@ class FolderStore(CampaignStore):
 
     @staticmethod
     def stored_in(out: Path) -> tuple[Fingerprint, dict[str, Any]] | None:
-        """Return the fingerprint of the campaign in a folder, and how long it was to search.
+        """Return the fingerprint and the budget of the campaign in a folder.
 
-        ``None`` if there is none.
+        It is ``None`` if there is none.
 
         Raises:
             FormatError: If it cannot be read.
@@ -137,7 +140,7 @@ class FolderStore(CampaignStore):
             ) from error
 
     def units_done(self) -> int:
-        """Return how many units it holds, from the first on: one more than the last number."""
+        """Return how many units it holds: one more than the last number."""
         numbers = [
             int(file.stem)
             for file in (self._path / "units").glob("*.json")
@@ -146,11 +149,11 @@ class FolderStore(CampaignStore):
         return max(numbers, default=-1) + 1
 
     def close(self) -> None:
-        """Let other processes at it."""
+        """Unlock it for other processes."""
         os.close(self._lock)
 
     def begin(self, fingerprint: Fingerprint, budget: dict[str, Any]) -> None:
-        """Store the fingerprint of a new campaign, or the new budget of the one that is there.
+        """Store the fingerprint of a new campaign, or the new budget of an existing one.
 
         Raises:
             OutputError: If it cannot be written.
@@ -172,7 +175,7 @@ class FolderStore(CampaignStore):
         self._save("campaign.json", (json.dumps(said, indent=1) + "\n").encode())
 
     def forget(self) -> None:
-        """Remove what is there of an earlier campaign; its failures in the folder outside stay.
+        """Remove an earlier campaign's store, but not its failures in the folder outside.
 
         Raises:
             OutputError: If it cannot be removed.
@@ -180,7 +183,8 @@ class FolderStore(CampaignStore):
         with refused_writes(self._path):
             (self._path / "campaign.json").unlink(
                 missing_ok=True
-            )  # first: what is left is then no campaign
+                # This one first: the rest is then no longer a campaign.
+            )
             (self._path / SUMMARY_FILE).unlink(missing_ok=True)
             (self._path / _WRITTEN).unlink(missing_ok=True)
             for part in _PARTS:
@@ -192,9 +196,9 @@ class FolderStore(CampaignStore):
         return self._read_unit(unit, self._unit_file(unit))
 
     def cut_unit(self, unit: int) -> Done | None:
-        """Return what a unit had met when it was cut short.
+        """Return the findings of a unit that was cut short.
 
-        ``None`` if there is nothing of it, or it was done since.
+        It is ``None`` if there are none, or the unit was done since.
         """
         done = self._read_unit(unit, self._cut_file(unit))
         return done and replace(done, result=replace(done.result, cut=True))
@@ -213,9 +217,9 @@ class FolderStore(CampaignStore):
             return None
 
     def save_unit(self, unit: int, done: Done) -> None:
-        """Keep a unit: its failures first, then its entry.
+        """Store a unit: its failures first, then its entry.
 
-        One that was cut short is begun again by who goes on.
+        A continued campaign starts a cut unit again.
 
         Raises:
             OutputError: If it cannot be written.
@@ -232,7 +236,7 @@ class FolderStore(CampaignStore):
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:
         """Return what a failure was shrunk to before.
 
-        ``None`` if it is to be shrunk, or the file is not whole.
+        It is ``None`` if it has yet to be shrunk, or the file is incomplete.
         """
         file = self._shrunk.get(f"{failure.id}-{kept}")
         if file is None:
@@ -243,12 +247,12 @@ class FolderStore(CampaignStore):
             return None
 
     def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
-        """Keep what a failure was shrunk to.
+        """Store what a failure was shrunk to.
 
         Args:
-            failure: Before.
-            kept: What shrinking kept.
-            shrunk: After.
+            failure: The failure before shrinking.
+            kept: What shrinking preserved.
+            shrunk: The failure after shrinking.
 
         Raises:
             OutputError: If it cannot be written.
@@ -271,7 +275,7 @@ class FolderStore(CampaignStore):
     def write_failure(self, name: str, data: bytes) -> None:
         """Write a failure into the campaign's folder.
 
-        It is noted first, so that no file is there that nobody knows.
+        It is recorded first, so that there is never an unknown file.
 
         Raises:
             OutputError: If it cannot be written.
@@ -283,9 +287,9 @@ class FolderStore(CampaignStore):
         write_bytes(self.out / name, data, force=True)
 
     def remove_failures_but(self, names: Collection[str]) -> None:
-        """Remove what this campaign wrote and nobody changed, except for these.
+        """Remove the files that this campaign wrote and that are unchanged, except for these.
 
-        What cut units met beyond its end.
+        These are findings of cut units beyond its end.
 
         Raises:
             OutputError: If a file cannot be removed.
@@ -301,9 +305,9 @@ class FolderStore(CampaignStore):
                     file.unlink()
 
     def seconds(self) -> float:
-        """Return how long earlier runs took, shrinking after the last unit included.
+        """Return how long earlier runs took, including shrinking after the last unit.
 
-        0 if that cannot be read.
+        It is 0 if that cannot be read.
         """
         try:
             seconds = float(json.loads((self._path / SUMMARY_FILE).read_bytes())["seconds"])
@@ -312,7 +316,7 @@ class FolderStore(CampaignStore):
         return seconds if math.isfinite(seconds) and seconds > 0.0 else 0.0
 
     def save_summary(self, summary: dict[str, Any]) -> None:
-        """Write what reports read.
+        """Write the file that reports read.
 
         Raises:
             OutputError: If it cannot be written.
@@ -320,7 +324,7 @@ class FolderStore(CampaignStore):
         self._save(SUMMARY_FILE, (json.dumps(summary, indent=1) + "\n").encode())
 
     def save_status(self, status: str) -> None:
-        """Write how the campaign stands into the summary that is there, if there is one.
+        """Write the campaign's status into the existing summary, if there is one.
 
         Raises:
             OutputError: If it cannot be written.
@@ -334,7 +338,8 @@ class FolderStore(CampaignStore):
             RecursionError,
             TypeError,
             ValueError,
-        ):  # nothing that can be read: the next one says it
+            # It is unreadable: the next reader reports it.
+        ):
             return
 
     def _unit_file(self, unit: int) -> Path:
@@ -354,7 +359,7 @@ def _whole_failure(file: Path, content: str) -> Failure:
     """Return the failure in a file that is named by its content.
 
     Raises:
-        ValueError: If the content is another; as FormatError if it cannot be read.
+        ValueError: If the content differs; FormatError if it cannot be read.
     """
     data = read_text(file).encode()
     if _content_name(data) != content:

@@ -1,4 +1,4 @@
-"""Why a campaign gave up, or was not begun: ``.campaign/error.json``, which other programs read."""
+"""Record why a campaign gave up or did not begin: ``.campaign/error.json``, read by other programs."""
 
 from __future__ import annotations
 
@@ -19,11 +19,13 @@ from worldgen.files.whole import read_text, write_bytes
 __all__ = ["errors_recorded", "forget_error", "read_error", "record_error"]
 
 _VERSION = 1
-_LONGEST = 4_000  # characters of a template
+# Most characters of a template.
+_LONGEST = 4_000
 _FIELD = re.compile(r"[a-z][a-z0-9_]*")
 _SPEC = re.compile(
     r"[#,]?(?:\.\d)?[a-zA-Z%]?|[a-z ]{0,40}"
-)  # no width, which could ask for gigabytes
+    # No width, which could ask for gigabytes.
+)
 
 
 def _file(out: Path) -> Path:
@@ -31,13 +33,13 @@ def _file(out: Path) -> Path:
 
 
 def record_error(out: Path, error: WorldgenError) -> None:
-    """Write why a campaign gave up into its folder.
+    """Write the reason why a campaign gave up into its folder.
 
-    Nothing if it has no memory there, or another process writes it.
+    Nothing is written if it has no store there, or another process is writing it.
 
     Args:
         out: The campaign's folder.
-        error: Why.
+        error: The reason.
     """
     memory = out / MEMORY
     if not memory.is_dir() or holder(memory / "lock") not in (None, os.getpid()):
@@ -55,8 +57,10 @@ def record_error(out: Path, error: WorldgenError) -> None:
         "templates": {"problem": problem, "remedy": remedy},
     }
     with contextlib.suppress(
-        OutputError, ValueError
-    ):  # a full disk may be why; ValueError: a number of 5,000 digits
+        OutputError,
+        ValueError,
+        # A full disk may be the reason; ValueError: a number of 5,000 digits.
+    ):
         write_bytes(
             _file(out), (json.dumps(record, indent=1, default=str) + "\n").encode(), force=True
         )
@@ -64,7 +68,7 @@ def record_error(out: Path, error: WorldgenError) -> None:
 
 @contextlib.contextmanager
 def errors_recorded(out: Path | None) -> Iterator[None]:
-    """Write an error that comes out of the block into a campaign's folder, and let it go on."""
+    """Record an error raised in the block in a campaign's folder, and let it propagate."""
     try:
         yield
     except WorldgenError as error:
@@ -74,15 +78,15 @@ def errors_recorded(out: Path | None) -> Iterator[None]:
 
 
 def forget_error(out: Path) -> None:
-    """Remove what an earlier run of the campaign left."""
+    """Remove the record of an earlier run of the campaign."""
     with contextlib.suppress(OSError):
         _file(out).unlink(missing_ok=True)
 
 
 def read_error(out: Path) -> WorldgenError | None:
-    """Return why a campaign gave up.
+    """Return the reason why a campaign gave up.
 
-    ``None`` if nothing is recorded, or what is there is no such record.
+    It is ``None`` if nothing is recorded, or the file isn't such a record.
     """
     file = _file(out)
     if not file.is_file() or file.is_symlink():
@@ -107,7 +111,7 @@ def read_error(out: Path) -> WorldgenError | None:
 def _error(record: dict[str, Any]) -> WorldgenError:
     """Return the error of a record, which may come from anywhere.
 
-    It is worded here, so that a bad one shows now.
+    Its message is built here, so that a bad template fails now.
     """
     templates = [str(record["templates"][name]) for name in ("problem", "remedy")]
     for template in templates:

@@ -1,6 +1,6 @@
-"""Opens a campaign's folder.
+"""Open a campaign's folder, for a new campaign or to continue the same one.
 
-For a new campaign, to go on with the same one, and for nothing else.
+A folder is refused for any other use.
 """
 
 from __future__ import annotations
@@ -17,16 +17,17 @@ from worldgen.errors import FormatError, OutputError
 
 __all__ = ["Budget", "CampaignRun", "begin", "resume", "stored_seed"]
 
-_SAID_AT_MOST = 3  # differences
+# Most differences to list.
+_SAID_AT_MOST = 3
 
 
 @dataclass(frozen=True)
 class Budget:
-    """How long a campaign is to search.
+    """The budget of a campaign.
 
     Args:
         units: Amount of work, or ``None``.
-        seconds: Time, of this run alone, or ``None``.
+        seconds: Time for this run, or ``None``.
     """
 
     units: int | None = None
@@ -35,13 +36,13 @@ class Budget:
 
 @dataclass(frozen=True)
 class CampaignRun:
-    """A campaign that may begin, or go on.
+    """A campaign that may begin or continue.
 
     Args:
-        config: What to look for.
-        store: Its memory, ours until it is closed.
-        budget: How long.
-        done: Units that the folder holds already.
+        config: Definition of the campaign.
+        store: Its store, locked until it is closed.
+        budget: Its budget.
+        done: Units already in the folder.
     """
 
     config: CampaignConfig
@@ -60,20 +61,21 @@ def stored_seed(out: Path) -> int | None:
 
 
 def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = False) -> CampaignRun:
-    """Begin a campaign in a folder, or go on with the same one.
+    """Begin a campaign in a folder, or continue the same one.
 
-    One that did nothing yet makes room for another.
+    A campaign without any results may be replaced by another.
 
     Args:
-        config: What to look for.
-        out: The folder; made if it is missing.
-        budget: How long.
-        force: Forget what another campaign did there, and replace files of the same name.
+        config: Definition of the campaign.
+        out: The folder; created if missing.
+        budget: Its budget.
+        force: Whether to discard another campaign's results there, and to replace files of the same
+            name.
 
     Raises:
         OutputError: If the folder holds something else, another process is writing it, or it cannot
             be written.
-        FormatError: If its memory cannot be read.
+        FormatError: If its store cannot be read.
     """
     stored = None if force else FolderStore.stored_in(out)
     if stored is None and not force and out.is_dir() and any(out.glob("*.grid")):
@@ -90,7 +92,8 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
     try:
         if force or not store.units_done():
             store.forget()
-        stored = FolderStore.stored_in(out)  # again, for another process may have begun
+        # Check again, because another process may have begun.
+        stored = FolderStore.stored_in(out)
         if stored is not None:
             _refuse_another(
                 out, stored[0], fingerprint, f"worldgen fuzz --resume {out} goes on with that one"
@@ -102,16 +105,16 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
 
 
 def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
-    """Go on with the campaign in a folder.
+    """Continue the campaign in a folder.
 
     Args:
         out: The folder.
-        budget: How long; as before if left out.
+        budget: Its budget; as before if omitted.
 
     Raises:
-        OutputError: If there is none, it was done by other code, or its folder cannot be had.
-        FormatError: If its memory cannot be read.
-        WorldgenError: If its configuration cannot be had here: its controller is missing, say.
+        OutputError: If there is none, other code did it, or its folder is unavailable.
+        FormatError: If its store cannot be read.
+        WorldgenError: If its configuration is unavailable here, such as a missing controller.
     """
     stored = FolderStore.stored_in(out)
     if stored is None:

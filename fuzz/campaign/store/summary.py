@@ -21,7 +21,8 @@ __all__ = [
     "read_summary",
 ]
 
-MEMORY = ".campaign"  # folder, in a campaign's folder, of what it remembers
+# Name of the store's folder in a campaign's folder.
+MEMORY = ".campaign"
 SUMMARY_FILE = "summary.json"
 _VERSION = 2
 _MOST_ROWS = 100_000
@@ -30,7 +31,10 @@ _STATUSES = ("", "running", "done", "stopped", "failed")
 
 @dataclass(frozen=True)
 class StrategyTotals:
-    """What one way of searching did: ``classes`` counts those that it was the first to find."""
+    """Totals of one strategy.
+
+    ``classes`` counts those that it was the first to find.
+    """
 
     strategy: str
     units: int
@@ -42,9 +46,9 @@ class StrategyTotals:
 
 @dataclass(frozen=True)
 class BucketTotals:
-    """A class met for the first time, or in a smaller world.
+    """A class found for the first time, or in a smaller world.
 
-    ``worlds`` and what follows are totals up to then.
+    ``worlds`` and the following fields are totals up to then.
     """
 
     unit: int
@@ -57,7 +61,7 @@ class BucketTotals:
     file: str = ""
 
     def row(self) -> dict[str, Any]:
-        """Return the part of the file that is about it."""
+        """Return its part of the file."""
         return {
             "unit": self.unit,
             "strategy": self.strategy,
@@ -72,13 +76,13 @@ class BucketTotals:
 
 @dataclass(frozen=True)
 class Archive:
-    """Behaviours that were met, by two numbers.
+    """The behaviours found, by two numbers.
 
     Args:
-        names: Of the two numbers.
-        edges: Of each number the values that part one cell from the next, so one fewer than there
+        names: Names of the two numbers.
+        edges: For each number, the values that separate neighbouring cells, one fewer than there
             are cells.
-        cells: Index along each axis, quality and verdict of the best run of a kind.
+        cells: Index along each axis, quality and verdict of the best run of each kind.
     """
 
     names: tuple[str, str]
@@ -86,7 +90,7 @@ class Archive:
     cells: list[tuple[int, int, float, str]]
 
     def table(self) -> dict[str, Any]:
-        """Return the part of the file that is about it."""
+        """Return its part of the file."""
         axes = [
             {"name": name, "edges": edges}
             for name, edges in zip(self.names, self.edges, strict=True)
@@ -99,26 +103,26 @@ class Summary:
     """A campaign in numbers.
 
     Args:
-        folder: Where its failures are.
+        folder: Folder of its failures.
         controller: Name of the controller.
         motion: Name of the motion model.
-        seed: Of all chance.
-        status: ``running``, ``done``, ``stopped`` or ``failed``; empty in one of an earlier
-            version.
+        seed: Seed of the campaign.
+        status: ``running``, ``done``, ``stopped`` or ``failed``; empty if an earlier version wrote
+            it.
         units: Units of work done.
         worlds: Worlds tried.
         steps: Steps simulated.
         seconds: Time spent.
-        verdicts: How often each verdict was met, at first look.
-        met: How often each class was met.
-        known: Likewise, of those that were no news.
-        strategies: What each strategy did.
-        found: In order of time.
-        archive: Behaviours met, if an archive was kept.
-        units_cut: Units cut short, not among ``units``.
-        units_too_early: Units done before a cut one that they learn from, not among ``units``.
+        verdicts: How often each verdict occurred in screening.
+        met: How often each class occurred.
+        known: The same, for known classes.
+        strategies: Totals of each strategy.
+        found: Finds, in order of time.
+        archive: Behaviours found, if there is an archive.
+        units_cut: Units cut short, not counted in ``units``.
+        units_too_early: Units done before a cut one that they learn from, not counted in ``units``.
         times: Seconds of the last run, by part.
-        controller_share: Of the last run's work, in a class or program of the user's.
+        controller_share: Share of the last run's work spent in a user's class or program.
     """
 
     folder: Path
@@ -142,7 +146,7 @@ class Summary:
     controller_share: float | None = None
 
     def table(self) -> dict[str, Any]:
-        """Return what the file holds; ``docs/howto/campaigns.md`` says what each part means."""
+        """Return the file's contents; ``docs/howto/campaigns.md`` describes each part."""
         share = (
             {}
             if self.controller_share is None
@@ -172,10 +176,10 @@ class Summary:
 
 
 def read_summary(folder: Path) -> Summary | None:
-    """Return the summary of the campaign whose folder this is; ``None`` if there is none.
+    """Return the summary of the campaign in this folder; ``None`` if there is none.
 
     Raises:
-        FormatError: If it cannot be read, or is no summary of version 1.
+        FormatError: If it cannot be read, or isn't a summary of version 1.
     """
     path = folder / MEMORY / SUMMARY_FILE
     if not path.is_file():
@@ -194,11 +198,11 @@ def read_summary(folder: Path) -> Summary | None:
 
 
 class _Fault(ValueError):
-    """Something in the summary that is not as it must be."""
+    """An invalid part of the summary."""
 
 
 class _SummaryReader:
-    """A JSON object whose values are asked for by name and kind."""
+    """A JSON object whose values are read by name and type."""
 
     def __init__(self, values: object) -> None:
         if not isinstance(values, dict):
