@@ -33,6 +33,7 @@ from sim.controllers.base import Controller
 from sim.describe import describe_evidence
 from sim.drawing.picture import drive_of, trail_of
 from sim.episode import Episode, simulate
+from sim.evidence import FaultEvidence
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions, step_budget
 from sim.scenario import Scenario
@@ -285,6 +286,13 @@ class _Driven:
         """The evidence for the verdict, in words; empty if the robot arrived."""
         return describe_evidence(self.episode).strip()
 
+    @property
+    def frames(self) -> list[dict[str, Any]]:
+        """Where the controller has crashed; empty if it has not."""
+        evidence = self.episode.evidence
+        found = evidence.frames if isinstance(evidence, FaultEvidence) else None
+        return [dict(frame) for frame in found or ()]
+
 
 def _found_in(shrunk: Failure | None, folder: Path, root: Path) -> Failure | None:
     """Return the original of a shrunk failure, if a campaign in this folder has it.
@@ -326,6 +334,7 @@ def _seen(driven: _Driven) -> dict[str, Any]:
         "name": driven.name,
         "verdict": episode.verdict,
         "why": driven.reason,
+        "frames": driven.frames,
         "steps": episode.steps,
         "time": episode.time,
         "path": episode.path_length,

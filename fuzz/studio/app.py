@@ -16,6 +16,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
+from fuzz.studio.edits import Edits
 from fuzz.studio.folder import Folder
 from fuzz.studio.gate import IMPORTS, SUBPROTOCOL, Gate, Guarded
 from fuzz.studio.limits import limits
@@ -40,7 +41,7 @@ def _parts() -> dict[str, bytes]:
 
     No other file is ever read for an address, so an address cannot lead anywhere else.
     """
-    found = {}
+    found: dict[str, bytes] = {}
     for address, package in (("studio", "fuzz.studio"), ("player", "fuzz.player")):
         found |= _parts_below(files(package) / "page", f"/{address}")
     page = found["/studio/index.html"].replace(b"@@IMPORTS@@", IMPORTS.encode("ascii"))
@@ -49,7 +50,7 @@ def _parts() -> dict[str, bytes]:
 
 def _parts_below(folder: Traversable, address: str) -> dict[str, bytes]:
     """Return the files of a folder and of the folders in it that a page may load, by address."""
-    found = {}
+    found: dict[str, bytes] = {}
     for part in folder.iterdir():
         if part.is_dir():
             found |= _parts_below(part, f"{address}/{part.name}")
@@ -80,10 +81,19 @@ class Studio:
 def make_app(studio: Studio) -> ASGIApp:
     """Return the studio as an ASGI application, behind its gate."""
     # Requests are answered by separate processes; watching needs none.
-    workers: dict[str, Worker | Watching] = {
-        name: Worker(studio.folder, studio.named) for name in dict.fromkeys(WORKER_OF.values())
+    processes = {
+        name: Worker(studio.folder, studio.named)
+        for name in dict.fromkeys(WORKER_OF.values())
+        if name not in ("edits", "watching")
     }
-    workers["watching"] = Watching(studio.folder)
+    edits = Edits(
+        studio.named, lambda: {file for worker in processes.values() for file in worker.loaded}
+    )
+    workers: dict[str, Worker | Watching | Edits] = {
+        **processes,
+        "edits": edits,
+        "watching": Watching(studio.folder, studio.named),
+    }
 
     # The page and its files. Unknown addresses never reach the file system.
     async def part(request: Request) -> Response:

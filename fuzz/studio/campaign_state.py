@@ -9,11 +9,14 @@ import contextlib
 import os
 import signal
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from fuzz.campaign.store import MEMORY, FolderStore, read_error, read_summary
+from fuzz.studio.edits import digest_of_file
 from fuzz.studio.refusals import refusal
+from fuzz.studio.running import names_of
 from worldgen.errors import FormatError
 from worldgen.files.locks import holder
 from worldgen.files.worlds import is_world_file
@@ -58,13 +61,16 @@ def interrupt(process: int) -> None:
         os.kill(process, signal.SIGTERM if os.name == "nt" else signal.SIGINT)
 
 
-def campaign_state(folder: Path, name: str, opened: Path | None = None) -> dict[str, Any]:
+def campaign_state(
+    folder: Path, name: str, opened: Path | None = None, named: Sequence[str] = ()
+) -> dict[str, Any]:
     """Return the state of a campaign.
 
     Args:
         folder: Folder of its failures.
         name: Name of the folder on the page.
         opened: The opened folder.
+        named: Controllers that were named when the studio was started. No other file is looked at.
 
     Returns:
         The table ``state`` of fuzz/studio/protocol.md.
@@ -76,7 +82,7 @@ def campaign_state(folder: Path, name: str, opened: Path | None = None) -> dict[
     state: dict[str, Any] = {
         "folder": name,
         "running": running,
-        **_budget(folder),
+        **_beginning(folder, named),
         **_totals(folder),
     }
     lock = folder / MEMORY / "lock"
@@ -87,8 +93,11 @@ def campaign_state(folder: Path, name: str, opened: Path | None = None) -> dict[
     return state
 
 
-def _budget(folder: Path) -> dict[str, Any]:
-    """Return the controller, the seed and the budget with which the campaign was begun."""
+def _beginning(folder: Path, named: Sequence[str]) -> dict[str, Any]:
+    """Return the controller, the seed and the budget with which the campaign was begun.
+
+    And whether the controller's file has been edited since then.
+    """
     stored = FolderStore.stored_in(folder)
     if stored is None:
         raise FormatError("no-campaign", "holds no campaign", "begin one there", source=folder.name)
@@ -96,7 +105,9 @@ def _budget(folder: Path) -> dict[str, Any]:
     scenario = fingerprint.configuration.get("scenario")
     recorded = scenario if isinstance(scenario, dict) else {}
     return {
-        "controller": str(recorded.get("controller", "")),
+        "controller": (controller := str(recorded.get("controller", ""))),
+        "edited": controller in names_of(tuple(named))
+        and _is_edited(controller, fingerprint.code.get(f"controller {controller}")),
         "motion": str(recorded.get("motion", "")),
         # A 64-bit seed is text, because a browser's numbers cannot hold it.
         "seed": str(fingerprint.configuration.get("seed", "")),
@@ -108,6 +119,13 @@ def _budget(folder: Path) -> dict[str, Any]:
 
 
 _BUDGET = ("units", "seconds")
+
+
+def _is_edited(controller: str, digest: str | None) -> bool:
+    """Return True if a controller's file is not the one that a campaign runs."""
+    place = controller.rpartition(":")[0]
+    now = digest_of_file(str(Path(place).expanduser())) if place.endswith(".py") else ""
+    return bool(now and digest) and now != digest
 
 
 def _totals(folder: Path) -> dict[str, Any]:

@@ -135,7 +135,7 @@ class CampaignAnswers(Opened):
         return opened_message(world) | {"runs": runs_in(out)}
 
     def _state(self, out: Path, name: str) -> dict[str, Any]:
-        return campaign_state(out, name, self.folder.root)
+        return campaign_state(out, name, self.folder.root, self.named)
 
     def _is_campaign(self, name: str) -> bool:
         try:

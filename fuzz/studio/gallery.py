@@ -152,6 +152,8 @@ class WallAnswers(Opened):
             "run": drawn_run(shown, world.cell_size, judged, controller=controller),
             "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + failure.violation.in_words,
+            "same": judged.trace_digest == failure.record.trace_digest
+            or options.steps < failure.options.steps,
         }
 
     def _entries(self, below: str, faults: list[dict[str, Any]], part: Part) -> list[CorpusEntry]:

@@ -15,8 +15,17 @@ from typing import Any
 
 from worldgen.errors import FormatError, Message, Note, WorldgenError
 from worldgen.support.plain_text import quote
+from worldgen.world import Value
 
-__all__ = ["IMPORT_OPTIONS", "REMEDIES", "describe_note", "hide", "our_fault", "refusal"]
+__all__ = [
+    "IMPORT_OPTIONS",
+    "REMEDIES",
+    "describe_note",
+    "frames_of",
+    "hide",
+    "our_fault",
+    "refusal",
+]
 
 _ANOTHER_FOLDER = "choose another folder"
 
@@ -89,6 +98,7 @@ def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[
         source = None if error.source is None else _hidden(error.source, folder)
     return {
         "code": message.code,
+        "frames": frames_of(error) if isinstance(error, WorldgenError) else [],
         "problem": message.problem,
         "remedy": message.remedy if own is None else message.word(own),
         "terminal": message.at_terminal and own is None,
@@ -97,6 +107,32 @@ def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[
         "line": line,
         "source": source,
     }
+
+
+def frames_of(error: BaseException) -> list[dict[str, Value]]:
+    """Return where the user's code has failed, if an error is about that.
+
+    Args:
+        error: An error that was raised from the exception of the user's code.
+
+    Returns:
+        The innermost frames of the user's code, outermost first, each with ``file``, ``line`` and
+        perhaps ``function`` and ``code``.
+    """
+    cause = error.__cause__
+    if cause is None:
+        return []
+    from sim.controllers.crash_frames import crash_facts  # noqa: PLC0415 - loads the simulator
+
+    found = crash_facts(cause, None).get("frames", [])
+    frames = (
+        [dict(one) for one in found if isinstance(one, dict)] if isinstance(found, list) else []
+    )
+    # Code that does not compile has no frame of its own.
+    if isinstance(cause, SyntaxError) and cause.filename and cause.lineno:
+        place: dict[str, Value] = {"file": Path(cause.filename).name, "line": cause.lineno}
+        frames.append(place | ({"code": cause.text.strip()} if cause.text else {}))
+    return frames
 
 
 def describe_note(note: str) -> str:

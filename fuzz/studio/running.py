@@ -13,7 +13,7 @@ from worldgen.plugins.registry import only_code
 from worldgen.support.plain_text import shown
 from worldgen.world import FailureRecord
 
-__all__ = ["allow_only", "check_named", "check_record", "check_registered", "may_run"]
+__all__ = ["allow_only", "check_named", "check_record", "check_registered", "may_run", "names_of"]
 
 
 def allow_only(named: Sequence[str]) -> None:
@@ -22,7 +22,7 @@ def allow_only(named: Sequence[str]) -> None:
     Args:
         named: Controllers, with their variations.
     """
-    only_code(_names(tuple(named)))
+    only_code(names_of(tuple(named)))
 
 
 def may_run(controller: str, named: Sequence[str]) -> bool:
@@ -32,7 +32,7 @@ def may_run(controller: str, named: Sequence[str]) -> bool:
         controller: Its name, without variations.
         named: Controllers named at the start, with variations.
     """
-    return controller in CONTROLLERS.names() or controller in _names(tuple(named))
+    return controller in CONTROLLERS.names() or controller in names_of(tuple(named))
 
 
 def check_record(record: FailureRecord, named: Sequence[str]) -> None:
@@ -72,7 +72,7 @@ def check_named(label: object, named: Sequence[str]) -> None:
     if label in named or label in CONTROLLERS.names():
         return
     text = str(label)
-    known = (*CONTROLLERS.names(), *named, *_names(tuple(named)))
+    known = (*CONTROLLERS.names(), *named, *names_of(tuple(named)))
     if not any(text.startswith(f"{name}+") for name in known):
         raise InvalidParameter(
             "not-named",
@@ -100,7 +100,7 @@ def check_registered(what: str, name: str, offered: Iterable[str]) -> None:
 
 
 @functools.cache
-def _names(labels: tuple[str, ...]) -> frozenset[str]:
+def names_of(labels: tuple[str, ...]) -> frozenset[str]:
     """Return the controllers' names in labels, without variations."""
     found = set()
     for label in labels:

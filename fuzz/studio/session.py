@@ -14,6 +14,7 @@ from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from fuzz.studio.edits import Edits
 from fuzz.studio.gate import SUBPROTOCOL
 from fuzz.studio.refusals import our_fault, refusal
 from fuzz.studio.watching import Watching
@@ -24,7 +25,9 @@ __all__ = ["PROTOCOL", "Session"]
 
 PROTOCOL = 2  # increased whenever an older page would not understand
 # Only the newest request of these kinds counts.
-_REPLACED = frozenset({"decide", "widest", "signal", "generate", "measure", "run", "watch"})
+_REPLACED = frozenset(
+    {"decide", "edits", "generate", "measure", "run", "signal", "watch", "widest"}
+)
 # Requests that run controllers or take long, and write nothing, can be ended.
 _ENDED = _REPLACED | {"before", "hello", "look", "picture"}
 # Seconds in which a replaced request may finish, because starting a new process takes longer.
@@ -47,7 +50,7 @@ class _StudioRequest:
 
     number: int
     kind: str
-    worker: Worker | Watching
+    worker: Worker | Watching | Edits
     task: asyncio.Task[None] | None = None
     running: bool = False
     replaced: bool = False
@@ -64,7 +67,7 @@ class Session:
     """
 
     socket: WebSocket
-    workers: Mapping[str, Worker | Watching]
+    workers: Mapping[str, Worker | Watching | Edits]
     begins: Mapping[str, Any]
     _jobs: dict[int, _StudioRequest] = field(default_factory=dict)
     _newest: dict[str, _StudioRequest] = field(default_factory=dict)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import importlib
 import time
-from collections.abc import AsyncGenerator
+from collections.abc import AsyncGenerator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,10 +28,12 @@ class Watching:
 
     Args:
         folder: The opened folder.
+        named: Controllers that were named at the start.
     """
 
-    def __init__(self, folder: Folder) -> None:
+    def __init__(self, folder: Folder, named: Sequence[str] = ()) -> None:
         self._folder = folder
+        self._named = tuple(named)
 
     async def ask(self, kind: str, message: dict[str, Any]) -> AsyncGenerator[tuple[str, Any]]:
         """Report a campaign's state until it ends; or stop it, and report the state then.
@@ -82,7 +84,7 @@ class Watching:
     def _state(self, message: dict[str, Any]) -> dict[str, Any] | None:
         name = str(message.get("folder"))
         place = self._place(name)
-        state: dict[str, Any] = _reads().campaign_state(place, name, self._folder.root)
+        state: dict[str, Any] = _reads().campaign_state(place, name, self._folder.root, self._named)
         return state
 
     def _stop(self, message: dict[str, Any]) -> dict[str, Any] | None:

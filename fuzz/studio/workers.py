@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import multiprocessing
+import time
 from collections.abc import AsyncGenerator
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
@@ -12,6 +13,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
+from fuzz.studio.edits import edited_files, loaded_files
 from fuzz.studio.folder import Folder
 from fuzz.studio.processes import start_beside
 from fuzz.studio.refusals import our_fault, refusal
@@ -41,6 +43,7 @@ WORKER_OF = {
     "begin": "campaigns",
     "command": "campaigns",
     "resume": "campaigns",
+    "edits": "edits",
     "watch": "watching",
     "stop": "watching",
     "campaigns": "walls",
@@ -64,7 +67,8 @@ class Ended(Exception):
 class Worker:
     """A process that does one thing at a time.
 
-    It starts with the first request, and again after each forced end.
+    It starts with the first request, and again after each forced end and after each edit of a file
+    whose code it has loaded.
 
     Args:
         folder: The folder that can be read and written.
@@ -78,6 +82,8 @@ class Worker:
         self._thread = ThreadPoolExecutor(1, "worker")
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
+        self.loaded: dict[str, str] = {}
+        """The user's files whose code the process has, with the digest of each."""
 
     async def ask(self, kind: str, message: dict[str, Any]) -> AsyncGenerator[tuple[str, Any]]:
         """Have one request answered.
@@ -91,17 +97,21 @@ class Worker:
         """
         async with self._turn:
             yield "turn", {}
+            wait = asyncio.get_running_loop().run_in_executor
+            edited = await wait(self._thread, edited_files, self.loaded) if self.loaded else []
+            if edited:
+                self.end()  # it would run the code as it was before the edit
             pipe = self._pipe if self._process is not None and self._process.is_alive() else None
             pipe = pipe or self._start()
             heard_all = False
-            wait = asyncio.get_running_loop().run_in_executor
             try:
                 # Sending a large message blocks until the process has started.
                 await wait(self._thread, pipe.send, (kind, message))
                 while not heard_all:
-                    reply = await wait(self._thread, pipe.recv)
-                    heard_all = reply[0] != "part"
-                    yield reply
+                    what, table, loaded = await wait(self._thread, pipe.recv)
+                    heard_all = what != "part"
+                    self.loaded = loaded if heard_all else self.loaded
+                    yield what, table
             except (EOFError, OSError) as error:
                 raise Ended from error
             finally:
@@ -125,6 +135,7 @@ class Worker:
         theirs.close()  # so that the pipe closes when the process ends
         self._process = process
         self._pipe = ours
+        self.loaded = {}
         return ours
 
 
@@ -138,12 +149,16 @@ def _work(pipe: Connection, folder: str, named: tuple[str, ...]) -> None:
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
             kind, message = pipe.recv()
-            pipe.send(_answer(answers, kind, message, pipe))
+            since = time.time()
+            what, table = _answer(answers, kind, message, pipe)
+            pipe.send((what, table, loaded_files(since)))
 
 
 def _answer(answers: Any, kind: str, message: dict[str, Any], pipe: Connection) -> tuple[str, Any]:
     try:
-        return "answer", getattr(answers, kind)(message, lambda table: pipe.send(("part", table)))
+        return "answer", getattr(answers, kind)(
+            message, lambda table: pipe.send(("part", table, {}))
+        )
     except (BrokenPipeError, EOFError):
         raise
     except WorldgenError as error:

@@ -15,7 +15,7 @@ from types import TracebackType
 from worldgen.support.plain_text import shown
 from worldgen.world import Value
 
-__all__ = ["MOST_FRAMES", "crash_facts"]
+__all__ = ["MOST_FRAMES", "crash_facts", "is_users_file"]
 
 MOST_FRAMES = 6
 """How many frames are kept, counted from the innermost."""
@@ -56,7 +56,11 @@ def crash_facts(error: BaseException, controller: object) -> dict[str, Value]:
     # Source is read only for frames that are kept, so a deep recursion costs little.
     calls = list(_calls(error))
     lines = [call.tb_lineno for call in calls if call.tb_frame.f_code.co_filename == own_file]
-    of_the_user = [call for call in calls if _is_the_users(call, own_file)]
+    of_the_user = [
+        call
+        for call in calls
+        if (file := call.tb_frame.f_code.co_filename) == own_file or is_users_file(file)
+    ]
     frames: list[Value] = [_frame(call) for call in _without_repetitions(of_the_user)]
     facts: dict[str, Value] = {"at": f"{Path(own_file).name}:{lines[-1]}"} if lines else {}
     return facts | ({"frames": frames} if frames else {})
@@ -69,10 +73,8 @@ def _calls(error: BaseException) -> Iterator[TracebackType]:
         call = call.tb_next
 
 
-def _is_the_users(call: TracebackType, own_file: str) -> bool:
-    file = call.tb_frame.f_code.co_filename
-    if file == own_file:
-        return True
+def is_users_file(file: str) -> bool:
+    """Return True if a file of code is neither ours nor an installed library's."""
     if file.startswith(("<frozen", *_OUR_PACKAGES, *_LIBRARIES)):
         return False
     return _INSTALLED.isdisjoint(PurePath(file).parts)

@@ -316,7 +316,7 @@ def test_a_controller_named_at_the_start_that_cannot_be_loaded_is_told_with_its_
         told = page.locator("#gone")
         told.get_by_text("misspelt.py").wait_for()
         assert (
-            "Named at the start, but cannot run" in told.inner_text()
+            "misspelt.py:Robot cannot run." in told.inner_text()
             and "no such file" in told.inner_text()
         )
         told.get_by_role("button", name="Close").click()

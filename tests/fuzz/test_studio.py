@@ -644,7 +644,7 @@ def test_a_worker_that_waits_holds_no_other_up(tmp_path, monkeypatch):
         tasks = [asyncio.create_task(ask(worker)) for worker in workers]
         while len(ends) < len(workers):
             await asyncio.sleep(0.01)
-        ends[-1][1].send(("answer", "here"))
+        ends[-1][1].send(("answer", "here", {}))
         try:
             return await asyncio.wait_for(tasks[-1], 20)
         finally:

@@ -57,6 +57,7 @@ def test_an_error_keeps_its_code_facts_and_place():
         "problem": "size=2 is below 3",
         "remedy": "give more",
         "terminal": False,
+        "frames": [],
         "opens": "",
         "facts": {"size": 2},
         "line": 7,

@@ -17,7 +17,7 @@ const CONTROLLERS = [
   { ...both, name: "turn-left", also: "thesis-2" },
   { ...both, name: "turn-right", also: "thesis-1" },
   { ...both, name: "bug1", also: "", thesis: false },
-  { ...both, name: "mine", also: "", thesis: false, fault: { code: "no-such-file", problem: "no such file" }, named: true },
+  { ...both, name: "mine", also: "", thesis: false, fault: { code: "no-such-file", problem: "no such file" }, named: false },
 ];
 const angle = { name: "turn_angle", group: "Behaviours", kind: "float", unit: "rad", default: Math.PI / 2, low: 0, high: Math.PI, choices: [], help: "Angle of a turn, rad, 0 to pi." };
 const OPTIONS = [

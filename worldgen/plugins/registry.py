@@ -17,7 +17,12 @@ from typing import Any, Generic, TypeVar
 from worldgen.errors import InvalidParameter, Message
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_not_ours
-from worldgen.plugins.user_modules import forget_folder, import_in, package_of
+from worldgen.plugins.user_modules import (
+    SourceLoader,
+    forget_folder,
+    import_in,
+    package_of,
+)
 from worldgen.support.time_limit import TimeLimitReached, time_limit
 
 __all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_code", "user_code"]
@@ -306,7 +311,8 @@ def _load_file(path: Path) -> Any:
     if not path.is_file():
         raise FileNotFoundError(f"no such file: {path}")
     module_name = f"_worldgen_user_{path.stem}_{abs(hash(str(path))):x}"
-    spec = importlib.util.spec_from_file_location(module_name, path)
+    loader = SourceLoader(module_name, str(path))
+    spec = importlib.util.spec_from_file_location(module_name, path, loader=loader)
     if spec is None or spec.loader is None:
         raise ImportError(f"{path} is no Python file")
     module = importlib.util.module_from_spec(spec)

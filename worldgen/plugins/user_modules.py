@@ -18,15 +18,53 @@ import importlib.util
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
 from worldgen.errors import InvalidParameter
 
-__all__ = ["forget_folder", "import_in", "neighbours_of", "package_of"]
+__all__ = [
+    "SourceLoader",
+    "digest_of_source",
+    "forget_folder",
+    "import_in",
+    "neighbours_of",
+    "package_of",
+    "sources_read",
+]
 
 _OURS = ("worldgen", "sim", "fuzz", "worldgen_plugins")
 _FOLDERS: dict[str, Path] = {}  # by the private name of the package
+_READ: dict[str, str] = {}  # digest of each source file, as it was last read
+
+
+class SourceLoader(importlib.machinery.SourceFileLoader):
+    """Load a user's file from its source, and remember what the source was.
+
+    Python's cache of compiled files compares times in whole seconds and sizes. A number that is
+    edited twice within a second would run as it was before.
+    """
+
+    def get_code(self, fullname: str) -> CodeType:
+        """Return the compiled source."""
+        path = self.get_filename(fullname)
+        data = self.get_data(path)
+        _READ[path] = digest_of_source(data)
+        code: CodeType = self.source_to_code(data, path)
+        return code
+
+
+def digest_of_source(data: bytes) -> str:
+    """Return a digest of a file's contents, which tells an edited file from the one before."""
+    return hashlib.sha256(data).hexdigest()[:16]
+
+
+def sources_read() -> dict[str, str]:
+    """Return the user's files that this process has read as code, with the digest of each.
+
+    A file that was read and failed is among them.
+    """
+    return dict(_READ)
 
 
 def package_of(folder: Path) -> str:
@@ -150,7 +188,7 @@ class _OfFolders(importlib.abc.MetaPathFinder):
         return spec
 
 
-class _Loader(importlib.machinery.SourceFileLoader):
+class _Loader(SourceLoader):
     def exec_module(self, module: ModuleType) -> None:
         import_in(module, module.__name__.partition(".")[0])
         super().exec_module(module)

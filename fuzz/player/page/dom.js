@@ -98,6 +98,15 @@ export function breakable(name) {
 }
 
 /**
+ * Returns a robot's name without the folders of its file: mine.py:Robot for /robots/mine.py:Robot.
+ * @param {string} name
+ * @returns {string}
+ */
+export function shortName(name) {
+  return name.replace(/^(lib:)?[^:]*[/\\](?=[^/\\:]+\.(py|so):)/, "$1");
+}
+
+/**
  * @param {string} id
  * @returns {any}
  */

@@ -1,7 +1,7 @@
 // Several robots in one world: which one is in front, the result of each, the instruments of the one in front.
 
 import { behaviourAt, poseAt, rowAt, stepWithin } from "#player/decode.js";
-import { breakable, el, grouped, verdictDot } from "#player/dom.js";
+import { breakable, el, grouped, shortName, verdictDot } from "#player/dom.js";
 import { memoryFacts } from "#player/memory.js";
 
 /**
@@ -32,6 +32,18 @@ export function sceneOf(world, robots, number) {
 export const endingOf = (robot) => robot.error || [robot.verdict, robot.why].filter(Boolean).join(" ");
 
 /**
+ * Shows where a user's code has failed: file and line, function, and the statement; the innermost last.
+ * @param {Frame[]} [frames]
+ * @returns {HTMLElement | null}
+ */
+export function framesPart(frames = []) {
+  if (frames.length === 0) return null;
+  const place = ({ file, line, function: name }) => [el("b", {}, `${file}:${line}`), name ? ` in ${name}` : ""];
+  const row = (frame) => el("span", { class: "frame" }, place(frame), frame.code ? el("code", {}, frame.code) : null);
+  return el("span", { class: "frames" }, frames.map(row));
+}
+
+/**
  * Shows the list of robots with their results, and a note for all that did not arrive; a click puts one in front.
  * @param {HTMLElement} list
  * @param {Robot[]} robots
@@ -43,7 +55,7 @@ export function showRobots(list, robots, looked, look, note = "") {
   const row = (one, number) => {
     const chip = robots.length > 1 ? el("span", { class: `chip robot-${number % 6}` }, String(number + 1)) : null;
     if (one.error)
-      return el("li", { class: "failed" }, el("span", { class: "who" }, chip, " ", el("b", {}, breakable(one.name)), " ", el("span", { class: "bad" }, "did not run")), el("p", { class: "bad" }, one.error));
+      return el("li", { class: "failed" }, el("span", { class: "who", title: one.name }, chip, " ", el("b", {}, breakable(shortName(one.name))), " ", el("span", { class: "bad" }, "did not run")), el("p", { class: "bad" }, one.error), framesPart(one.frames));
     const facts = [`${grouped(one.steps)} steps, `, el("span", { class: "time" }, `${one.time.toFixed(3)} s, `), `${one.path.toFixed(2)} m, ${one.collisions} collisions`];
     return el(
       "li",
@@ -51,9 +63,10 @@ export function showRobots(list, robots, looked, look, note = "") {
       el(
         "button",
         { type: "button", class: "result", "data-controller": one.name, onclick: () => look(number) },
-        el("span", { class: "who" }, chip, " ", el("b", {}, breakable(one.name)), " ", verdictDot(one.verdict), " ", el("span", {}, one.verdict), " ", el("code", { class: "digest", title: "Digest of every state of the run" }, one.digest)),
+        el("span", { class: "who", title: one.name }, chip, " ", el("b", {}, breakable(shortName(one.name))), " ", verdictDot(one.verdict), " ", el("span", {}, one.verdict), " ", el("code", { class: "digest", title: "Digest of every state of the run" }, one.digest)),
         el("span", { class: "quiet facts" }, facts),
         one.verdict === "reached" ? null : el("span", { class: "why" }, one.why),
+        framesPart(one.frames),
         one.verdict === "reached" || !note ? null : el("span", { class: "note" }, note),
       ),
     );

@@ -1,10 +1,30 @@
-// Dark or light colours: those of the system, until the page's button changes them.
+// Dark or light colours: those of the system, until the page's button changes them. The browser keeps that choice.
+
+const KEPT = "worldgen-theme"; // key in the browser's storage
 
 function setTheme(theme, button, changed) {
   document.documentElement.dataset.theme = theme;
   button.textContent = theme === "dark" ? "Light" : "Dark";
   button.setAttribute("aria-label", theme === "dark" ? "Use light colours" : "Use dark colours");
   changed();
+}
+
+// Returns the choice that was kept; empty if there is none, or the browser keeps nothing.
+function keptTheme() {
+  try {
+    return localStorage.getItem(KEPT) ?? "";
+  } catch {
+    return "";
+  }
+}
+
+function keepTheme(theme, system) {
+  try {
+    if (theme === system) localStorage.removeItem(KEPT);
+    else localStorage.setItem(KEPT, theme);
+  } catch {
+    // the page follows the system when it is reloaded
+  }
 }
 
 /**
@@ -14,9 +34,12 @@ function setTheme(theme, button, changed) {
  */
 export function followSystem(button, changed) {
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const follow = () => setTheme(dark.matches ? "dark" : "light", button, changed);
+  const system = () => (dark.matches ? "dark" : "light");
   const other = () => (document.documentElement.dataset.theme === "dark" ? "light" : "dark");
-  follow();
-  dark.addEventListener("change", follow);
-  button.addEventListener("click", () => setTheme(other(), button, changed));
+  setTheme(keptTheme() || system(), button, changed);
+  dark.addEventListener("change", () => setTheme(system(), button, changed));
+  button.addEventListener("click", () => {
+    setTheme(other(), button, changed);
+    keepTheme(other() === "dark" ? "light" : "dark", system());
+  });
 }

@@ -124,6 +124,14 @@ interface Sensors {
   signal: boolean;
 }
 
+/** A line of a user's code at which it has failed. */
+interface Frame {
+  file: string;
+  line: number;
+  function?: string;
+  code?: string;
+}
+
 /** A robot's result, with its run if it has one. */
 interface Robot {
   name: string;
@@ -139,6 +147,8 @@ interface Robot {
   sensors: Sensors | null;
   /** Why it did not run. */
   error?: string;
+  /** Where its code has failed, the innermost last. */
+  frames?: Frame[];
 }
 
 interface ReplayData {

@@ -1,11 +1,12 @@
 // The studio: everything that the pages share, which page is visible, and whether the server answers.
 
-import { byId, el, keyButton, say } from "#player/dom.js";
+import { byId, el, keyButton, say, shortName } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
 import { makeCampaign } from "#studio/campaign/campaign.js";
 import { Ended, makeConnection, shareToken, takeToken } from "#studio/shared/connection.js";
 import { findDraft, keepDraft, lendDraft, openedBefore, reclaimDraft, takeOver } from "#studio/shared/drafts.js";
 import { makeDraw } from "#studio/draw/draw.js";
+import { listenToEdits, stillOffered } from "#studio/shared/edits.js";
 import { isField } from "#studio/shared/fields.js";
 import { openFile, saveAs } from "#studio/draw/files.js";
 import { listen, showKeys } from "#studio/shared/keys.js";
@@ -47,6 +48,8 @@ const studio = {
 const prove = makeProver(studio, setProof, setWidest);
 let scheduled = 0;
 let keeping = 0;
+/** @type {Map<string, string>} */
+const codeFiles = new Map(); // digest of each file of the user's code
 let refused = false; // whether the server refused the last attempt to save
 
 // Redraws everything after changes, at most once per frame.
@@ -171,10 +174,11 @@ async function begun(begins) {
   studio.folder = begins.folder;
   studio.limits = begins.limits;
   studio.draw.refresh();
+  listenToEdits(studio.connection, codeFiles, codeEdited);
   try {
     const offered = await hello(told);
-    studio.offered = offered;
     told.push(...unusable(offered.controllers));
+    studio.offered = sameIfEqual(studio.offered, stillOffered(studio.offered, offered));
     const file = openedBefore() || begins.file;
     const untouched = () => studio.model.past.length === 0; // nothing has been dropped on the page meanwhile
     if (first && file && untouched())
@@ -204,16 +208,34 @@ async function hello(told) {
       slow = setTimeout(() => loading(`Loading the controller ${part.loading} …`), SLOW);
     });
     notice(told.join(" "));
-    return studio.offered && JSON.stringify(offered) === JSON.stringify(studio.offered) ? studio.offered : offered;
+    return offered;
   } finally {
     clearTimeout(slow);
   }
 }
 
+// Returns the former object if it says the same, because the pages then have nothing to do.
+const sameIfEqual = (before, now) => (before && JSON.stringify(before) === JSON.stringify(now) ? before : now);
+
+// Runs edited code at once, and learns which controllers can be loaded now.
+async function codeEdited(files) {
+  studio.play.edited(files);
+  studio.campaign.edited(files);
+  try {
+    const offered = await hello([]);
+    notice(unusable(offered.controllers).join(" "));
+    studio.offered = sameIfEqual(studio.offered, stillOffered(studio.offered, offered));
+    studio.play.refresh();
+    studio.campaign.refresh();
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+  }
+}
+
 // Describes the faults of controllers that were named at the start, because no list shows them.
 function unusable(controllers) {
-  const faults = controllers.map(({ fault }) => fault).filter((fault) => fault !== null);
-  return faults.map((fault) => `Named at the start, but cannot run: ${refusalWords(fault)}.`);
+  const broken = controllers.filter(({ fault }) => fault !== null);
+  return broken.map(({ name, fault }) => `${shortName(name)} cannot run. ${refusalWords(fault)}.`);
 }
 
 function lost(forbidden, why) {

@@ -4,6 +4,8 @@
 /** A refusal of the server: fuzz/studio/refusals.py. */
 interface Refusal {
   code: string;
+  /** Where the user's code has failed, the innermost last; empty if the error is about something else. */
+  frames: Frame[];
   problem: string;
   remedy: string;
   terminal: boolean;
@@ -71,6 +73,14 @@ interface OfferedController {
   also: string;
   named: boolean;
   fault: Refusal | null;
+}
+
+/** A file whose code the studio runs, and the named controllers that may run it: fuzz/studio/edits.py. */
+interface CodeFile {
+  file: string;
+  name: string;
+  digest: string;
+  controllers: string[];
 }
 
 interface Motion {
@@ -205,6 +215,8 @@ interface CampaignState {
   folder: string;
   running: boolean;
   controller: string;
+  /** Whether the controller's file is not the one that the campaign runs. */
+  edited: boolean;
   motion: string;
   seed: string;
   budget: { units: number | null; seconds: number | null };

@@ -7,6 +7,7 @@ import { makeForm } from "#studio/campaign/form.js";
 import { makeStatus } from "#studio/campaign/status.js";
 import { makeWall } from "#studio/campaign/wall.js";
 import { Ended } from "#studio/shared/connection.js";
+import { runsOneOf } from "#studio/shared/edits.js";
 import { showTabs } from "#studio/shared/fields.js";
 import { keep, keptOf } from "#studio/shared/kept.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
@@ -58,6 +59,7 @@ export function makeCampaign(section, studio) {
     begin: () => begin(campaign),
     refresh: () => refresh(campaign),
     name: () => nameOf(campaign),
+    edited: (files) => edited(campaign, files),
     redraw: () => (campaign.wall.redraw(), campaign.failure.redraw()),
   };
 }
@@ -281,6 +283,14 @@ async function stop(campaign) {
     throw error;
   }
   return "";
+}
+
+// After an edit of a controller's code, its failures are run again, and campaigns say that they run the code as it was.
+function edited(campaign, files) {
+  const runs = ({ controller }) => files.some(({ controllers }) => runsOneOf(controller, controllers));
+  campaign.wall.forget(runs);
+  campaign.failure.forget(runs);
+  if (!byId("campaign").hidden) trying(campaign, () => list(campaign)).then(() => showState(campaign, campaign.states.get(campaign.folder) || null));
 }
 
 function select(campaign, failure) {

@@ -2,9 +2,12 @@
 
 import { el, plural, verdictDot } from "#player/dom.js";
 import { drawSmall } from "#player/map.js";
+import { framesPart } from "#player/robots.js";
 import { copied } from "#studio/shared/clipboard.js";
 import { openFile } from "#studio/draw/files.js";
 import { refusalWords } from "#studio/shared/refusals.js";
+
+const OTHER_RUN = "This is not the run that was found: the controller's code has changed since. The file keeps what it did then.";
 
 /**
  * @param {any} campaign
@@ -13,7 +16,7 @@ import { refusalWords } from "#studio/shared/refusals.js";
 export function makeFailurePanel(campaign) {
   const element = el("div", { id: "failure-panel" }, el("p", { class: "quiet" }, "Choose a picture."));
   const panel = { campaign, element, failure: null, look: null, canvas: null };
-  return { element, show: (failure) => show(panel, failure), follow: (failures) => follow(panel, failures), redraw: () => redraw(panel) };
+  return { element, show: (failure) => show(panel, failure), follow: (failures) => follow(panel, failures), redraw: () => redraw(panel), forget: (which) => panel.failure && which(panel.failure) && show(panel, panel.failure) };
 }
 
 function redraw({ canvas, look }) {
@@ -35,6 +38,7 @@ function show(panel, failure) {
   Object.assign(panel, { failure, look: null });
   panel.canvas = el("canvas", { class: "large", role: "img", "aria-label": "The world and the robot's path" });
   const words = el("p", {}, "…");
+  const changed = el("p", { class: "notice", hidden: true }, OTHER_RUN);
   const facts = [
     ["Controller", `${failure.controller} under ${failure.motion}`],
     ["World", `${failure.width} x ${failure.height} cells, ${failure.solid} solid${failure.events ? `, ${plural(failure.events, "change")}` : ""}`],
@@ -46,6 +50,7 @@ function show(panel, failure) {
     el("h2", {}, verdictDot(failure.verdict), " ", failure.class),
     panel.canvas,
     words,
+    changed,
     actions(panel),
     el("table", { class: "numbers" }, el("tbody", {}, rows)),
   );
@@ -53,7 +58,8 @@ function show(panel, failure) {
     const look = await panel.campaign.look(failure);
     if (panel.failure !== failure) return;
     panel.look = look;
-    words.textContent = [look.error ? refusalWords(look.error) : look.words, ...look.notes].join("; ");
+    words.replaceChildren([look.error ? refusalWords(look.error) : look.words, ...look.notes].join("; "), framesPart(look.error?.frames) ?? "");
+    changed.hidden = look.error !== null || look.same !== false;
     redraw(panel);
   });
 }

@@ -59,10 +59,11 @@ function show(status, state) {
   if (!state || status.state?.folder !== state.folder) Object.assign(status, { past: [], strategies: new Map() });
   status.state = state;
   for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = !state;
-  parts.fault.hidden = !(state && state.error);
+  const told = state ? faultWords(state) : "";
+  parts.fault.hidden = told === "";
   showActions(status);
   if (!state) return;
-  parts.fault.textContent = state.error ? refusalWords(state.error) : "";
+  parts.fault.textContent = told;
   parts.bar.value = share(state);
   parts.bar.hidden = !state.running;
   showFailures(status);
@@ -72,6 +73,14 @@ function show(status, state) {
   const row = (strategy) => [mark(strategy.strategy), strategy.units, strategy.worlds, strategy.failures, strategy.classes];
   parts.strategies.replaceChildren(...[...state.strategies].sort((a, b) => b.classes - a.classes || b.worlds - a.worlds).map((strategy) => rowOf(row(strategy))));
   parts.tables.hidden = state.strategies.length === 0;
+}
+
+// Says why a campaign gave up, or that it runs code that has been edited since it began.
+function faultWords({ error, edited, running }) {
+  if (error) return refusalWords(error);
+  if (!edited) return "";
+  const rest = running ? "this campaign goes on with the code as it was when it began" : "these results are of the code as it was then";
+  return `The controller's file has changed since this campaign began: ${rest}. Begin another one to test the code as it is now.`;
 }
 
 // Returns the strategies whose counts have grown in the last seconds; if none has, those that grew last, because units

@@ -47,6 +47,11 @@ export function makeWall(campaign) {
       showAll(wall);
     },
     redraw: () => redraw(wall),
+    /* Draws some failures again, because their controller has been edited. */
+    forget: (which) => {
+      for (const one of wall.failures.filter(which)) wall.looks.delete(keyOf(one));
+      redraw(wall);
+    },
     choose: (failure) => choose(wall, failure),
   };
 }
@@ -204,9 +209,11 @@ function want(wall, card) {
   );
 }
 
+const keyOf = ({ name, digest }) => `${name} ${digest}`;
+
 // Requests a failure's picture from the server, only once.
 function lookAt(wall, failure, first = false) {
-  const key = `${failure.name} ${failure.digest}`;
+  const key = keyOf(failure);
   let asked = wall.looks.get(key);
   if (!asked) {
     asked = new Promise((done, fail) => wall.queue.push({ key, failure, done, fail }));

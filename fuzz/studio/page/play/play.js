@@ -9,10 +9,14 @@ import { keep } from "#player/saving.js";
 import { Ended } from "#studio/shared/connection.js";
 import { messageOf } from "#studio/draw/model.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
+import { makeCodeNote } from "#studio/play/code_note.js";
+import { drawnOf } from "#studio/play/drawn_world.js";
 import { makeRobots } from "#studio/play/robots.js";
+import { runsOneOf } from "#studio/shared/edits.js";
 
-const SLOW = 1500; // ms after which the page explains the delay
-const FIRST = "Running … The first run of a new installation prepares the simulator, which can take half a minute.";
+const SLOW = 1500; // ms after which a run can be stopped
+const PREPARING = "Preparing: the studio starts a process, loads the controllers and proves the world.";
+const NONE_RAN = "No robot ran, so the world is shown alone.";
 const PARTED = "No robot of this size can reach the target: the drawn cut separates it from the start.";
 
 /**
@@ -33,11 +37,12 @@ export function makePlay(section, studio) {
   parts.stage = el("div", { class: "stage" }, parts.canvas);
   parts.beside = el("button", { type: "button", id: "beside", hidden: true, "aria-pressed": "false", onclick: () => toggleBeside(play) }, "Compare with the original, before shrinking");
   /** @type {any} */
-  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, ran: false, cut: false, way: false, runs: [], world: null, message: null, looked: 0, version: -1, under: null, asked: 0 };
-  play.robots = makeRobots(studio, () => run(play, true));
+  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, isEdited: false, cut: false, way: false, runs: [], world: null, message: null, looked: 0, version: -1, under: null, asked: 0 };
+  play.code = makeCodeNote(studio, () => run(play, true));
+  play.robots = makeRobots(studio, () => run(play, true), play.code.setting);
   section.replaceChildren(
     el("div", { class: "middle" }, parts.stage, parts.instruments, parts.under),
-    el("aside", { class: "side" }, play.robots.element, parts.said, parts.stop, el("div", { class: "results" }, parts.list, parts.beside)),
+    el("aside", { class: "side" }, play.robots.element, play.code.element, parts.said, parts.stop, el("div", { class: "results" }, parts.list, parts.beside)),
   );
   dragToMove(parts.stage, play);
   parts.stage.addEventListener("wheel", (event) => wheel(play, event), { passive: false });
@@ -48,7 +53,11 @@ export function makePlay(section, studio) {
     begin: () => begin(play),
     pause: () => play.player && play.player.play(false),
     redraw: () => (play.player || play.bare)?.draw(),
-    refresh: () => play.robots.refresh(),
+    refresh: () => {
+      play.code.offer();
+      play.robots.refresh();
+    },
+    edited: (files) => edited(play, files),
     prefer: (failure) => {
       play.robots.prefer(failure);
       askBefore(play);
@@ -75,8 +84,18 @@ function played({ message, runs, looked }) {
 // Opens the page: changes since the last run are run immediately.
 function begin(play) {
   play.robots.refresh();
-  if (play.version !== play.studio.model.version) run(play);
+  if (play.version !== play.studio.model.version || play.isEdited) run(play);
   else if (play.player) play.player.draw();
+}
+
+// Takes note of edited files: results of the code as it was are marked as outdated, and run again.
+function edited(play, files) {
+  const robots = [...play.robots.message().controllers, ...play.runs.map(({ name }) => name)];
+  const own = files.filter(({ controllers }) => robots.some((robot) => runsOneOf(robot, controllers)));
+  if (own.length === 0) return;
+  play.isEdited = true;
+  showStale(play, play.runs.length > 0);
+  if (play.code.edited(own)) run(play);
 }
 
 // Runs the world as it is. If a setting is not valid, pressing Run leads to it.
@@ -94,13 +113,11 @@ async function run(play, pressed = false) {
   play.both = false;
   parts.beside.hidden = true;
   parts.said.className = "said quiet";
-  parts.said.textContent = "Running …";
-  showStale(play, play.version !== version);
-  const slow = setTimeout(() => {
-    if (asked !== play.asked) return;
-    parts.stop.hidden = false;
-    if (!play.ran) parts.said.textContent = FIRST;
-  }, SLOW);
+  parts.said.textContent = PREPARING;
+  showStale(play, play.version !== version || play.isEdited);
+  if (!play.player) showBare(play, drawnOf(studio.model.world), PREPARING);
+  play.isEdited = false;
+  const slow = setTimeout(() => asked === play.asked && (parts.stop.hidden = false), SLOW);
   const asks = play.robots.message();
   play.robots.running(asks);
   const message = { ...asks, world: messageOf(studio.model.world) };
@@ -108,7 +125,7 @@ async function run(play, pressed = false) {
     play.running = studio.connection.ask("run", message, (part) => asked === play.asked && take(play, part, message));
     await play.running;
     play.version = version;
-    if (asked === play.asked) parts.said.textContent = "";
+    if (asked === play.asked) finish(play);
     showBeside(play);
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
@@ -119,6 +136,18 @@ async function run(play, pressed = false) {
     clearTimeout(slow);
     if (asked === play.asked) endRun(play);
   }
+}
+
+function finish(play) {
+  const { parts, runs, player } = play;
+  parts.said.textContent = "";
+  play.code.ran();
+  if (runs.some((one) => one.run)) return;
+  // An earlier picture would show code that does not run any more.
+  player?.play(false);
+  play.player = null;
+  parts.instruments.replaceChildren();
+  showBare(play, play.world, NONE_RAN);
 }
 
 // Runs nothing, and marks results of another world, shown or in progress, as outdated.
@@ -157,12 +186,13 @@ function hideStop(button) {
 function take(play, part, message) {
   if (part.world !== undefined) {
     Object.assign(play, { world: part.world, message, runs: [], looked: 0 });
-    if (!play.player) showBare(play);
+    play.parts.said.textContent = runningWords(message.controllers, 0);
+    if (!play.player) showBare(play, part.world, "The robots are running.");
     return;
   }
-  play.ran = true;
-  if (part.error) part.error = refusalWords(part.error);
+  if (part.error) Object.assign(part, { error: refusalWords(part.error), frames: part.error.frames });
   play.runs.push(part);
+  play.parts.said.textContent = runningWords(message.controllers, play.runs.length);
   showStale(play, false);
   say(play.runs.map((one) => `${one.name}: ${endingOf(one)}`).join(". "));
   showTable(play);
@@ -170,9 +200,11 @@ function take(play, part, message) {
     look(play, play.runs[play.looked] && play.runs[play.looked].run ? play.looked : play.runs.length - 1);
 }
 
-// Shows the world alone, before the first robot has finished.
-function showBare(play) {
-  const drawn = { world: play.world, run: null, why: "The robots are running." };
+const runningWords = (robots, done) => (done < robots.length ? `Running ${robots[done]} …` : "");
+
+// Shows the world alone, with the reason.
+function showBare(play, world, why) {
+  const drawn = { world, run: null, why };
   play.bare = buildPlayer(play.parts.canvas, play.parts.under, drawn, null);
   play.parts.stage.classList.remove("stale");
   play.parts.canvas.style.height = "";

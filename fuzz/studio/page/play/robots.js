@@ -1,20 +1,23 @@
 // The panel for choosing robots and their settings.
 
-import { breakable, el, plural } from "#player/dom.js";
+import { breakable, el, plural, shortName } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { isField, isGood, labelled, motionField, number } from "#studio/shared/fields.js";
 import { messageOf } from "#studio/draw/model.js";
+import { keep, keptOf } from "#studio/shared/kept.js";
 import { Refused } from "#studio/shared/refusals.js";
 import { makeSettings } from "#studio/play/settings.js";
 
+const SETUP = "play"; // key for the set-up of the last run, in the browser's storage
 const WIDE = 15; // letters of a name that fill half a line
 
 /**
  * @param {Studio} studio
  * @param {() => void} run
+ * @param {HTMLElement} more - Another setting, shown under the list of robots
  * @returns {any}
  */
-export function makeRobots(studio, run) {
+export function makeRobots(studio, run, more) {
   const state = {
     motion: "stepped",
     chosen: ["thesis-2"],
@@ -44,6 +47,7 @@ export function makeRobots(studio, run) {
     el("div", { class: "line" }, el("h2", {}, "Robots"), parts.due, parts.run),
     parts.motion,
     parts.list,
+    more,
     parts.others,
     parts.another.element,
     parts.numbers,
@@ -60,6 +64,7 @@ export function makeRobots(studio, run) {
     element,
     running: (message) => {
       robots.ran = JSON.stringify(message);
+      if (!robots.lent) keepSetup(robots);
       showDue(robots);
     },
     refresh: () => refresh(robots),
@@ -192,16 +197,38 @@ function refresh(robots) {
   if (!studio.offered) return;
   showChanges(robots);
   if (robots.offered === studio.offered) return;
-  const again = robots.offered !== null; // the studio was restarted and offers something else
+  const before = robots.offered;
+  const again = before !== null; // the studio was restarted and offers something else, or code was edited
   robots.offered = studio.offered;
-  const first = studio.offered.controllers.find(({ named, fault }) => named && !fault);
-  if (first && !again) Object.assign(state, { chosen: [first.name], motion: first.motion });
-  if (!again) state.time_step = studio.offered.time_step;
+  if (!again) Object.assign(state, { time_step: studio.offered.time_step }, setupIn(studio.folder, studio.offered));
+  else followMended(robots, before);
   if (!motionOf(robots)) Object.assign(state, { motion: studio.offered.motions[0].name, options: {} });
   parts.motionList = motionField(studio.offered.motions, state.motion, (name) => setMotion(robots, name));
   parts.motion.replaceChildren(parts.motionList.element);
   showMotion(robots);
   if (!again) showNumbers(robots);
+}
+
+// Chooses the motion model of a chosen controller that could not be loaded before, and can be now.
+function followMended({ state, studio }, before) {
+  const broken = new Set(before.controllers.filter(({ fault }) => fault).map(({ name }) => name));
+  const mended = studio.offered.controllers.find(({ name, fault }) => !fault && broken.has(name) && state.chosen.includes(name));
+  if (mended && mended.motion !== state.motion) Object.assign(state, { motion: mended.motion, options: {} });
+}
+
+const namedIn = ({ controllers }) => controllers.filter(({ named }) => named).map(({ name }) => name);
+
+function keepSetup({ studio, state }) {
+  keep(studio.folder, SETUP, { ...state, named: namedIn(studio.offered) });
+}
+
+// Returns the set-up of the last run in this folder; without one, or if other controllers were named at the start, the
+// first of those.
+function setupIn(folder, offered) {
+  const { named, ...kept } = keptOf(folder, SETUP) ?? {};
+  if (String(named ?? "-") === String(namedIn(offered)) && offered.motions.some(({ name }) => name === kept.motion)) return kept;
+  const first = offered.controllers.find(({ named }) => named);
+  return first ? { chosen: [first.name], motion: first.motion } : {};
 }
 
 function motionOf({ studio, state }) {
@@ -210,8 +237,11 @@ function motionOf({ studio, state }) {
 
 function offeredTo(robots) {
   const { thesis } = motionOf(robots);
-  return robots.studio.offered.controllers.filter((one) => !one.fault && (thesis ? one.thesis : one.lattice));
+  return robots.studio.offered.controllers.filter((one) => isRunnable(one) && (thesis ? one.thesis : one.lattice));
 }
+
+// One of the user's own that cannot be loaded stays in the list, because its run shows where the code fails.
+const isRunnable = ({ named, fault }) => named || !fault;
 
 function setMotion(robots, name) {
   const { state } = robots;
@@ -248,7 +278,7 @@ function showList(robots) {
   const one = ({ name, also }) =>
     el(
       "label",
-      { class: name.length + (thesis ? also.length : 0) > WIDE ? "check wide" : "check" },
+      { class: shortName(name).length + (thesis ? also.length : 0) > WIDE ? "check wide" : "check", title: shortName(name) === name ? null : name },
       el("input", {
         type: "checkbox",
         value: name,
@@ -256,7 +286,7 @@ function showList(robots) {
         disabled: !state.chosen.includes(name) && state.chosen.length >= robots.studio.limits.robots,
         onchange: (event) => toggle(robots, name, event.target.checked),
       }),
-      el("span", {}, breakable(thesis && also ? `${name} (${also})` : name)),
+      el("span", {}, breakable(thesis && also ? `${name} (${also})` : shortName(name))),
     );
   const own = (name) =>
     el(
@@ -284,7 +314,7 @@ function changeOwn(robots, name) {
 function othersOf(robots) {
   const { controllers } = robots.studio.offered;
   const here = offeredTo(robots).map(({ name }) => name);
-  const away = controllers.filter(({ name, fault }) => !fault && !here.includes(name));
+  const away = controllers.filter((one) => isRunnable(one) && !here.includes(one.name));
   const own = away.filter(({ named }) => named).map(({ name }) => name);
   const more = own.length > 0 ? `, including ${own.join(", ")}` : "";
   return [

@@ -5,10 +5,19 @@
  * @param {Refusal} refusal
  * @returns {string}
  */
-export function refusalWords({ problem, remedy, terminal, line, source }) {
+export function refusalWords(refusal) {
+  const { problem, remedy, terminal, line, source } = refusal;
+  const failed = codeWords(refusal);
+  if (failed) return failed;
   const place = source ? (line === null ? source : `${source}:${line}`) : line === null ? "" : `line ${line}`;
   const whole = remedy ? `${problem}; ${remedy}${terminal ? " (at a terminal)" : ""}` : problem;
   return place ? `${place}: ${whole}` : whole;
+}
+
+// Returns where and how code of the user's has failed; empty if the refusal is about something else.
+function codeWords({ code, facts, frames }) {
+  const place = frames?.at(-1);
+  return code === "code-failed" && place ? `${place.file}:${place.line}: ${facts.kind}: ${facts.reason}` : "";
 }
 
 /** A refusal of the server; `code` and `facts` are for the page, `message` is for the user. */

@@ -1,0 +1,152 @@
+"""Notice that a file has been edited whose code the studio runs.
+
+Python keeps the code of a module that it has loaded. So a process that has loaded a user's file is
+replaced by a new one once the file's contents differ, and the page learns which file it was.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import os
+import shlex
+import sys
+from collections.abc import AsyncGenerator, Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from worldgen.plugins.user_modules import digest_of_source, sources_read
+
+__all__ = ["UNKNOWN", "Edits", "digest_of_file", "edited_files", "loaded_files"]
+
+UNKNOWN = "?"
+"""Digest of code that was read at some time during an edit; no file's contents equal it."""
+
+_EVERY = 0.25  # s between two looks at the files
+# A larger file, such as a library with everything in it, is told by its time and size.
+_LARGEST = 16 << 20  # bytes
+_FILE_TIMES = 1.0  # s: coarsest step of a file system's times
+
+
+def digest_of_file(path: str) -> str:
+    """Return a digest of a file's contents; empty if it cannot be read."""
+    try:
+        facts = Path(path).stat()
+        if facts.st_size > _LARGEST:
+            return f"{facts.st_mtime_ns}-{facts.st_size}"
+        return digest_of_source(Path(path).read_bytes())
+    except (OSError, ValueError):  # ValueError: a NUL in the name
+        return ""
+
+
+def loaded_files(since: float) -> dict[str, str]:
+    """Return the user's files whose code this process has, with the digest of each.
+
+    Args:
+        since: When the process began with its current request, s since 1970. A file that Python
+            itself loaded and that was written later may have been read before or after that.
+    """
+    from sim.controllers.crash_frames import is_users_file  # noqa: PLC0415 - loads the simulator
+
+    found = sources_read()
+    files = (getattr(module, "__file__", None) for module in list(sys.modules.values()))
+    for file in files:
+        if not isinstance(file, str) or file in found or not is_users_file(file):
+            continue
+        try:
+            is_settled = Path(file).stat().st_mtime < since - _FILE_TIMES
+        except OSError:
+            is_settled = False
+        found[file] = digest_of_file(file) if is_settled else UNKNOWN
+    return found
+
+
+def edited_files(loaded: Mapping[str, str]) -> list[str]:
+    """Return the files that are not as they were when their code was loaded.
+
+    Args:
+        loaded: Files with their digests, as ``loaded_files`` returns them.
+    """
+    return [file for file, digest in loaded.items() if digest_of_file(file) != digest]
+
+
+class Edits:
+    """Answers ``edits`` for any number of pages at the same time.
+
+    Args:
+        named: Controllers that were named at the start.
+        loaded: Returns the files that the studio's processes have loaded, such as those that a
+            controller imports from its folder.
+    """
+
+    def __init__(self, named: Sequence[str], loaded: Callable[[], Iterable[str]]) -> None:
+        self._named = tuple(named)
+        self._loaded = loaded
+
+    async def ask(self, kind: str, message: dict[str, Any]) -> AsyncGenerator[tuple[str, Any]]:
+        """Report the files of the named controllers now, and whenever they have changed.
+
+        Yields:
+            ``("turn", {})`` while nothing is new, and ``("part", {"files": files})`` at first and
+            after each change; see ``fuzz/studio/protocol.md``. There is no answer.
+        """
+        shown: dict[str, str] = {}
+        before: dict[str, str] = {}
+        is_first = True
+        while True:
+            now = await asyncio.to_thread(self._digests)
+            # A file is empty for a moment while an editor writes it, so wait until it stays.
+            if is_first or (now == before and now != shown):
+                shown = now
+                yield "part", {"files": [self._entry(*item) for item in now.items()]}
+            else:
+                yield "turn", {}
+            is_first = False
+            before = now
+            await asyncio.sleep(_EVERY)
+
+    def warm(self) -> None:
+        """Do nothing: there is no process to start."""
+
+    def end(self) -> None:
+        """Do nothing: the generator ends when nobody asks for more."""
+
+    def _digests(self) -> dict[str, str]:
+        files = {file for label in self._named for file in _own_files(label)}
+        return {file: digest_of_file(file) for file in sorted(files | set(self._loaded()))}
+
+    def _entry(self, file: str, digest: str) -> dict[str, Any]:
+        """Return a file for the page, with the controllers that may run its code."""
+        folder = os.path.dirname(file)  # noqa: PTH120 - once for each file at each change
+        own = [label for label in self._named if file in _own_files(label)]
+        beside = [
+            label
+            for label in self._named
+            if any(folder.startswith(str(Path(part).parent)) for part in _own_files(label))
+        ]
+        return {
+            "file": file,
+            "name": Path(file).name,
+            "digest": digest,
+            "controllers": own or beside or list(self._named),
+        }
+
+
+@functools.cache
+def _own_files(label: str) -> tuple[str, ...]:
+    """Return the files that a controller's name contains; empty for one in a module."""
+    from fuzz.studio.running import names_of  # noqa: PLC0415 - loads the simulator
+    from sim.controllers.programs.process import is_process_name  # noqa: PLC0415
+    from sim.controllers.shared.object_file import is_library_name, library_file  # noqa: PLC0415
+
+    for name in names_of((label,)):
+        if is_process_name(name):
+            # A program starts anew with each run. Its script is watched to say that it has changed.
+            words = shlex.split(name.partition(":")[2])
+            return tuple(os.path.realpath(word) for word in words if Path(word).is_file())
+        if is_library_name(name):
+            return (os.path.realpath(library_file(name)),)
+        place = name.rpartition(":")[0]
+        if place.endswith(".py"):
+            return (os.path.realpath(Path(place).expanduser()),)
+    return ()

@@ -1,0 +1,67 @@
+// Notices that a file of a controller's code has been edited, from what the server says of the files.
+
+import { Ended } from "#studio/shared/connection.js";
+import { Refused } from "#studio/shared/refusals.js";
+
+/**
+ * Returns the files that differ from what was known of them, and remembers what they are now.
+ * @param {Map<string, string>} known - Digest of each file; updated
+ * @param {CodeFile[]} files
+ * @returns {CodeFile[]}
+ */
+function editedIn(known, files) {
+  const edited = files.filter(({ file, digest }) => known.has(file) && known.get(file) !== digest);
+  for (const { file, digest } of files) known.set(file, digest);
+  return edited;
+}
+
+/**
+ * Returns whether a robot runs one of some controllers, perhaps with other options.
+ * @param {string} robot
+ * @param {string[]} controllers
+ * @returns {boolean}
+ */
+export function runsOneOf(robot, controllers) {
+  const plain = (label) => label.split("+")[0];
+  return controllers.some((controller) => plain(controller) === plain(robot));
+}
+
+/**
+ * Describes files by their names, such as "mine.py and gains.py".
+ * @param {Pick<CodeFile, "name">[]} files
+ * @returns {string}
+ */
+export function fileWords(files) {
+  const names = [...new Set(files.map(({ name }) => name))];
+  return names.length < 2 ? names.join("") : `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`;
+}
+
+/**
+ * Returns what the server offers. A controller that was offered before and can't be loaded since an edit stays, so that
+ * a run shows where its code fails.
+ * @param {Offered | null} before
+ * @param {Offered} now
+ * @returns {Offered}
+ */
+export function stillOffered(before, now) {
+  const earlier = new Map((before?.controllers ?? []).filter(({ fault }) => !fault).map((one) => [one.name, one]));
+  const controllers = now.controllers.map((one) => (one.named && one.fault && earlier.get(one.name)) || one);
+  return { ...now, controllers };
+}
+
+/**
+ * Listens until the connection ends; `edited` is called with the files of each edit.
+ * @param {Connection} connection
+ * @param {Map<string, string>} known - What an earlier connection has learned; updated
+ * @param {(files: CodeFile[]) => void} edited
+ */
+export async function listenToEdits(connection, known, edited) {
+  try {
+    await connection.ask("edits", {}, ({ files }) => {
+      const changed = editedIn(known, files);
+      if (changed.length > 0) edited(changed);
+    });
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+  }
+}

@@ -1,0 +1,52 @@
+"""The loop of edit and run: the page runs what the file says now, and shows where that fails."""
+
+import pytest
+
+from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import opened
+
+ARRIVES = """
+import math
+
+class Robot:
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        return (1.0, 0.0), memory
+"""
+TURNS = ARRIVES.replace("(1.0, 0.0)", "(0.0, 1.0)")
+BROKEN = ARRIVES.replace("memory):", "memory:")
+CRASHES = ARRIVES.replace("(1.0, 0.0)", "(1.0 / len(memory), 0.0)")
+
+
+@pytest.mark.gate
+def test_an_edited_controller_runs_at_once_and_a_fault_is_shown_where_it_is(browser, tmp_path):
+    robot = tmp_path / "mine.py"
+    robot.write_text(TURNS)
+    with studio_of(tmp_path, named=[f"{robot}:Robot"]) as gate, opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.locator(".result", has_text="loop").wait_for()
+
+        # An edit runs by itself; a syntax error takes the place of the earlier result.
+        robot.write_text(BROKEN)
+        page.locator(".failed .frame", has_text="mine.py:8").wait_for()
+        assert "def act(self, observation, memory:" in page.locator(".frame code").inner_text()
+        assert page.locator(".result").count() == 0 and page.locator("#scrub").count() == 0
+
+        # What is broken is still broken after a reload, and mended without one.
+        page.reload()
+        page.locator("#gone", has_text="mine.py").wait_for()
+        robot.write_text(CRASHES)
+        page.locator(".result .frame", has_text="1.0 / len(memory)").wait_for()
+        page.locator("#gone").wait_for(state="hidden")
+
+        # Without the tick it only says so.
+        page.get_by_label("Run again when a file of its code is edited").uncheck()
+        robot.write_text(TURNS)
+        page.locator("#code-note", has_text="run again.").wait_for()
+        assert page.locator(".stage.stale").count() == 1
+        page.locator("#run-edited").click()
+        page.locator(".result", has_text="loop").wait_for()
+        page.locator("#code-note", has_text="as it is now").wait_for()
+        assert page.complaints == []

@@ -1,0 +1,72 @@
+// Edited code: which files have changed, whom that concerns, and what stays on offer meanwhile.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import "./stand_in.mjs";
+import { fileWords, listenToEdits, runsOneOf, stillOffered } from "#studio/shared/edits.js";
+import { drawnOf } from "#studio/play/drawn_world.js";
+import { cellsAt } from "#player/decode.js";
+import { shortName } from "#player/dom.js";
+import { refusalWords } from "#studio/shared/refusals.js";
+import { emptyWorld } from "#studio/draw/model.js";
+
+const file = (name, digest) => ({ file: `/robots/${name}`, name, digest, controllers: ["/robots/mine.py:Robot"] });
+
+// What is said to be edited when the server sends these lists of files on one connection.
+async function edits(known, ...parts) {
+  const heard = [];
+  const ask = async (kind, message, part) => parts.forEach((files) => part({ files }));
+  await listenToEdits({ ask }, known, (files) => heard.push(files.map(({ name }) => name)));
+  return heard;
+}
+
+test("a file that is heard of for the first time has not been edited", async () => {
+  assert.deepEqual(await edits(new Map(), [file("mine.py", "1")]), []);
+  assert.deepEqual(await edits(new Map(), [file("mine.py", "1")], [file("mine.py", "1"), file("gains.py", "1")]), []);
+});
+
+test("a file has been edited if its contents differ, also since an earlier connection", async () => {
+  const known = new Map();
+  const before = [file("mine.py", "1"), file("gains.py", "1")];
+  assert.deepEqual(await edits(known, before, [file("mine.py", "1"), file("gains.py", "2")]), [["gains.py"]]);
+  assert.deepEqual(await edits(known, [file("mine.py", "3"), file("gains.py", "2")]), [["mine.py"]]);
+});
+
+test("a robot with options runs the code of its controller", () => {
+  assert.ok(runsOneOf("./mine.py:Robot+slip=0.1", ["./mine.py:Robot"]));
+  assert.ok(runsOneOf("./mine.py:Robot", ["./mine.py:Robot+slip=0.1"]));
+  assert.ok(!runsOneOf("bug1", ["./mine.py:Robot"]));
+});
+
+test("files are named once each", () => {
+  assert.equal(fileWords([{ name: "mine.py" }]), "mine.py");
+  assert.equal(fileWords([{ name: "a.py" }, { name: "b.py" }, { name: "a.py" }]), "a.py and b.py");
+});
+
+test("a controller that an edit has broken stays on offer, and one that was never loaded does not", () => {
+  const mine = { name: "mine", named: true, fault: null, motion: "stepped" };
+  const broken = { ...mine, fault: { problem: "it does not compile" }, motion: "swept" };
+  assert.deepEqual(stillOffered({ controllers: [mine] }, { controllers: [broken] }).controllers, [mine]);
+  assert.deepEqual(stillOffered(null, { controllers: [broken] }).controllers, [broken]);
+  assert.deepEqual(stillOffered({ controllers: [broken] }, { controllers: [mine] }).controllers, [mine]);
+});
+
+test("the drawn world can be shown before the server has answered, with its changes", () => {
+  const world = { ...emptyWorld(5, 5), events: { times: [1.5], ix: [2], iy: [3], state: [2] } };
+  const drawn = drawnOf(world);
+  assert.equal(cellsAt(drawn, 1000)[3 * 5 + 2], 0);
+  assert.equal(cellsAt(drawn, 1500)[3 * 5 + 2], 2);
+  assert.equal(world.cells[3 * 5 + 2], 0);
+});
+
+test("a robot is called by its file without the folders, whatever its options are", () => {
+  assert.equal(shortName("/home/me/robots/mine.py:Robot+gain=1/2"), "mine.py:Robot+gain=1/2");
+  assert.equal(shortName("lib:./build/mine.so:drive"), "lib:mine.so:drive");
+  for (const name of ["bug1", "thesis-1+repaired", "cmd:python robots/mine.py", "robots.mine:Robot"]) assert.equal(shortName(name), name);
+});
+
+test("a refusal of code that fails says where, from its facts", () => {
+  const refusal = { code: "code-failed", problem: "loading it failed", facts: { kind: "NameError", reason: "name 'x' is not defined" }, line: null, source: null, frames: [{ file: "mine.py", line: 3 }] };
+  assert.equal(refusalWords(refusal), "mine.py:3: NameError: name 'x' is not defined");
+  assert.equal(refusalWords({ ...refusal, frames: [] }), "loading it failed");
+});
