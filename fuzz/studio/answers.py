@@ -21,7 +21,7 @@ from fuzz.failure import Failure
 from fuzz.player import drawn_run, drawn_world, replay_page, sensors_of
 from fuzz.player.streams import numbers
 from fuzz.player.worlds import drawn_certificate
-from fuzz.studio.campaigns import CampaignAnswers
+from fuzz.studio.campaigns.answers import CampaignAnswers
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.exchange import ExchangeAnswers
 from fuzz.studio.gallery import WallAnswers

@@ -16,12 +16,12 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
+from fuzz.studio.campaigns.watching import Watching
 from fuzz.studio.edits import Edits
 from fuzz.studio.folder import Folder
 from fuzz.studio.gate import IMPORTS, SUBPROTOCOL, Gate, Guarded
 from fuzz.studio.limits import limits
 from fuzz.studio.session import Session
-from fuzz.studio.watching import Watching
 from fuzz.studio.workers import WORKER_OF, Worker
 
 __all__ = ["FULL", "MOST_PAGES", "Studio", "make_app"]

@@ -14,8 +14,8 @@ from typing import Any
 
 from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_STRATEGIES
+from fuzz.studio.campaigns.fuzz_words import options
 from fuzz.studio.folder import KNOWN
-from fuzz.studio.fuzz_words import options
 from fuzz.studio.refusals import refusal
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller

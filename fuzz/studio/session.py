@@ -14,10 +14,10 @@ from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from fuzz.studio.campaigns.watching import Watching
 from fuzz.studio.edits import Edits
 from fuzz.studio.gate import SUBPROTOCOL
 from fuzz.studio.refusals import our_fault, refusal
-from fuzz.studio.watching import Watching
 from fuzz.studio.workers import WORKER_OF, Ended, Worker
 from worldgen.errors import Message
 

@@ -21,7 +21,7 @@ from fuzz.failure import Failure
 from fuzz.shrink.snippet import snippet
 from fuzz.studio import Folder
 from fuzz.studio.answers import Answers
-from fuzz.studio.campaign_state import campaign_state
+from fuzz.studio.campaigns.state import campaign_state
 from fuzz.studio.messages import message_of
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises

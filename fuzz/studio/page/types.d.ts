@@ -210,7 +210,7 @@ interface Proof {
   opened?: OpenWorld["witness"];
 }
 
-/** A campaign in numbers: fuzz/studio/campaign_state.py. */
+/** A campaign in numbers: fuzz/studio/campaigns/state.py. */
 interface CampaignState {
   folder: string;
   running: boolean;

@@ -9,7 +9,7 @@ from collections.abc import AsyncGenerator, Sequence
 from pathlib import Path
 from typing import Any
 
-from fuzz.studio.beginning import end_beginnings
+from fuzz.studio.campaigns.beginning import end_beginnings
 from fuzz.studio.folder import Folder
 from worldgen.errors import InvalidParameter, Message, WorldgenError
 
@@ -121,4 +121,4 @@ class Watching:
 
 def _reads() -> Any:
     # Expensive to import, so not before a page watches a campaign.
-    return importlib.import_module("fuzz.studio.campaign_state")
+    return importlib.import_module("fuzz.studio.campaigns.state")

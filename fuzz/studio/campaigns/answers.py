@@ -21,18 +21,9 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.campaign.store import MEMORY, FolderStore, forget_error, read_error
-from fuzz.studio.beginning import beginning
-from fuzz.studio.campaign_state import (
-    SAID,
-    campaign_state,
-    interrupt,
-    is_campaign,
-    is_own,
-    running_process,
-)
-from fuzz.studio.elites import elite_of, runs_in
-from fuzz.studio.folder import KNOWN, MOST_FAILURES, Folder
-from fuzz.studio.fuzz_words import (
+from fuzz.studio.campaigns.beginning import beginning
+from fuzz.studio.campaigns.elites import elite_of, runs_in
+from fuzz.studio.campaigns.fuzz_words import (
     baseline,
     begun,
     budget,
@@ -41,6 +32,15 @@ from fuzz.studio.fuzz_words import (
     command_line,
     workers,
 )
+from fuzz.studio.campaigns.state import (
+    SAID,
+    campaign_state,
+    interrupt,
+    is_campaign,
+    is_own,
+    running_process,
+)
+from fuzz.studio.folder import KNOWN, MOST_FAILURES, Folder
 from fuzz.studio.messages import field as part_of
 from fuzz.studio.messages import opened_message, restored
 from fuzz.studio.opened import Opened
