@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from worldgen.reach import check_certificate
@@ -54,6 +54,14 @@ def test_a_robot_stays_an_obstacle_where_its_path_ends():
     assert not report.valid and "5." in report.reason
 
 
+def test_a_path_that_leaves_its_target_does_not_hold():
+    world = meeting(lane=0.39)
+    joint = crossing(0.39)
+    first = Witness([0.0, 1.0, 2.0, 3.0], [0.15, 1.05, 0.85, 1.05], [0.25] * 4, 0.07)
+    report = check_certificate(world, JointWitness((first, joint.paths[1])))
+    assert not report.valid and report.reason.startswith("robot 1: ")
+
+
 def test_a_path_into_a_wall_names_its_robot():
     world = meeting(lane=0.39)  # 0.01 m below row 4, less than the radius of robot 2
     walls = np.array(world.walls)
@@ -96,10 +104,11 @@ _steps = st.lists(st.tuples(st.integers(0, 4), st.integers(0, 4)), min_size=1, m
 def test_shapely_agrees_about_two_robots(one, two, radius):
     paths = []
     for corners in (one, two):
+        assume(corners.index(corners[-1]) == len(corners) - 1)  # it does not leave its target
         x, y = 0.1 * np.array(corners).T + 0.35
         paths.append(Witness(np.arange(len(x)), x, y, 0.1))
     world_of = [
-        Robot(Pose(path.x[0], path.y[0]), Target(path.x[-1], path.y[-1], 0.2), radius)
+        Robot(Pose(path.x[0], path.y[0]), Target(path.x[-1], path.y[-1], 0.05), radius)
         for path in paths
     ]
     try:

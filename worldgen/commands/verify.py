@@ -60,6 +60,7 @@ def verify(
     too), with 1 if a certificate does not hold or a map stays undecided, with 2 if a file cannot be
     read.
     """
+    from worldgen.errors import InvalidParameter
     from worldgen.files.worlds import read_worlds
     from worldgen.reach import widest_disc
 
@@ -68,6 +69,15 @@ def verify(
         for path, world in read_worlds(paths):
             work.say(f"{path}, world {len(results) + 1}")
             results.append({"path": str(path), **verify_world(world, radius, deadline)})
+            if widest and world.others:
+                raise InvalidParameter(
+                    "several-robots",
+                    "{path} has {count} robots, and the widest disc is looked for one robot only",
+                    "ask with --radius R whether discs of R get through",
+                    at_terminal=True,
+                    path=str(path),
+                    count=len(world.robots),
+                )
             if widest:
                 work.say(f"{path}: looking for the largest disc that could pass")
                 results[-1]["widest"] = widest_disc(world)
@@ -90,9 +100,10 @@ def verify_world(
         deadline: s, by which the robot must be in the target; None for any time.
 
     Returns:
-        ``result``, ``certificate`` (witness, cut, confinement or None), ``certificate_valid``,
+        ``result``, ``certificate`` (witness, cut, confinement, swap or None), ``certificate_valid``,
         ``decided`` (again, or read from the file), ``clearance``, ``radius`` and ``reason``;
-        ``deadline`` if there is one; of a witness in a world that changes, or under a deadline,
+        ``deadline`` if there is one; ``robots``, their number, if there are several, and then
+        ``radius`` is the largest of theirs; of a witness in a world that changes, or under a deadline,
         also ``margin`` and ``latest_start``: s by which it may begin later, and until which the
         robot may wait at the start if it may take any path; None for any time.
 
@@ -105,19 +116,20 @@ def verify_world(
         UNDECIDED,
         check_certificate,
         check_confinement,
+        check_swap,
         decide_in_time,
         until,
     )
     from worldgen.reach.decision import Decision, check_deadline, check_radius
-    from worldgen.world import Witness
+    from worldgen.world import Cut, Witness
 
-    asked = world.robot_radius if radius is None else radius
+    asked = max(robot.radius for robot in world.robots) if radius is None else radius
     check_radius(asked, world.cell_size)
     check_deadline(deadline)
     decision = Decision(UNDECIDED, world.certificate, "")
     afresh = False
-    if not _answers(world, asked, deadline):
-        decision = decide_in_time(world, deadline, radius=asked)
+    if not _answers(world, radius, deadline):
+        decision = decide_in_time(world, deadline, radius=radius)
         afresh = True
     certificate = decision.certificate
     answer: dict[str, Any] = {
@@ -128,14 +140,13 @@ def verify_world(
     }
     answer |= {"clearance": None, "radius": asked, "reason": decision.reason}
     answer |= {} if deadline is None else {"deadline": deadline}
+    answer |= {"robots": len(world.robots)} if world.others else {}
     ahead = world if deadline is None else until(world, deadline)
     if certificate is not None:
         report = check_certificate(
-            world if certificate is world.certificate else ahead, certificate, radius=asked
+            world if certificate is world.certificate else ahead, certificate, radius=radius
         )
-        kind, claim = (
-            ("witness", REACHABLE) if isinstance(certificate, Witness) else ("cut", BLOCKED)
-        )
+        kind, claim = ("cut", BLOCKED) if isinstance(certificate, Cut) else ("witness", REACHABLE)
         answer |= {
             "result": claim if report.valid else UNDECIDED,
             "certificate": kind,
@@ -152,25 +163,26 @@ def verify_world(
         report = check_confinement(ahead, decision.confinement, radius=asked)
         answer |= {"result": BLOCKED if report.valid else UNDECIDED, "certificate": "confinement"}
         answer |= {"certificate_valid": report.valid, "reason": report.reason}
+    elif decision.swap is not None:
+        report = check_swap(world, decision.swap, radius=radius)
+        answer |= {"result": BLOCKED if report.valid else UNDECIDED, "certificate": "swap"}
+        answer |= {"certificate_valid": report.valid, "reason": report.reason}
     return answer
 
 
-def _answers(world: World, radius: float, deadline: float | None) -> bool:
+def _answers(world: World, radius: float | None, deadline: float | None) -> bool:
     """Return True if the certificate in the file speaks of what is asked.
 
     If of that alone, it need not hold.
     """
     from worldgen.reach import check_certificate
-    from worldgen.world import Witness
+    from worldgen.world import Cut
 
     certificate = world.certificate
-    if certificate is None or (
-        radius != world.robot_radius and not check_certificate(world, radius=radius).valid
-    ):
+    is_other = radius is not None and any(radius != robot.radius for robot in world.robots)
+    if certificate is None or (is_other and not check_certificate(world, radius=radius).valid):
         return False
-    return (
-        deadline is None or not isinstance(certificate, Witness) or certificate.duration <= deadline
-    )
+    return deadline is None or isinstance(certificate, Cut) or certificate.duration <= deadline
 
 
 def _lateness(
@@ -197,7 +209,10 @@ def _line(result: dict[str, Any]) -> str:
         verdict = f"{result['certificate']} does not hold: {result['reason']}"
     else:
         how = "decided afresh and checked" if result["decided"] else "checked"
-        disc = f"a disc of {result['radius']:g} m" + _within(result)
+        disc = f"a disc of {result['radius']:g} m"
+        if "robots" in result:
+            disc = f"the {result['robots']} robots together"
+        disc += _within(result)
         verdict = (
             f"{result['result']} for {disc}, {result['certificate']} {how}: {result['reason']}"
         )

@@ -394,4 +394,70 @@ void wg_squares_way(const WgSquares *squares, int64_t *way);
 
 void wg_squares_free(WgSquares *squares);
 
+// joint.c
+
+// Several robots on one lattice of nodes, in ticks: in each tick every robot waits or takes one of eight steps, all at
+// the same speed. All arrays must outlive a search.
+//
+// Robots with equal radii are of one class. Two robots are clear of each other in a tick if the segment that one makes
+// relative to the other keeps away from the origin: the squared distance, in nodes, times the squared length of that
+// segment (0, 1, 2, 4, 5 or 8) is at least a whole number. limits[(a classes + b) 9 + length squared] is that number
+// for two classes, with 1 for the ends.
+typedef struct WgJoint {
+    int64_t robots;   // at most 32,767
+    int64_t classes;
+    int64_t nodes;    // less than 2^31
+    int64_t stride;   // nodes in a row
+    int64_t rasters;
+    const uint8_t *clear;      // (rasters, classes, nodes) as in WgGraph
+    const uint8_t *middle;
+    int64_t ticks;             // at least 1
+    const int64_t *raster_of;  // (ticks,) raster of each tick; that of the last one holds from then on
+    const int64_t *class_of;   // (robots,)
+    const int64_t *limits;     // (classes, classes, 9)
+    int64_t reach;             // two robots that are farther apart than this, in nodes, across or up, are clear
+    const int64_t *starts;     // (robots,) nodes
+    const int32_t *distances;  // (robots, nodes) steps to the target at least; 0 in it, where the robot parks; -1 if
+                               // no steps lead there
+} WgJoint;
+
+// Paths of all robots: for each tick the node of each.
+typedef struct WgJointPlan WgJointPlan;
+
+// Plans one robot after the other, each around those before it: space-time A*.
+//
+// order:      (robots,) their numbers from 0, the first planned first.
+// most:       states that one robot may take.
+// made:       gets the plan, or NULL.
+// failed:     gets the robot for which there is no way; -1 if there is a plan.
+WgStatus wg_joint_prioritised(const WgJoint *joint, const int64_t *order, int64_t most, WgJointPlan **made,
+                              int64_t *failed);
+
+// Searches all joint states, those first that look nearest; complete.
+//
+// most:       joint states looked at.
+// made:       gets the plan, or NULL.
+// progress:   WG_FOUND; WG_EXHAUSTED if there is no plan at all; WG_GOING if there were too many states.
+WgStatus wg_joint_exhaust(const WgJoint *joint, int64_t most, WgJointPlan **made, WgProgress *progress);
+
+// The same depth first with lazily added constraints (LaCAM), for many robots.
+//
+// most:       joint states kept.
+WgStatus wg_joint_lacam(const WgJoint *joint, int64_t most, WgJointPlan **made, WgProgress *progress);
+
+// Ticks until the last robot parks.
+int64_t wg_joint_length(const WgJointPlan *plan);
+
+// nodes:      (length + 1, robots) gets the nodes.
+void wg_joint_nodes(const WgJointPlan *plan, int64_t *nodes);
+
+void wg_joint_free(WgJointPlan *plan);
+
+// Fewest steps from every node to a goal.
+//
+// clear, middle: (nodes,) as in WgGraph.
+// goals:      (nodes,) 1 for nodes in the target; those that are not clear do not count.
+// distances:  (nodes,) gets them; -1 where none leads there.
+WgStatus wg_joint_distances(const WgGraph *graph, const uint8_t *goals, int32_t *distances);
+
 #endif

@@ -1,14 +1,17 @@
 """Reachability of the target for a disc: a proof either way, and an independent checker.
 
 Contents:
-    decide, decide_many: decide one world, or many, with a proof.
-    Decision, REACHABLE, BLOCKED, UNDECIDED: the result.
-    decide_in_time, latest_start, until: the same with a deadline, and how long the robot may wait.
-    Confinement: the proof that a deadline cannot be met.
-    widest_disc: the largest disc that gets through. The following are imported when first used,
-because they load shapely:
-    check_certificate, CheckReport: check a proof. check_confinement: check the proof about a
-    deadline. witness_margin, delayed: how much later a timed witness may begin, and that witness.
+    decide, decide_many: prove it, in one world and in many.
+    Decision, REACHABLE, BLOCKED, UNDECIDED: what comes of it.
+    decide_in_time, latest_start, until: with a deadline; how long the robot may wait.
+    Confinement: what proves that a deadline cannot be met.
+    Swap: what proves that two robots cannot both arrive.
+    widest_disc: the largest disc that gets through.
+Imported when they are first used, because they load shapely:
+    check_certificate, CheckReport: check a proof.
+    check_confinement: check that of a deadline.
+    check_swap: check that of two robots that cannot pass each other.
+    witness_margin, delayed: how much later a timed witness may begin; the witness that does.
 """
 
 from __future__ import annotations
@@ -16,8 +19,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from worldgen.reach.confinement import Confinement
-from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
-from worldgen.reach.still.prove import decide, decide_many
+from worldgen.reach.deciding import decide, decide_many
+from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, Swap
 from worldgen.reach.still.widest import widest_disc
 from worldgen.reach.timed.deadline import decide_in_time, latest_start, until
 from worldgen.support.lazy import lazy_names
@@ -26,12 +29,14 @@ if TYPE_CHECKING:
     from worldgen.reach.check.certificate import CheckReport, check_certificate
     from worldgen.reach.check.confinement import check_confinement
     from worldgen.reach.check.margin import delayed, witness_margin
+    from worldgen.reach.check.swap import check_swap
 
 __getattr__, __dir__ = lazy_names(
     __name__,
     {
         "check.certificate": ("CheckReport", "check_certificate"),
         "check.confinement": ("check_confinement",),
+        "check.swap": ("check_swap",),
         "check.margin": ("delayed", "witness_margin"),
     },
 )
@@ -43,8 +48,10 @@ __all__ = [
     "CheckReport",
     "Confinement",
     "Decision",
+    "Swap",
     "check_certificate",
     "check_confinement",
+    "check_swap",
     "decide",
     "decide_in_time",
     "decide_many",

@@ -14,6 +14,7 @@ __all__ = [
     "REACHABLE",
     "UNDECIDED",
     "Decision",
+    "Swap",
     "check_deadline",
     "check_margin",
     "check_radius",
@@ -25,6 +26,21 @@ UNDECIDED = "undecided"
 
 
 @dataclass(frozen=True)
+class Swap:
+    """Two robots that would have to change places in a passage too narrow for both.
+
+    Args:
+        first: Number of one robot, from 1.
+        second: Number of the other, which is higher.
+        axis: ``x`` or ``y``: the direction in which their order would have to be reversed.
+    """
+
+    first: int
+    second: int
+    axis: str
+
+
+@dataclass(frozen=True)
 class Decision:
     """Whether the target can be reached, with the proof.
 
@@ -32,14 +48,17 @@ class Decision:
         result: ``REACHABLE`` with a witness, ``BLOCKED`` with a cut, or ``UNDECIDED`` with neither.
         certificate: The proof, for :func:`worldgen.reach.check_certificate`.
         reason: One sentence for people.
-        confinement: The proof of ``BLOCKED`` if no cut proves it, for
-            :func:`worldgen.reach.check_confinement`. It is not saved in files.
+        confinement: The proof of ``BLOCKED`` where no cut is one; for
+            :func:`worldgen.reach.check_confinement`. A file holds none.
+        swap: The proof of ``BLOCKED`` where two robots would have to pass each other; for
+            :func:`worldgen.reach.check_swap`. A file holds none.
     """
 
     result: str
     certificate: Certificate | None
     reason: str
     confinement: Confinement | None = None
+    swap: Swap | None = None
 
 
 def check_radius(radius: float, cell_size: float) -> None:

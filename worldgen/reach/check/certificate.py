@@ -105,7 +105,11 @@ def _check_joint(world: World, joint: JointWitness, radius: float | None) -> Che
         return CheckReport(False, f"{len(joint.paths)} paths for {count} robots", 0.0)
     clearance = math.inf
     for number, path in enumerate(joint.paths, start=1):
-        report = check_certificate(world.alone(number), path, radius=radius)
+        alone = world.alone(number)
+        # Where it has parked, it has to be safe until the last robot arrives.
+        report = check_certificate(alone, _waiting(path, joint.duration), radius=radius)
+        if report.valid and _leaves_target(alone, path):
+            report = CheckReport(False, "the path leaves the target again", report.clearance)
         if not report.valid:
             return CheckReport(False, f"robot {number}: {report.reason}", report.clearance)
         clearance = min(clearance, report.clearance)
@@ -122,6 +126,29 @@ def _check_joint(world: World, joint: JointWitness, radius: float | None) -> Che
             return CheckReport(False, reason, clearance)
     reason = f"the paths of all {count} robots are clear of walls and of each other"
     return CheckReport(True, reason, clearance)
+
+
+def _waiting(path: Witness, until: float) -> Witness:
+    """Return a path with a wait at its end."""
+    if not path.times[-1] < until:
+        return path
+    times = np.append(path.times, until)
+    x = np.append(path.x, path.x[-1])
+    y = np.append(path.y, path.y[-1])
+    return Witness(times, x, y, path.clearance)
+
+
+def _leaves_target(world: World, path: Witness) -> bool:
+    """Return True if a corner of a path is in the target and a later one is not.
+
+    A robot parks where it is in its target, so it could not drive such a path.
+    """
+    target = world.target
+    away = np.hypot(path.x - target.x, path.y - target.y)
+    inside = away < target.radius - TOLERANCE * world.cell_size
+    return bool(
+        inside.any() and not (away[int(np.argmax(inside)) :] <= target.radius * (1 + 1e-9)).all()
+    )
 
 
 def _check_one_of_several(

@@ -36,7 +36,7 @@ from worldgen.support.ccall import check
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Witness, World
 
-__all__ = ["decide", "decide_many"]
+__all__ = ["decide", "links"]
 
 # Nodes per cell side if half cells neither find a path nor leave a cut.
 _FINER = (4, 8, 16)
@@ -81,22 +81,6 @@ def decide(
     if world.is_dynamic:
         return _decide_changing(world, radius, margin)
     return _ReachQuery(world, radius).answer(certificate=certificate, cut=certificate and cut)
-
-
-def decide_many(
-    worlds: Sequence[World], *, radius: float | None = None, certificate: bool = True
-) -> list[Decision]:
-    """Return what :func:`decide` returns for each of many worlds.
-
-    Args:
-        worlds: Any worlds.
-        radius: Radius of the disc, m; each world's robot's if omitted.
-        certificate: Whether to return the proofs of static worlds.
-
-    Raises:
-        InvalidParameter: If the radius isn't a finite number above 0.
-    """
-    return [decide(world, radius=radius, certificate=certificate) for world in worlds]
 
 
 def _decide_changing(world: World, radius: float, margin: float) -> Decision:
@@ -291,8 +275,8 @@ class _ReachQuery:
         if k > 2:
             graph = build_graph(self.world.walls, self.walls.radius, k)
         unit = UNIT // k
-        sources = _links(self.walls, graph, self.start)
-        ends = _links(self.goal_walls, graph, self.goal) if self.goal is not None else []
+        sources = links(self.walls, graph, self.start)
+        ends = links(self.goal_walls, graph, self.goal) if self.goal is not None else []
         onto, off = self._links_round_corners(graph) if cornered else ({}, {})
         sources = [*sources, *onto]
         ends = [*ends, *off]
@@ -448,8 +432,8 @@ def _nearest_node(disc: Disc, unit: int) -> tuple[int, int]:
     return round(disc.x / unit), round(disc.y / unit)
 
 
-def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
-    """Yield clear nodes near a point that the disc may go straight to.
+def links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
+    """Return the clear nodes near a point to which the disc may go straight.
 
     If the point is a node, it is that node.
     """

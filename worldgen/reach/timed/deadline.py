@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 from worldgen.lattice import UNIT, in_cells
+from worldgen.reach import deciding
 from worldgen.reach.decision import BLOCKED, UNDECIDED, Decision, check_deadline, check_radius
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.prove import decide
@@ -14,7 +15,7 @@ from worldgen.reach.timed.confine import confine
 from worldgen.reach.timed.latest import find_latest_start
 from worldgen.reach.timed.retime import retime
 from worldgen.reach.timed.spans import ChangingWalls, Spans
-from worldgen.world import Witness, World
+from worldgen.world import JointWitness, Witness, World
 
 __all__ = ["decide_in_time", "latest_start", "until"]
 
@@ -54,9 +55,11 @@ def decide_in_time(
     Raises:
         InvalidParameter: If the radius or the deadline isn't a finite number above 0.
     """
+    check_deadline(deadline)
+    if world.others:
+        return _all_in_time(world, deadline, radius)
     radius = world.robot_radius if radius is None else radius
     check_radius(radius, world.cell_size)
-    check_deadline(deadline)
     ahead = world if deadline is None else until(world, deadline)
     arrivals = []
     # With fewer obstacles, another path is found, whose straight lines may take longer, so both
@@ -112,6 +115,19 @@ def until(world: World, deadline: float) -> World:
         if kept.all()
         else replace(world, timeline=world.timeline.only(kept), certificate=None)
     )
+
+
+def _all_in_time(world: World, deadline: float | None, radius: float | None) -> Decision:
+    """Decide for several robots: a joint witness that is too late leaves the question open."""
+    decision = deciding.decide(world, radius=radius)
+    proof = decision.certificate
+    if deadline is None or not isinstance(proof, JointWitness) or proof.duration <= deadline:
+        return decision
+    reason = (
+        f"the joint paths found take {proof.duration:.6g} s; whether all robots can be faster is not "
+        "decided"
+    )
+    return Decision(UNDECIDED, None, reason)
 
 
 def latest_start(

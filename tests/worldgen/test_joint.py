@@ -1,0 +1,292 @@
+"""Joint plans: found where there is one, checked by other code, and never claimed where there is none."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from worldgen._core import ffi, lib
+from worldgen.errors import InvalidWorld
+from worldgen.reach import (
+    BLOCKED,
+    REACHABLE,
+    UNDECIDED,
+    Swap,
+    check_certificate,
+    check_swap,
+    decide,
+    decide_in_time,
+)
+from worldgen.reach.joint.plan import find_plan
+from worldgen.reach.joint.question import joint_question
+from worldgen.support.ccall import check
+from worldgen.timeline import CellState, Event, Timeline
+from worldgen.world import Cut, JointWitness, Pose, Robot, Target, World
+
+ALLEY = ["#########", "#.......#", "####.####", "#########"]
+TUBE = ["#########", "#.......#", "#########"]
+BENT = ["#########", "#.......#", "#######.#", "#######.#", "#########"]
+
+
+def fleet(rows, *ends, radius=0.04, **changes):
+    """A world of rows of cells, top row first, with robots from cell to cell, counted from the lowest left."""
+    walls = np.array([[sign == "#" for sign in row] for row in rows])[::-1]
+    robots = [
+        Robot(
+            Pose(*((k + 0.5) / 10 for k in begin)),
+            Target(*((k + 0.5) / 10 for k in end), 0.05),
+            radius,
+        )
+        for begin, end in ends
+    ]
+    first = robots[0]
+    return replace(
+        World(walls, first.start, first.target, robot_radius=radius, others=tuple(robots[1:])),
+        **changes,
+    )
+
+
+def proved(world, **asked):
+    """The decision, once its proof was checked."""
+    decision = decide(world, **asked)
+    if decision.certificate is not None:
+        radius = asked.get("radius")
+        report = check_certificate(world, decision.certificate, radius=radius)
+        assert report.valid, report.reason
+    return decision
+
+
+def test_one_robot_waits_in_the_bay_while_the_other_passes():
+    decision = proved(fleet(ALLEY, ((1, 2), (7, 2)), ((7, 2), (1, 2))))
+    assert decision.result == REACHABLE
+    assert isinstance(decision.certificate, JointWitness)
+
+
+def test_a_swap_in_a_straight_passage_is_impossible_in_the_plane():
+    world = fleet(TUBE, ((1, 1), (7, 1)), ((7, 1), (1, 1)))
+    decision = decide(world)
+    assert decision.result == BLOCKED
+    assert decision.swap == Swap(1, 2, "x")
+    assert check_swap(world, decision.swap).valid
+
+
+def test_a_swap_in_an_upright_passage_is_found_too():
+    rows = ["".join(row) for row in zip(*TUBE, strict=True)]
+    world = fleet(rows, ((1, 1), (1, 7)), ((1, 7), (1, 1)))
+    assert decide(world).swap == Swap(1, 2, "y")
+
+
+def test_a_bent_passage_is_undecided_with_a_statement_about_the_grid():
+    decision = decide(fleet(BENT, ((1, 3), (7, 1)), ((7, 1), (1, 3))))
+    assert decision.result == UNDECIDED
+    assert "a statement about the grid" in decision.reason
+
+
+@pytest.mark.parametrize(
+    ("world", "swap"),
+    [
+        (fleet(TUBE, ((1, 1), (5, 1)), ((3, 1), (7, 1))), Swap(1, 2, "x")),  # the order stays
+        (fleet(TUBE, ((1, 1), (7, 1)), ((7, 1), (1, 1))), Swap(1, 2, "y")),  # long enough
+        (
+            fleet(TUBE, ((1, 1), (7, 1)), ((7, 1), (1, 1)), radius=0.025),
+            Swap(1, 2, "x"),
+        ),  # they fit
+        (fleet(ALLEY, ((1, 2), (7, 2)), ((7, 2), (1, 2))), Swap(1, 2, "x")),  # there is a bay
+        (fleet(["#.#.#"], ((1, 0), (3, 0)), ((3, 0), (1, 0))), Swap(1, 2, "x")),  # two rooms
+        (fleet(TUBE, ((1, 1), (7, 1)), ((7, 1), (1, 1))), Swap(2, 1, "x")),
+        (fleet(TUBE, ((1, 1), (7, 1)), ((7, 1), (1, 1))), Swap(1, 3, "x")),
+        (
+            fleet(
+                TUBE,
+                ((1, 1), (7, 1)),
+                ((7, 1), (1, 1)),
+                timeline=Timeline.of([Event(1.0, 4, 2, CellState.FREE)]),
+            ),
+            Swap(1, 2, "x"),
+        ),
+    ],
+    ids=["order", "axis", "thin", "bay", "rooms", "numbers", "unknown", "opens"],
+)
+def test_a_false_claim_of_a_swap_is_refused(world, swap):
+    assert not check_swap(world, swap).valid
+
+
+def test_a_larger_radius_turns_a_meeting_into_a_swap():
+    world = fleet(TUBE, ((1, 1), (7, 1)), ((7, 1), (1, 1)), radius=0.025)
+    assert proved(world).result == REACHABLE
+    assert decide(world, radius=0.03).swap is not None
+
+
+def test_a_robot_that_is_walled_off_has_a_cut_with_its_number():
+    decision = proved(fleet(["#..#..#"], ((1, 0), (2, 0)), ((4, 0), (2, 0)), radius=0.02))
+    assert decision.result == BLOCKED
+    assert isinstance(decision.certificate, Cut) and decision.certificate.robot == 2
+
+
+def test_robots_of_different_sizes_and_speeds_keep_their_own():
+    world = fleet(ALLEY, ((1, 2), (7, 2)), ((7, 2), (1, 2)))
+    slow = replace(world.others[0], speed=0.1, radius=0.02)
+    decision = proved(replace(world, robot_speed=4.0, others=(slow,)))
+    paths = decision.certificate.paths
+    for path, speed in zip(paths, (4.0, 0.1), strict=True):
+        steps = np.hypot(np.diff(path.x), np.diff(path.y))
+        assert (steps <= speed * np.diff(path.times) * (1 + 1e-9)).all()
+    assert paths[1].duration >= 0.55 / 0.1
+
+
+def test_starts_and_targets_need_not_be_on_nodes():
+    world = fleet(ALLEY, ((1, 2), (7, 2)), ((7, 2), (1, 2)))
+    odd = Robot(Pose(0.7431, 0.2489), Target(0.1471, 0.2511, 0.001), 0.04)
+    decision = proved(replace(world, start=Pose(0.1529, 0.2501), others=(odd,)))
+    assert decision.result == REACHABLE
+
+
+def test_a_robot_that_starts_in_its_target_stays_there():
+    world = fleet(TUBE, ((1, 1), (7, 1)), ((4, 1), (4, 1)))
+    assert decide(world).result != REACHABLE
+    aside = fleet(ALLEY, ((1, 2), (7, 2)), ((4, 1), (4, 1)))
+    decision = proved(aside)
+    assert decision.result == REACHABLE
+    assert decision.certificate.paths[1].duration == 0.0
+
+
+def test_robots_wait_for_a_door_that_opens_and_are_gone_before_it_closes():
+    rows = ["#########", "#...#...#", "#...#...#", "#########"]
+    line = Timeline.of(
+        [
+            Event(1.0, 4, 1, CellState.FREE),
+            Event(5.0, 4, 1, CellState.SOLID),
+        ]
+    )
+    ends = (((1, 1), (7, 1)), ((2, 2), (6, 2)), ((7, 2), (1, 2)))
+    decision = proved(fleet(rows, *ends, timeline=line))
+    assert decision.result == REACHABLE
+    late = proved(fleet(rows, *ends, timeline=line), margin=1.0)
+    assert late.result == REACHABLE
+
+
+def test_a_parked_robot_must_be_safe_until_the_last_one_arrives():
+    rows = ["##########", "#........#", "#........#", "##########"]
+    burns = Timeline.of([Event(2.0, 3, 1, CellState.BURNING)])
+    ends = (((1, 1), (3, 1)), ((1, 2), (8, 2)))
+    world = fleet(rows, *ends, timeline=burns)
+    slow = replace(world.others[0], speed=0.2)
+    world = replace(world, others=(slow,))
+    paths = decide(replace(world, timeline=Timeline())).certificate
+    assert paths.paths[0].duration < 2.0 < paths.duration
+    assert not check_certificate(world, paths).valid
+
+
+def test_a_deadline_that_the_plan_misses_leaves_the_question_open():
+    world = fleet(ALLEY, ((1, 2), (7, 2)), ((7, 2), (1, 2)))
+    assert decide_in_time(world, 100.0).result == REACHABLE
+    assert decide_in_time(world, 0.1).result == UNDECIDED
+
+
+def _cells(width, height):
+    return st.tuples(st.integers(0, width - 1), st.integers(0, height - 1))
+
+
+@st.composite
+def small_fleets(draw, most=3):
+    width, height = draw(st.integers(2, 6)), draw(st.integers(1, 4))
+    solid = draw(
+        st.lists(st.sampled_from("...#"), min_size=width * height, max_size=width * height)
+    )
+    rows = ["".join(solid[k * width : (k + 1) * width]) for k in range(height)]
+    count = draw(st.integers(2, most))
+    begins = draw(st.lists(_cells(width, height), min_size=count, max_size=count, unique=True))
+    ends = draw(st.lists(_cells(width, height), min_size=count, max_size=count, unique=True))
+    radius = draw(st.sampled_from([0.02, 0.03, 0.05]))
+    try:
+        return fleet(rows, *zip(begins, ends, strict=True), radius=radius)
+    except InvalidWorld:
+        assume(False)
+
+
+@settings(max_examples=60, deadline=None)
+@given(small_fleets())
+def test_what_the_planner_finds_the_checker_accepts(world):
+    decision = proved(world)
+    if decision.swap is not None:
+        assert check_swap(world, decision.swap).valid
+
+
+def _searched(search, question):
+    made = ffi.new("WgJointPlan **")
+    progress = ffi.new("WgProgress *")
+    described, held = question.described()
+    check(search(described, 200_000, made, progress))
+    lib.wg_joint_free(made[0])
+    del held
+    return int(progress[0])
+
+
+@pytest.mark.gate
+@settings(max_examples=25, deadline=None)
+@given(small_fleets(most=2))
+def test_the_searches_agree_with_plain_python(world):
+    question = joint_question(world, k=2, radius=None, margin=0.0)
+    if question is None:
+        return
+    solvable = _solvable(question)
+    assert (find_plan(question).nodes is not None) == solvable
+    expected = lib.WG_FOUND if solvable else lib.WG_EXHAUSTED
+    assert _searched(lib.wg_joint_exhaust, question) == expected
+    assert _searched(lib.wg_joint_lacam, question) == expected
+
+
+def _solvable(question):
+    """Breadth first over all joint states, with fractions and nothing of the C."""
+    classes = sorted(set(question.radii))
+    graphs = [question.rasters.ever(classes.index(radius)) for radius in question.radii]
+    starts = tuple(end.node for end in question.ends)
+    if any(question.distances[robot][node] < 0 for robot, node in enumerate(starts)):
+        return False
+    seen = {starts}
+    queue = [starts]
+    for state in queue:
+        if all(question.distances[robot][node] == 0 for robot, node in enumerate(state)):
+            return True
+        moves = [
+            _steps(graphs[robot], node, question.distances[robot])
+            for robot, node in enumerate(state)
+        ]
+        for following in itertools.product(*moves):
+            if following not in seen and _all_apart(question, state, following):
+                seen.add(following)
+                queue.append(following)
+    return False
+
+
+def _steps(graph, node, distances):
+    if distances[node] == 0:
+        return [node]
+    found = [node]
+    y, x = divmod(node, graph.stride)
+    for dy, dx in itertools.product((-1, 0, 1), repeat=2):
+        if not (dx or dy) or not graph.clear[y + dy, x + dx]:
+            continue
+        if not (dx and dy) or graph.middle[min(y, y + dy), min(x, x + dx)]:
+            found.append((y + dy) * graph.stride + x + dx)
+    return found
+
+
+def _all_apart(question, state, following):
+    for one, other in itertools.combinations(range(len(state)), 2):
+        px, py = np.subtract(question.point(state[one]), question.point(state[other])).tolist()
+        qx, qy = np.subtract(
+            question.point(following[one]), question.point(following[other])
+        ).tolist()
+        ex, ey = qx - px, qy - py
+        length_sq = ex * ex + ey * ey
+        along = min(max(-(px * ex + py * ey), 0), length_sq)
+        # Squared distance from the origin to the nearest point of the segment, times length_sq.
+        x, y = (px * length_sq + along * ex, py * length_sq + along * ey) if length_sq else (px, py)
+        scale = length_sq or 1
+        if x * x + y * y < question.apart_sq(one, other) * scale * scale:
+            return False
+    return True

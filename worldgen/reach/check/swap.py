@@ -1,0 +1,105 @@
+"""Checks that two robots would have to change places in a passage too narrow for both.
+
+Shares no code with what found it. The theorem: two discs in a strip of height h, whose radii add up
+to more than h / 2, are never at the same place along it, because they would be at most h - r - s
+apart across it. So their order along the strip never changes, and the targets want it reversed.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.reach.check.certificate import CheckReport
+from worldgen.reach.decision import Swap
+from worldgen.world import Robot, World
+
+__all__ = ["check_swap"]
+
+
+def check_swap(world: World, swap: Swap, *, radius: float | None = None) -> CheckReport:
+    """Check the claim that two robots cannot both arrive, because they cannot pass each other.
+
+    Args:
+        world: The world.
+        swap: The claim.
+        radius: Radius of both robots, m; each one's own if omitted.
+    """
+    fault = _fault(world, swap, radius)
+    if fault:
+        return CheckReport(False, fault, 0.0)
+    reason = (
+        f"robots {swap.first} and {swap.second} would have to change places in a passage too narrow "
+        "for both"
+    )
+    return CheckReport(True, reason, 0.0)
+
+
+def _fault(world: World, swap: Swap, radius: float | None) -> str:
+    """Return what is wrong with the claim; empty if it holds."""
+    if not 1 <= swap.first < swap.second <= len(world.robots):
+        return f"there are no robots {swap.first} and {swap.second}"
+    one = world.robots[swap.first - 1]
+    other = world.robots[swap.second - 1]
+    blocked = world.walls & ~_ever_free(world)
+    strip = _flooded(blocked, _cell_of(world, one))
+    if not strip[_cell_of(world, other)]:
+        return "the two robots are in different rooms"
+
+    # The strip is the box around the room; its height is what is across the axis.
+    rows, columns = np.nonzero(strip)
+    cells = rows if swap.axis == "x" else columns
+    height = (int(cells.max()) - int(cells.min()) + 1) * _exact(world.cell_size)
+    radii = sum(_exact(robot.radius if radius is None else radius) for robot in (one, other))
+    if height >= 2 * radii:
+        return f"the room is {float(height):.6g} m across, which lets the two robots pass"
+
+    starts = [_along(robot.start, swap.axis) for robot in (one, other)]
+    if starts[0] == starts[1]:
+        return "the two robots start side by side"
+    first, last = (one, other) if starts[0] < starts[1] else (other, one)
+    nearest = _along(first.target, swap.axis) - _exact(first.target.radius)
+    farthest = _along(last.target, swap.axis) + _exact(last.target.radius)
+    if nearest < farthest:
+        return "the targets do not reverse the order of the two robots"
+    return ""
+
+
+def _exact(value: float) -> Fraction:
+    return Fraction(repr(float(value)))
+
+
+def _along(place: object, axis: str) -> Fraction:
+    return _exact(getattr(place, axis))
+
+
+def _cell_of(world: World, robot: Robot) -> tuple[int, int]:
+    size = _exact(world.cell_size)
+    row = min(_exact(robot.start.y) // size, world.height - 1)
+    column = min(_exact(robot.start.x) // size, world.width - 1)
+    return int(row), int(column)
+
+
+def _ever_free(world: World) -> npt.NDArray[np.bool_]:
+    """Return the cells that an event touches; they may be free at some time."""
+    touched = np.zeros(world.walls.shape, np.bool_)
+    touched[world.timeline.iy, world.timeline.ix] = True
+    return touched
+
+
+def _flooded(blocked: npt.NDArray[np.bool_], start: tuple[int, int]) -> npt.NDArray[np.bool_]:
+    """Return the cells joined to one by their sides, by growing until nothing changes."""
+    room = np.zeros(blocked.shape, np.bool_)
+    room[start] = True
+    count = 0
+    while count != (count := int(room.sum())):
+        grown = room.copy()
+        grown[1:] |= room[:-1]
+        grown[:-1] |= room[1:]
+        grown[:, 1:] |= room[:, :-1]
+        grown[:, :-1] |= room[:, 1:]
+        room = grown & ~blocked
+        room[start] = True
+    return room

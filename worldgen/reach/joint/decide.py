@@ -1,0 +1,95 @@
+"""Decides whether all robots of a world can reach their targets, with a proof where there is one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
+from worldgen.reach.joint.plan import find_plan
+from worldgen.reach.joint.question import joint_question
+from worldgen.reach.joint.swap import find_swap
+from worldgen.reach.joint.witness import make_joint_witness
+from worldgen.reach.still.prove import decide
+from worldgen.world import Cut, World
+
+__all__ = ["decide_joint"]
+
+_FINER = 4  # nodes per cell side where half cells have no plan
+_MOST_FINE = 40_000  # cells of a world that is searched on the finer graph too
+
+
+def decide_joint(
+    world: World,
+    *,
+    radius: float | None = None,
+    margin: float = 0.0,
+    certificate: bool = True,
+    cut: bool = True,
+) -> Decision:
+    """Decide whether all robots of a world can reach their targets together.
+
+    A joint witness proves that they can. That they cannot is proved by a cut for one of them, or by
+    two robots that would have to change places in a passage too narrow for both. Where all joint
+    moves over a graph were searched in vain, that is said in the reason, but proves nothing about
+    the plane.
+
+    Args:
+        world: A world of several robots; its own certificate is not looked at.
+        radius: Radius of every robot, m; each one's own if None.
+        margin: s by which all may set out later, in a world that changes.
+        certificate: Whether the proof is wanted.
+        cut: Whether it is wanted if it is a cut.
+    """
+    exhausted = 0
+    for k in (2, _FINER):
+        if k > 2 and world.walls.size > _MOST_FINE:
+            break
+        question = joint_question(world, k=k, radius=radius, margin=margin)
+        if question is None:
+            continue
+        plan = find_plan(question)
+        if plan.nodes is not None:
+            witness = make_joint_witness(question, plan.nodes)
+            if witness is not None:
+                reason = (
+                    f"joint paths of {witness.length:.4g} m in all; the last robot arrives after "
+                    f"{witness.duration:.4g} s"
+                )
+                return Decision(REACHABLE, witness if certificate else None, reason)
+        elif plan.is_exhausted and question.spans is None:
+            exhausted = k
+        # Before the finer graph is searched, look for a proof that there is nothing to find.
+        blocked = _proved_impossible(world, radius, certificate and cut) if k == 2 else None
+        if blocked is not None:
+            return blocked
+    return _proved_impossible(world, radius, certificate and cut) or Decision(
+        UNDECIDED, None, _undecided_reason(exhausted)
+    )
+
+
+def _undecided_reason(exhausted: int) -> str:
+    if not exhausted:
+        return "no joint plan was found, and nothing proves that there is none"
+    return (
+        f"all joint moves on the grid of 1/{exhausted} cells were searched, and none brings every "
+        "robot to its target; this is a statement about the grid, not a proof for the plane"
+    )
+
+
+def _proved_impossible(world: World, radius: float | None, wants_cut: bool) -> Decision | None:
+    """Return the decision if one robot cannot arrive even alone, or if two have to swap."""
+    for number in range(1, len(world.robots) + 1):
+        alone = decide(world.alone(number), radius=radius, certificate=wants_cut, cut=wants_cut)
+        if alone.result == BLOCKED:
+            proof = alone.certificate
+            if isinstance(proof, Cut):
+                proof = replace(proof, robot=number)
+            return Decision(BLOCKED, proof, f"robot {number}: {alone.reason}")
+    swap = find_swap(world, radius)
+    if swap is None:
+        return None
+    reason = (
+        f"robots {swap.first} and {swap.second} would have to change places in a passage too narrow "
+        "for both"
+    )
+    return Decision(BLOCKED, None, reason, swap=swap)

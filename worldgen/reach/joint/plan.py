@@ -1,0 +1,105 @@
+"""The searches for a joint plan, cheapest first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen._core import ffi, lib
+from worldgen.reach.joint.question import JointQuestion
+from worldgen.support.ccall import check, pointer, writable
+
+__all__ = ["PlanResult", "find_plan"]
+
+# Each robot that has no way is planned first the next time. In most worlds that helps within a few
+# turns; twice the number of robots is enough, and more than forty only cost time.
+_MOST_ORDERS = 40
+_MOST_ONE = 2_000_000  # states of one robot
+_MOST_EXHAUST = 1_500_000  # joint states: about 2 s and 100 MB for two robots
+_FEW = 3  # robots whose joint states are searched one by one
+_MOST_LACAM = 30_000  # joint states for more of them
+
+Ints = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class PlanResult:
+    """What came of the searches.
+
+    Args:
+        nodes: (ticks + 1, robots) int64, node of each robot; None if no plan was found.
+        is_exhausted: Whether there is no plan over this graph.
+    """
+
+    nodes: Ints | None
+    is_exhausted: bool = False
+
+
+def find_plan(question: JointQuestion) -> PlanResult:
+    """Look for a plan in which all robots get from their nodes to their targets.
+
+    The robots are planned one after the other at first, in several orders. What that cannot solve,
+    it leaves to a search over the joint states: all of them for few robots, and depth first for
+    many.
+    """
+    described, held = question.described()
+    nodes = _one_after_the_other(question, described)
+    if nodes is not None:
+        return PlanResult(nodes)
+    if len(question.ends) <= _FEW:
+        found = _joint(lib.wg_joint_exhaust, described, _MOST_EXHAUST)
+    else:
+        found = _joint(lib.wg_joint_lacam, described, _MOST_LACAM)
+    del held  # C has their addresses only
+    return found
+
+
+def _one_after_the_other(question: JointQuestion, described: Any) -> Ints | None:
+    """Plan by priority; those that find no way get the highest priority in the next try."""
+    starts = [end.node for end in question.ends]
+    far = question.distances[np.arange(len(starts)), starts]
+    order = np.argsort(-far, kind="stable").astype(np.int64)
+    tried: set[bytes] = set()
+    made = ffi.new("WgJointPlan **")
+    failed = ffi.new("int64_t *")
+    for _ in range(min(2 * len(starts) + 2, _MOST_ORDERS)):
+        tried.add(order.tobytes())
+        check(
+            lib.wg_joint_prioritised(
+                described, pointer(ffi, order, np.int64), _MOST_ONE, made, failed
+            )
+        )
+        if made[0] != ffi.NULL:
+            return _taken(made[0], described.robots)
+        stuck = int(failed[0])
+        # One that has no way even if all others make room for it has to make room itself.
+        is_first = stuck == order[0]
+        rest = order[order != stuck]
+        order = np.concatenate([rest, [stuck]] if is_first else [[stuck], rest])
+        if order.tobytes() in tried:
+            order = np.ascontiguousarray(order[::-1])
+        if order.tobytes() in tried:
+            return None
+    return None
+
+
+def _joint(search: Any, described: Any, most: int) -> PlanResult:
+    made = ffi.new("WgJointPlan **")
+    progress = ffi.new("WgProgress *")
+    check(search(described, most, made, progress))
+    if made[0] != ffi.NULL:
+        return PlanResult(_taken(made[0], described.robots))
+    return PlanResult(None, progress[0] == lib.WG_EXHAUSTED)
+
+
+def _taken(plan: Any, robots: int) -> Ints:
+    """Return the nodes of a plan, which is freed."""
+    try:
+        nodes = np.empty((lib.wg_joint_length(plan) + 1, robots), np.int64)
+        lib.wg_joint_nodes(plan, writable(ffi, nodes, np.int64))
+    finally:
+        lib.wg_joint_free(plan)
+    return nodes

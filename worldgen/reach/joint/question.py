@@ -1,0 +1,252 @@
+"""A world of several robots as the joint searches take it: nodes, ticks, starts and targets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen._core import ffi, lib
+from worldgen.lattice import UNIT, in_cells, lattice_units
+from worldgen.reach.joint.apart import conflict_limits, stay_apart
+from worldgen.reach.joint.rasters import Rasters, make_rasters
+from worldgen.reach.still.disc import Disc, disc_of, lattice_centre
+from worldgen.reach.still.lattice_graph import Graph, nodes_within
+from worldgen.reach.still.path import ticks_per_second, travel_ticks
+from worldgen.reach.still.prove import links
+from worldgen.reach.still.walls import ExactPoint, Walls
+from worldgen.reach.timed.spans import Spans
+from worldgen.support.ccall import check, pointer, writable
+from worldgen.world import World
+
+__all__ = ["JointQuestion", "RobotEnds", "joint_question"]
+
+_MOST_NODES = 60_000_000  # nodes times robots: each has a distance of four bytes
+_MOST_CHOICES = 20_000  # ways to put the starts on nodes that are tried
+
+Ints = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class RobotEnds:
+    """How a robot gets onto the nodes and off them again.
+
+    Args:
+        start: Where it starts, lu.
+        node: The node that it goes to first.
+        goal: Where it ends, lu; None if it ends at a node.
+    """
+
+    start: ExactPoint
+    node: int
+    goal: ExactPoint | None
+
+
+@dataclass(frozen=True)
+class JointQuestion:
+    """Everything that a joint search needs.
+
+    Args:
+        world: The world.
+        radii: Radius of each robot, cells.
+        rasters: Where the discs are clear.
+        spans: When cells are blocked; None in a still world.
+        ticks: Whole time units per second.
+        tick: Time units in which every robot can take any step.
+        ends: Starts and goals of the robots.
+        distances: (robots, nodes) int32.
+    """
+
+    world: World
+    radii: list[Fraction]
+    rasters: Rasters
+    spans: Spans | None
+    ticks: int
+    tick: int
+    ends: list[RobotEnds]
+    distances: npt.NDArray[np.int32]
+
+    @property
+    def stride(self) -> int:
+        """Nodes per row."""
+        return int(self.rasters.clear.shape[-1])
+
+    @property
+    def has_first_leg(self) -> bool:
+        """Whether some robot has to go to a node first; then all take a tick for it."""
+        return any(end.start != self.point(end.node) for end in self.ends)
+
+    def point(self, node: int) -> ExactPoint:
+        """Return where a node is, lu."""
+        unit = UNIT // self.rasters.k
+        return (node % self.stride * unit, node // self.stride * unit)
+
+    def apart_sq(self, one: int, other: int) -> Fraction:
+        """Return the square of the distance that two robots keep, lu."""
+        return ((self.radii[one] + self.radii[other]) * UNIT) ** 2
+
+    def described(self) -> tuple[Any, list[Any]]:
+        """Return the question as C reads it, and the arrays that must outlive it."""
+        classes = sorted(set(self.radii))
+        class_of = np.array([classes.index(radius) for radius in self.radii], np.int64)
+        limits = conflict_limits(classes, self.rasters.k)
+        raster_of = self.rasters.raster_of
+        if self.has_first_leg:  # the first tick is over when the search begins
+            raster_of = np.ascontiguousarray(raster_of[min(1, len(raster_of) - 1) :])
+        starts = np.array([end.node for end in self.ends], np.int64)
+        rows, columns = self.rasters.clear.shape[-2:]
+        held = [
+            pointer(ffi, np.ascontiguousarray(self.rasters.clear), np.bool_),
+            pointer(ffi, np.ascontiguousarray(self.rasters.middle), np.bool_),
+            pointer(ffi, raster_of, np.int64),
+            pointer(ffi, class_of, np.int64),
+            pointer(ffi, limits, np.int64),
+            pointer(ffi, starts, np.int64),
+            pointer(ffi, self.distances, np.int32),
+        ]
+        made = ffi.new("WgJoint *")
+        made.robots = len(self.radii)
+        made.classes = len(classes)
+        made.nodes = rows * columns
+        made.stride = columns
+        made.rasters = len(self.rasters.clear)
+        made.clear = held[0]
+        made.middle = held[1]
+        made.raster_of = held[2]
+        made.ticks = len(raster_of)
+        made.class_of = held[3]
+        made.limits = held[4]
+        made.reach = math.ceil(2 * self.rasters.k * classes[-1])
+        made.starts = held[5]
+        made.distances = held[6]
+        return made, held
+
+
+def joint_question(
+    world: World, *, k: int, radius: float | None, margin: float
+) -> JointQuestion | None:
+    """Return the question about a world over a graph; None if it has no place for some robot.
+
+    Args:
+        world: The world.
+        k: Nodes per cell side.
+        radius: Radius of every robot, m; each one's own if None.
+        margin: s by which all may set out later, in a world that changes.
+    """
+    robots = world.robots
+    size = world.cell_size
+    if (k * world.height + 1) * (k * world.width + 1) * len(robots) > _MOST_NODES:
+        return None
+    radii = [in_cells(robot.radius if radius is None else radius, size) for robot in robots]
+    classes = sorted(set(radii))
+
+    # The slowest robot sets the pace.
+    spans = Spans(world, margin) if world.is_dynamic else None
+    ticks = max(ticks_per_second(size, robot.speed) for robot in robots)
+    if spans is not None:
+        ticks = spans.ticks
+    step = UNIT // k
+    tick = max(travel_ticks((0, 0), (step, step), size, robot.speed, ticks) for robot in robots)
+    rasters = make_rasters(world, classes, k, spans, tick)
+    if rasters is None:
+        return None
+
+    # Starts and goals, each with the nodes next to it.
+    options: list[list[int]] = []
+    starts: list[ExactPoint] = []
+    goals: list[ExactPoint | None] = []
+    distances = np.empty((len(robots), rasters.clear.shape[-2] * rasters.clear.shape[-1]), np.int32)
+    for index, robot in enumerate(robots):
+        which = classes.index(radii[index])
+        start: ExactPoint = (lattice_units(robot.start.x, size), lattice_units(robot.start.y, size))
+        first = Graph(k, rasters.clear[0, which], rasters.middle[0, which])
+        nodes = links(Walls(rasters.blocked[0], radii[index]), first, start)
+        target = robot.target
+        disc = disc_of(target.x, target.y, target.radius, size)
+        ever = rasters.ever(which)
+        flags, goal = _goal_nodes(Walls(rasters.ever_blocked, radii[index]), ever, disc)
+        _fill_distances(ever, flags, distances[index])
+        starts.append(start)
+        goals.append(goal)
+        options.append(_nearest_first(nodes, start, ever, distances[index]))
+    chosen = _choose_nodes(options, starts, radii, k, rasters.clear.shape[-1])
+    if chosen is None:
+        return None
+    ends = [RobotEnds(*parts) for parts in zip(starts, chosen, goals, strict=True)]
+    return JointQuestion(world, radii, rasters, spans, ticks, tick, ends, distances)
+
+
+def _goal_nodes(
+    walls: Walls, graph: Graph, disc: Disc
+) -> tuple[npt.NDArray[np.bool_], ExactPoint | None]:
+    """Return which nodes end a path; and the point to go to from there, if they are not in the target."""
+    flags = np.zeros(graph.clear.size, np.bool_)
+    flags[nodes_within(disc, graph)] = True
+    if flags.any():
+        return flags, None
+    goal = lattice_centre(disc)
+    if goal is None or not walls.is_clear(goal, goal):
+        return flags, None
+    flags[links(walls, graph, goal)] = True
+    return flags, goal
+
+
+def _fill_distances(
+    graph: Graph, goals: npt.NDArray[np.bool_], distances: npt.NDArray[np.int32]
+) -> None:
+    clear = pointer(ffi, np.ascontiguousarray(graph.clear), np.bool_)
+    middle = pointer(ffi, np.ascontiguousarray(graph.middle), np.bool_)
+    described = ffi.new("WgGraph *", (clear, middle, graph.clear.size, graph.stride))
+    made = writable(ffi, distances, np.int32)
+    check(lib.wg_joint_distances(described, pointer(ffi, goals, np.bool_), made))
+
+
+def _nearest_first(
+    nodes: Sequence[int], start: ExactPoint, graph: Graph, distances: npt.NDArray[np.int32]
+) -> list[int]:
+    """Return the nodes from which the target can be reached, those nearest to the start first."""
+    unit = UNIT // graph.k
+
+    def away(node: int) -> tuple[Fraction, int]:
+        dx = node % graph.stride * unit - start[0]
+        dy = node // graph.stride * unit - start[1]
+        return Fraction(dx * dx + dy * dy), node
+
+    return sorted((node for node in nodes if distances[node] >= 0), key=away)
+
+
+def _choose_nodes(
+    options: list[list[int]], starts: list[ExactPoint], radii: list[Fraction], k: int, stride: int
+) -> list[int] | None:
+    """Choose a node for each robot such that all can go there at once, straight from their starts."""
+    unit = UNIT // k
+    chosen: list[int] = []
+    tried = [0] * (len(options) + 1)
+    looked = 0
+    while len(chosen) < len(options):
+        robot = len(chosen)
+        if tried[robot] == len(options[robot]) or looked > _MOST_CHOICES:
+            if not chosen or looked > _MOST_CHOICES:
+                return None
+            tried[robot] = 0
+            chosen.pop()
+            continue
+        node = options[robot][tried[robot]]
+        tried[robot] += 1
+        looked += 1
+        move = (starts[robot], (node % stride * unit, node // stride * unit))
+        fits = True
+        for other, there in enumerate(chosen):
+            apart_sq = ((radii[robot] + radii[other]) * UNIT) ** 2
+            path = (starts[other], (there % stride * unit, there // stride * unit))
+            if not stay_apart(move, path, apart_sq):
+                fits = False
+                break
+        if fits:
+            chosen.append(node)
+    return chosen

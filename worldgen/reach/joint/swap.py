@@ -1,0 +1,93 @@
+"""Two robots that would have to change places in a passage too narrow for both: proved in the plane.
+
+Let both robots be confined to a strip of height h, with radii r and s. Where they are at the same x,
+their centres are at most h - r - s apart, and at least r + s because the discs do not overlap. So if
+h < 2 (r + s), they are never at the same x, and the one that starts on the left stays on the left:
+positions change continuously. If each point of its target is right of each point of the other's
+target, not both can be in their targets at once. The same holds with x and y exchanged.
+
+A disc cannot pass between two solid cells that touch at a corner. So a robot is confined to the free
+cells that a walk over cell sides leads to, and to the box around them.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import deque
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.lattice import exact, in_cells
+from worldgen.reach.decision import Swap
+from worldgen.world import Robot, World
+
+__all__ = ["find_swap"]
+
+# Pairs looked at; each costs two floods of its room.
+_MOST_PAIRS = 2000
+
+
+def find_swap(world: World, radius: float | None = None) -> Swap | None:
+    """Return a pair of robots that would have to pass each other where they cannot.
+
+    Args:
+        world: A world of several robots.
+        radius: Radius of every robot, m; each one's own if None.
+    """
+    solid = world.still_walls
+    rooms: dict[int, npt.NDArray[np.bool_]] = {}
+    pairs = itertools.combinations(range(len(world.robots)), 2)
+    for one, other in itertools.islice(pairs, _MOST_PAIRS):
+        if one not in rooms:
+            rooms[one] = _room(solid, world.robots[one], world.cell_size)
+        for axis in (0, 1):
+            if _must_swap(world, (one, other), rooms[one], axis, radius):
+                return Swap(one + 1, other + 1, "xy"[axis])
+    return None
+
+
+def _room(solid: npt.NDArray[np.bool_], robot: Robot, cell_size: float) -> npt.NDArray[np.bool_]:
+    """Return the free cells that a walk over cell sides leads to from a robot's start."""
+    height, width = solid.shape
+    seen = np.zeros(solid.shape, np.bool_)
+    ix = min(int(in_cells(robot.start.x, cell_size)), width - 1)
+    iy = min(int(in_cells(robot.start.y, cell_size)), height - 1)
+    seen[iy, ix] = True
+    queue = deque([(iy, ix)])
+    while queue:
+        y, x = queue.popleft()
+        for v, u in ((y, x + 1), (y, x - 1), (y + 1, x), (y - 1, x)):
+            if 0 <= v < height and 0 <= u < width and not solid[v, u] and not seen[v, u]:
+                seen[v, u] = True
+                queue.append((v, u))
+    return seen
+
+
+def _must_swap(
+    world: World,
+    pair: tuple[int, int],
+    room: npt.NDArray[np.bool_],
+    axis: int,
+    radius: float | None,
+) -> bool:
+    """Return True if the strip along an axis is too narrow and the targets are in reversed order."""
+    size = world.cell_size
+    left, right = (world.robots[index] for index in pair)
+    if (left.start.x, left.start.y)[axis] > (right.start.x, right.start.y)[axis]:
+        left, right = right, left
+    other_start = world.robots[pair[1]].start
+    cell = (
+        min(int(in_cells(other_start.y, size)), world.height - 1),
+        min(int(in_cells(other_start.x, size)), world.width - 1),
+    )
+    if not room[cell]:
+        return False
+    across = np.flatnonzero(room.any(axis=1 - axis if axis == 0 else 0))
+    height = (int(across[-1]) - int(across[0]) + 1) * exact(size)
+    radii = [exact(robot.radius if radius is None else radius) for robot in (left, right)]
+    if height >= 2 * sum(radii):
+        return False
+    low = exact((left.target.x, left.target.y)[axis]) - exact(left.target.radius)
+    high = exact((right.target.x, right.target.y)[axis]) + exact(right.target.radius)
+    return low >= high
