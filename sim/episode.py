@@ -200,7 +200,7 @@ def _evidence(world: World, outcome: Outcome, options: RunOptions) -> Evidence:
 
 
 def area_of(cells: int, world: World) -> float:
-    """Return the area of so many cells, m2."""
+    """Return the area of this many cells, m2."""
     return float(cells * exact(world.cell_size) ** 2)
 
 

@@ -49,11 +49,11 @@ class ReachedEvidence:
 
 @dataclass(frozen=True, kw_only=True)
 class CoveredEvidence:
-    """The robot has been in every cell that its coverage task asks for.
+    """The robot has visited every cell that its coverage task requires.
 
     Args:
         step: Step in which it entered the last one.
-        cells: How many cells the task asks for.
+        cells: Number of cells that the task requires.
     """
 
     step: int

@@ -144,9 +144,9 @@ def read_settings(text: str, motion: str = RunOptions.motion) -> tuple[str, dict
 
 
 def _split(text: str) -> tuple[str, dict[str, str | None]]:
-    """Return name and options.
+    """Split a text into name and options.
 
-    In a program's command line, which begins at the first colon, nothing is an option.
+    Nothing in a program's command line, which begins at the first colon, is an option.
     """
     if not is_process_name(text):
         return split_options(text, "thesis-1+noise, or ./mine.py:Robot")
@@ -176,7 +176,7 @@ def _refuse_program_options(controller: str, options: Mapping[str, str | None]) 
 
 
 def _parsed(motion: str, name: str, text: str | None) -> dict[str, Value]:
-    """Return one option as written; one of another motion model's gets a sentence that says so."""
+    """Return one option as written; an option of another motion model raises an error that says so."""
     own = switch_class(motion)
     other = RobotOptions if own is ThesisOptions else ThesisOptions
     if name not in (*own.names(), *own.TOGETHER) and name in (*other.names(), *other.TOGETHER):

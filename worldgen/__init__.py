@@ -1,18 +1,14 @@
 """Worlds for mobile robots: generated, proved reachable, written as one text file.
 
-Contents, each imported when it is first used:
-    World, Pose, Target, Witness, Cut, Provenance, FailureRecord: what a world is made of.
-    Timeline, Event, CellState: what changes in it.
-    generate: a world of a family, with its proof.
-    stream: such worlds one after another, made when they are asked for.
-    read_world, write_world, world_digest: the ``.grid`` file.
-    decide, check_certificate: reachability, proved and checked apart from each other.
-    WorldgenError, and its kinds FormatError, GenerationFailed, InvalidParameter, InvalidWorld,
-        OutputError: what went
-    wrong, as data and as a sentence.
-The families themselves are in worldgen.families: ``from worldgen.families import maze``.
+Each of these is imported when it is first used: World, Pose, Target, Witness, Cut, Provenance,
+    FailureRecord: a world and its parts. Timeline, Event, CellState: its changes over time.
+    generate: a world of a family, with its proof. stream: a sequence of such worlds, made on
+    demand. read_world, write_world, world_digest: the ``.grid`` file. decide, check_certificate:
+    prove reachability, and check the proof independently. WorldgenError, with FormatError,
+    GenerationFailed, InvalidParameter, InvalidWorld, OutputError: errors as data and as a sentence.
+    The families themselves are in worldgen.families: ``from worldgen.families import maze``.
 
-PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
+PYTEST_DONT_REWRITE: lets a program that has imported this call pytest.main() without a warning.
 """
 
 from __future__ import annotations

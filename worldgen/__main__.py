@@ -1,4 +1,4 @@
-"""``python -m worldgen``: the program, for where ``worldgen`` is not on the path."""
+"""``python -m worldgen``: run the program if ``worldgen`` is not on the path."""
 
 from worldgen.cli.main import main
 

@@ -1,8 +1,8 @@
-"""The numbers that a world may have.
+"""Limits on the numbers of a world.
 
-The limits are far beyond what a robot has, and near enough that a length in 1/1024 cell, its square
-and a time in microseconds fit into 64 bits. So nothing behind them needs a case for numbers that
-are too large or too small.
+The limits are far beyond any robot's, and small enough that a length in 1/1024 cell, its square and
+a time in microseconds fit into 64 bits. So no other code needs a case for numbers that are too
+large or too small.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ __all__ = [
 ]
 
 MAX_SIDE: Final = 20_000
-"""Most cells of a row or a column."""
+"""Most cells in a row or a column."""
 
 MAX_ROBOTS: Final = 1000
-"""Most robots of a world; each is compared with each other."""
+"""Most robots of a world; each is compared with every other."""
 
 CELL_SIZES: Final = (1e-6, 1e6)
 """Side of a cell, m."""
@@ -44,22 +44,22 @@ LATEST: Final = 1e9
 
 
 def radius_fault(name: str, radius: float, cell_size: float) -> Message | None:
-    """Return what is wrong with a radius in m.
+    """Describe what is wrong with a radius in m.
 
-    None if it is one that a robot or a target can have.
+    Return None if a robot or a target can have it.
     """
     return number_fault(name, radius, (RADII[0] * cell_size, RADII[1] * cell_size), "m")
 
 
 def speed_fault(name: str, speed: float, cell_size: float) -> Message | None:
-    """Return what is wrong with a speed in m/s; None if it is one that a robot can have."""
+    """Describe what is wrong with a speed in m/s; return None if a robot can have it."""
     return number_fault(name, speed, (SPEEDS[0] * cell_size, SPEEDS[1] * cell_size), "m/s")
 
 
 def number_fault(name: str, value: float, limits: tuple[float, float], unit: str) -> Message | None:
-    """Return what is wrong with a number that is above 0 and within two limits.
+    """Describe what is wrong with a number that must be above 0 and within two limits.
 
-    None if nothing is.
+    Return None if nothing is wrong.
     """
     if not (math.isfinite(value) and value > 0.0):
         return Message(

@@ -1,6 +1,6 @@
 """Errors that a user can cause, as data.
 
-A code, the facts, and templates that put them into words.
+An error is a code, facts, and templates that put them into words.
 """
 
 from __future__ import annotations
@@ -25,11 +25,12 @@ __all__ = [
 ]
 
 
-_MOST_BYTES = 1000  # of a fact; a message quotes far fewer
+# Most characters of a fact; messages quote far fewer.
+_MOST_BYTES = 1000
 
 
 class _Listed(str):
-    """Items between commas; the format specification is what an empty list reads as."""
+    """A list joined by commas; the format specification is the text for an empty list."""
 
     def __format__(self, if_empty: str) -> str:
         return str(self) or if_empty
@@ -38,9 +39,9 @@ class _Listed(str):
 class _Words(string.Formatter):
     """``str.format`` with conversions for messages.
 
-    ``{name!q}`` quotes text that came from outside; ``{names!l:none}`` puts commas between the
-    items of a list, and reads ``none`` if there are no items; ``{size!n}`` is a number with six
-    digits, or all of a whole one's; ``{unit!u}`` puts a space before a unit, if there is one.
+    ``{name!q}`` quotes text from outside; ``{names!l:none}`` joins the items of a list by commas,
+    and becomes ``none`` if there are no items; ``{size!n}`` is a number with six digits, or all
+    digits of an integer; ``{unit!u}`` puts a space before a unit, if there is one.
     """
 
     def convert_field(self, value: Any, conversion: Any) -> Any:
@@ -56,9 +57,9 @@ class _Words(string.Formatter):
 
 
 def _plain(value: Any) -> Any:
-    """Return a fact as JSON has it.
+    """Convert a fact to JSON's types.
 
-    A path as text, bytes as the text they begin with, a NumPy number as a number.
+    A path becomes text, bytes become the text they begin with, a NumPy number a number.
     """
     if isinstance(value, PurePath):
         return str(value)
@@ -66,23 +67,22 @@ def _plain(value: Any) -> Any:
         return bytes(value[:_MOST_BYTES]).decode("utf-8", "backslashreplace")
     if type(value) in (list, tuple):
         return type(value)(map(_plain, value))
-    # Asked by name, because importing NumPy would slow down `worldgen --help`.
+    # Compare by name, because importing NumPy would slow down `worldgen --help`.
     return value.tolist() if type(value).__module__ == "numpy" else value
 
 
 class Message:
-    """What a program has to tell its user: a code and facts, and how they read.
+    """A message from a program to its user: a code and facts, with their wording.
 
-    Programs and tests compare ``code`` and ``facts``; neither changes when the wording does. A
-    front end that has other means than the command line, such as the studio's page, words the
-    remedy itself, by the code.
+    Programs and tests compare ``code`` and ``facts``, which stay the same when the wording changes.
+    A front end with other means than the command line, such as the studio's page, words the remedy
+    itself, by the code.
 
     Args:
         code: Names the rule, in lower case with dashes: ``door-too-narrow``.
-        problem: Template of what came and the rule:
-            ``"door_width={door_width:g} m is less than {least:g} m"``. A field is a fact, as in
-            ``str.format``; ``{name!q}`` quotes text from outside, ``{names!l:none}`` lists,
-            ``{size!n}{unit!u}`` is a number and its unit.
+        problem: Template of what came and the rule: ``"door_width={door_width:g} m is less than
+            {least:g} m"``. Fields are facts, as in ``str.format``; ``{name!q}`` quotes text from
+            outside, ``{names!l:none}`` lists, ``{size!n}{unit!u}`` is a number and its unit.
         remedy: Template of the way out: ``"widen the door"``; empty if the problem already says it.
         at_terminal: Whether the way out needs a terminal, because it names an option or a command.
         facts: The values, by name.
@@ -106,31 +106,31 @@ class Message:
 
     @property
     def problem(self) -> str:
-        """What came and the rule it breaks, in words."""
+        """The problem in words: what came and the rule it breaks."""
         return self.word(self._problem)
 
     @property
     def remedy(self) -> str:
-        """The way out, in the command line's words; empty if there is none to give."""
+        """The remedy, worded for the command line; empty if there is none."""
         return self.word(self._remedy)
 
     def behind(self, prefix: str, /, **facts: Any) -> Message:
         """Return the message with a prefix before its problem, such as a place the caller knows.
 
         Args:
-            prefix: Template, with what separates it: ``"{file}: "``.
-            facts: The values in it; if one has the name of a fact of the message, the message's
-                stays.
+            prefix: Template, including the separator: ``"{file}: "``.
+            facts: Its values; if one has the name of a fact of the message, the message's value is
+                kept.
         """
         words, more = self._beside(prefix, facts)
         return self._copy(words + self._problem, self._remedy, more)
 
     def before(self, suffix: str, /, **facts: Any) -> Message:
-        """Return the same message with words after its last, such as the line that it is about.
+        """Return the message with a suffix, such as the line that it is about.
 
         Args:
-            suffix: Template, with what separates it: ``", in {file}"``.
-            facts: The values in it.
+            suffix: Template, including the separator: ``", in {file}"``.
+            facts: Its values.
         """
         words, more = self._beside(suffix, facts)
         if self._remedy:
@@ -138,7 +138,7 @@ class Message:
         return self._copy(self._problem + words, "", more)
 
     def with_remedy(self, remedy: str, /, **facts: Any) -> Message:
-        """Return the same message with another way out, such as that of an outer caller."""
+        """Return the message with another remedy, such as that of an outer caller."""
         return self._copy(self._problem, remedy, facts)
 
     def replaced(self, facts: Mapping[str, Any]) -> Message:
@@ -147,23 +147,23 @@ class Message:
 
     @property
     def templates(self) -> tuple[str, str]:
-        """The templates of problem and remedy, to store the message and word it later."""
+        """The templates of problem and remedy, to store the message and format it later."""
         return self._problem, self._remedy
 
     def _beside(self, template: str, facts: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-        """Return a template to put next to this message's, and facts to put next to its own."""
+        """Return a template to combine with this message's, and facts to combine with its own."""
         if facts.keys().isdisjoint(self.facts):
             return template, facts
         return Message("", template, **facts).problem.replace("{", "{{").replace("}", "}}"), {}
 
     def _copy(self, problem: str, remedy: str, facts: Mapping[str, Any]) -> Message:
-        """Return the message with other templates, and with these facts over its own."""
+        """Return the message with other templates, and with these facts added to its own."""
         return Message(
             self.code, problem, remedy, at_terminal=self.at_terminal, **{**self.facts, **facts}
         )
 
     def word(self, template: str) -> str:
-        """Fill a template with the facts, such as a front end's own remedy for this code."""
+        """Fill in a template with the facts, such as a front end's own remedy for this code."""
         return _Words().vformat(template, (), self.facts)
 
     def __str__(self) -> str:
@@ -171,13 +171,13 @@ class Message:
 
 
 class Note(str):
-    """A sentence worth knowing that is no error.
+    """A sentence worth knowing that is not an error.
 
-    ``message`` has the code and facts that it was made of.
+    ``message`` has its code and facts.
 
     Args:
-        code: As in `Message`, and so are the others.
-        problem: Template of what is worth knowing.
+        code: Same as in `Message`, as are the others.
+        problem: Template of the observation.
         remedy: Template of what can be done about it.
         facts: The values, by name.
     """
@@ -185,7 +185,7 @@ class Note(str):
     message: Message
 
     def __new__(cls, code: str, problem: str, remedy: str = "", /, **facts: Any) -> Self:
-        """Return word a message."""
+        """Return the text of a message."""
         message = Message(code, problem, remedy, **facts)
         note = super().__new__(cls, str(message))
         note.message = message
@@ -198,9 +198,9 @@ class WorldgenError(Exception):
     The command line prints the error and exits with 2. ``str(error)`` is the whole sentence.
 
     Args:
-        code: As in `Message`, and so are the others.
+        code: Same as in `Message`, as are the others.
         problem: Template of what came and the rule.
-        remedy: Template of the way out.
+        remedy: Template of the remedy.
         facts: The values, by name.
     """
 
@@ -210,10 +210,10 @@ class WorldgenError(Exception):
 
     @classmethod
     def of(cls, message: Message, **more: Any) -> Self:
-        """Return the error that says a message, such as another error's.
+        """Return the error with a given message, such as another error's.
 
         Args:
-            message: What it says.
+            message: The message.
             more: Other arguments of the class: ``line`` and ``source`` of a `FormatError`.
         """
         error = cls(message.code, message._problem, message._remedy, **more)
@@ -224,7 +224,7 @@ class WorldgenError(Exception):
     def code(self) -> str:
         """The rule that was broken, in lower case with dashes.
 
-        It stays when the wording changes.
+        It stays the same when the wording changes.
         """
         return self.message.code
 
@@ -237,7 +237,7 @@ class WorldgenError(Exception):
         return str(self.message)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # An exception is pickled by its arguments, which have no room for keywords.
+        # An exception is pickled by its arguments, which cannot be keywords.
         return _restore, (type(self), self.args, self.__dict__)
 
 
@@ -269,9 +269,9 @@ class FormatError(WorldgenError, ValueError):
     """A file that breaks the rules of its format.
 
     Args:
-        code: As in `Message`, and so are the others.
+        code: Same as in `Message`, as are the others.
         problem: Template of what came and the rule.
-        remedy: Template of the way out.
+        remedy: Template of the remedy.
         line: Line of the fault, counted from 1; ``None`` if the file has no lines.
         source: The file's name for the message.
         facts: The values, by name.
@@ -304,4 +304,4 @@ class FormatError(WorldgenError, ValueError):
 
 
 class NotAGrid(FormatError):
-    """A file that does not begin as a ``.grid`` file does; it may be a map of another program."""
+    """A file that does not begin like a ``.grid`` file; it may be a map of another program."""

@@ -48,9 +48,12 @@ __all__ = [
 
 Build = Callable[..., World]
 
-MAX_ATTEMPTS = 64  # layouts tried per seed before the parameters are called unsolvable
-MARGIN = "margin"  # of every parameter so called: seconds by which the witness may begin later
-# parameters of generate(), and options of every family's command
+# Layouts tried per seed before the parameters count as unsolvable.
+MAX_ATTEMPTS = 64
+# Name of a parameter that means the same in every family: how many seconds later the witness may
+# begin.
+MARGIN = "margin"
+# Parameters of generate(), and options of every family's command.
 _TAKEN = (
     "name",
     "seed",
@@ -78,12 +81,11 @@ class Family:
 
     Args:
         name: The world's noun, as on the command line.
-        version: Goes up whenever some seed yields another world than before.
+        version: Must be raised whenever some seed yields another world than before.
         build: ``build(rng, **params) -> World``, all parameters keyword-only with defaults.
         changes: Whether its worlds change with time, so that no other family can change them.
-        constants: What next to the parameters makes its worlds what they are, such as the text of a
-            recipe; it goes with them into provenance and, from there, back to ``generate``, which
-            refuses any other.
+        constants: Further definition of its worlds, such as the text of a recipe; it is stored with
+            the parameters in provenance, and ``generate`` refuses any other.
     """
 
     name: str
@@ -99,9 +101,9 @@ class Family:
         """Return a world with a witness that its target can be reached.
 
         Args:
-            seed: A whole number, of which the low 64 bits count, or a NumPy generator. Equal seed
-                and parameters, equal world.
-            **params: The family's parameters. ``None`` has the family choose, where it can.
+            seed: An integer, of which the low 64 bits count, or a NumPy generator. Equal seed and
+                parameters give an equal world.
+            **params: The family's parameters. ``None`` lets the family choose, if it can.
 
         Raises:
             InvalidParameter: If a parameter is unknown, or a value is out of range.
@@ -133,8 +135,8 @@ class Family:
         return f"<family {self.name}, version {self.version}>"
 
     def __getattr__(self, name: str) -> Any:
-        # On the class, inspect.signature(Family) would find it too; only a family has the
-        # parameters of one.
+        # On the class, inspect.signature(Family) would find it too; only a family has its own
+        # parameters.
         if name == "__signature__":
             return self._signature()
         raise AttributeError(
@@ -157,11 +159,12 @@ class Family:
         return inspect.Signature([seed, *own], return_annotation=World)
 
     def _documentation(self) -> str:
-        """Return the function's docstring, as whoever calls the family needs it."""
+        """Return the function's docstring, worded for the family's caller."""
         text = inspect.cleandoc(self.build.__doc__ or "")
         try:
             parameters = self.parameters
-        except InvalidParameter:  # it says so where the family is used
+        # The family describes it where it is used.
+        except InvalidParameter:
             return text
         notes = [
             "seed: Equal seed and parameters, equal world. A whole number or a NumPy generator."
@@ -182,10 +185,10 @@ class Family:
 
     @functools.cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """What can be set, in order of declaration.
+        """The family's parameters, in order of declaration.
 
         Raises:
-            InvalidParameter: If an annotation names what cannot be found at run time.
+            InvalidParameter: If an annotation names something that does not exist at run time.
         """
         return parameters_of(self.build, f"family {self.name!r}")
 
@@ -202,9 +205,9 @@ class Family:
         return {parameter.name: parameter.default for parameter in self.parameters}
 
     def options(self, params: Mapping[str, Value]) -> list[str]:
-        """Return what to type after the family's name for these parameters.
+        """Return the command-line arguments for these parameters.
 
-        Those that are defaults are left out.
+        Defaults are omitted.
         """
         words: list[str] = []
         for parameter in self.parameters:
@@ -219,7 +222,7 @@ class Family:
         return words
 
     def complete(self, params: Mapping[str, Value | None]) -> dict[str, Value]:
-        """Return the parameters as files hold them, with defaults filled in.
+        """Return the parameters as stored in files, with defaults filled in.
 
         Raises:
             InvalidParameter: If a name is unknown, or a value has another type than the default or
@@ -266,18 +269,17 @@ def _check_signature(name: str, build: Build) -> None:
 def family(name: str, *, version: int, changes: bool = False) -> Callable[[Build], Family]:
     """Make a family of a function ``(rng, *, size=..., ...) -> World``.
 
-    Register it as an entry point. A parameter called ``margin`` has a meaning of its own: so many
-    seconds later than at once may the robot set out on the witness that the world gets, and still
-    arrive.
+    Register it as an entry point. A parameter called ``margin`` has a special meaning: the robot
+    may set out this many seconds late on the world's witness and still arrive.
 
     Args:
         name: The world's noun.
-        version: Of what seeds yield.
+        version: Version of the worlds that seeds yield.
         changes: Whether its worlds change with time.
 
     Raises:
         InvalidParameter: If a parameter is positional, has no plain default, or is called name or
-            seed, or ``margin`` is no float.
+            seed, or ``margin`` isn't a float.
     """
 
     def decorate(build: Build) -> Family:
@@ -302,7 +304,7 @@ def _accept(name: str, thing: Any) -> Family:
 class FamilyRegistry(Registry[Family]):
     """Families by entry point.
 
-    As ``package.module:name``, ``./file.py:name`` or ``./recipe.toml``.
+    Names can also be ``package.module:name``, ``./file.py:name`` or ``./recipe.toml``.
     """
 
     _last: tuple[tuple[object, ...], Family | None] = ((), None)
@@ -311,8 +313,8 @@ class FamilyRegistry(Registry[Family]):
         """Return the family called ``name``; a recipe is read again each time.
 
         Raises:
-            InvalidParameter: If nothing is called so, or what is found is no family.
-            FormatError: If it is a recipe with a fault.
+            InvalidParameter: If nothing has that name, or the object found is not a family.
+            FormatError: If it is a faulty recipe.
         """
         if name.endswith(".toml"):
             return self._from_recipe(name)
@@ -322,8 +324,8 @@ class FamilyRegistry(Registry[Family]):
         """Return the family that provenance names; a recipe's text is among its parameters.
 
         Raises:
-            InvalidParameter: If there is no such family, or the recipe is another's.
-            FormatError: If the recipe has a fault.
+            InvalidParameter: If there is no such family, or the recipe is a different one.
+            FormatError: If the recipe is faulty.
         """
         text = params.get("recipe")
         files = params.get("files", {})
@@ -338,7 +340,8 @@ class FamilyRegistry(Registry[Family]):
             )
         folder = Path(name).parent if name.endswith(".toml") else None
         key = (text, folder, *sorted((file, str(content)) for file, content in files.items()))
-        if key != self._last[0]:  # a set asks for the same one again and again
+        # A set requests the same one again and again.
+        if key != self._last[0]:
             self._last = (key, self._from_recipe(text, files=files, folder=folder))
         made_by = self._last[1]
         if made_by is None or (made_by.name != name and name.startswith(RECIPE)):
@@ -359,10 +362,11 @@ class FamilyRegistry(Registry[Family]):
         return made_by
 
 
-RECIPE = "recipe:"  # begins the name of every family that a recipe makes
+# Prefix of the name of every family that a recipe makes.
+RECIPE = "recipe:"
 FAMILIES = FamilyRegistry("worldgen.families", "family", _accept)
 
 
 def stream_for(seed: int, family_name: str, attempt: int) -> RandomStream:
-    """Return the stream that one attempt of one family draws from."""
+    """Return the random stream of one attempt of one family."""
     return RandomStream(seed).child(family_name, attempt)

@@ -19,10 +19,10 @@ def generate(name: str | Family, seed: Seed = 0, **params: Value | None) -> Worl
     Args:
         name: Name of a registered family, ``./recipe.toml``, ``./file.py:name``, or the family
             itself.
-        seed: A whole number, of which the low 64 bits count, or a NumPy generator, which gives its
-            next 64 bits. Equal seed and parameters, equal world.
-        **params: The family's parameters; see its documentation. ``None`` has the family choose,
-            where it can. One called ``margin`` is the number of seconds by which the robot may
+        seed: An integer, of which the low 64 bits count, or a NumPy generator, from which the next
+            64 bits are taken. Equal seed and parameters give an equal world.
+        **params: The family's parameters; see its documentation. ``None`` lets the family choose,
+            if it can. A parameter called ``margin`` is the number of seconds by which the robot may
             begin the witness later.
 
     Returns:
@@ -38,21 +38,22 @@ def generate(name: str | Family, seed: Seed = 0, **params: Value | None) -> Worl
 def stream(
     name: str | Family, seed: Seed = 0, count: int | None = None, **params: Value | None
 ) -> Iterator[World]:
-    """Return the worlds of a family with rising seeds, each made when it is asked for.
+    """Yield the worlds of a family with consecutive seeds, each made when it is requested.
 
     Args:
         name: Name of a registered family, ``./file.py:name``, or the family itself.
-        seed: Of the first world; after 2**64 - 1 comes 0. A NumPy generator gives the first one.
-        count: How many; without it there is no end.
+        seed: Seed of the first world; 0 follows 2**64 - 1. A NumPy generator supplies the first
+            one.
+        count: Number of worlds; endless if omitted.
         **params: The family's parameters.
 
     Returns:
         The worlds, each with certificate and provenance.
 
     Raises:
-        InvalidParameter: If the family or a parameter is unknown, at once; if a value is out of
+        InvalidParameter: If the family or a parameter is unknown, immediately; if a value is out of
             range, with the first world.
-        GenerationFailed: With a world that cannot be made.
+        GenerationFailed: When a world cannot be made.
     """
     made_by = _family(name, params)
     complete = made_by.complete(params)

@@ -1,8 +1,8 @@
 """``import worldgen.gym`` registers the environment ``worldgen/Navigate-v0`` with Gymnasium.
 
-It names the environments as texts, which Gymnasium imports when one is made. Since its version 1
-Gymnasium looks for no entry points; but ``gymnasium.make("worldgen.gym:worldgen/Navigate-v0")``
-imports this by itself.
+The environments are registered as texts, which Gymnasium imports when one is made. Since version 1
+Gymnasium ignores entry points; but ``gymnasium.make("worldgen.gym:worldgen/Navigate-v0")`` imports
+this module automatically.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ except ModuleNotFoundError as error:
 __all__ = ["ENVIRONMENT", "TIME_LIMIT"]
 
 ENVIRONMENT = "worldgen/Navigate-v0"
-TIME_LIMIT = 1000  # steps of an episode, unless make() is told otherwise
+# Steps of an episode, unless make() overrides it.
+TIME_LIMIT = 1000
 
 if ENVIRONMENT not in gymnasium.registry:
     gymnasium.register(

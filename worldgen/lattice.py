@@ -1,6 +1,6 @@
 """The pose lattice: positions in 1/1024 of a cell, headings in 1/65536 of a turn.
 
-A number in a file means its shortest decimal: 0.07 is 7/100, not the binary fraction next to it. So
+A number in a file means its shortest decimal: 0.07 is 7/100, not the nearest binary fraction. So
 0.35 m in 0.1 m cells is exactly cell 3.5, and "is this disc clear" can be an exact integer test.
 """
 
@@ -26,15 +26,18 @@ __all__ = [
     "radius_in_cells",
 ]
 
-UNIT = 1024  # lattice units per cell
-TURN = 65536  # heading units per turn
+# Lattice units per cell.
+UNIT = 1024
+# Heading units per turn.
+TURN = 65536
 
 
 @functools.lru_cache(
     maxsize=4096
-)  # a search asks for the same few numbers 24 times a run: 0.14 of its 0.21 ms
+    # A search requests the same few numbers 24 times a run: 0.14 of its 0.21 ms.
+)
 def exact(value: float) -> Fraction:
-    """Return the number as its shortest decimal says it."""
+    """Return the number given by its shortest decimal."""
     return Fraction(repr(float(value)))
 
 
@@ -53,7 +56,7 @@ def radius_in_cells(world: World) -> Fraction:
 def lattice_units(metres: float, cell_size: float) -> int | Fraction:
     """Return a length in lattice units, exactly.
 
-    A whole number where it is one, for fractions are slow.
+    The result is an int if it is whole, because fractions are slow.
     """
     units = in_cells(metres, cell_size) * UNIT
     return units.numerator if units.denominator == 1 else units
@@ -74,18 +77,18 @@ def lattice_to_metres(units: int, cell_size: float) -> float:
 def clear_distance_sq(radius: Fraction) -> int:
     """Return the smallest squared distance, lu, at which a disc of ``radius`` cells is clear.
 
-    A pose is clear when its squared distance to every solid cell, an integer, is at least this. For
-    a lattice pose the test is exact; a point robot still may not enter a wall, hence at least 1.
+    A pose is clear if its squared distance to every solid cell, an integer, is at least this. For a
+    lattice pose the test is exact; even a point robot may not enter a wall, hence at least 1.
     """
     return max(1, math.ceil((radius * UNIT) ** 2))
 
 
 def heading_to_lattice(heading: float) -> int:
-    """Return radians to heading units in [0, 65536), nearest."""
+    """Convert radians to heading units in [0, 65536), nearest."""
     return math.floor(math.fmod(heading, 2.0 * math.pi) * (TURN / (2.0 * math.pi)) + 0.5) % TURN
 
 
 def heading_from_lattice(units: int) -> float:
-    """Return heading units to radians in (-pi, pi]."""
+    """Convert heading units to radians in (-pi, pi]."""
     units = units % TURN
     return (units - TURN if units > TURN // 2 else units) * (2.0 * math.pi / TURN)

@@ -1,8 +1,8 @@
 """Declared options: keyword-only parameters of a function, or fields of a dataclass.
 
-A default gives the type. Families and formats declare theirs as functions; the robot, the thesis's
-simulator and campaigns as dataclasses. Command line, JSON and the studio's forms come from the same
-:class:`Parameter` objects.
+The type follows from the default. Families and formats declare their options as functions; the
+robot, the thesis's simulator and campaigns as dataclasses. Command line, JSON and the studio's
+forms come from the same :class:`Parameter` objects.
 """
 
 from __future__ import annotations
@@ -42,15 +42,16 @@ __all__ = [
     "split_options",
 ]
 
-_INT64 = 2**63  # a file holds no larger whole number
+# Files hold no larger integer.
+_INT64 = 2**63
 _PLAIN = (bool, int, float, str)
 _KINDS = {int: "whole number", float: "number", str: "word", tuple: "list of numbers"}
 _LIST_EXAMPLE = "0.25:0.5"
 
-# ``./a+b/mine.py:Robot+noise`` ends in one option; a ``+`` in a folder's name begins none.
+# ``./a+b/mine.py:Robot+noise`` ends in one option; a ``+`` in a folder's name does not begin one.
 _OPTION = r"\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+/\\]*)?"
 _WRITTEN = re.compile(rf"(?P<name>.+?)(?P<options>(?:{_OPTION})*)", re.DOTALL)
-# After a registered name, which has no slash, a value may hold one: ``tiled+layer=walls/low``.
+# After a registered name, which has no slash, a value may contain one: ``tiled+layer=walls/low``.
 _REGISTERED = re.compile(
     r"(?P<name>[\w-]+)(?P<options>(?:\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+]*)?)*)", re.DOTALL
 )
@@ -68,17 +69,17 @@ _SWITCH = {
 
 @dataclass(frozen=True)
 class Bounds:
-    """What a number may be, said where its parameter is declared.
+    """Limits of a number, given where its parameter is declared.
 
-    ``size: Annotated[int, Bounds(10, 2000, "cells")]``.
+    For example ``size: Annotated[int, Bounds(10, 2000, "cells")]``.
 
     Args:
-        low: The least; None: any.
-        high: The most; None: any.
-        unit: Of both, for people.
-        above: Whether ``low`` itself is too low.
+        low: Least value; None for no limit.
+        high: Greatest value; None for no limit.
+        unit: Unit of both, for people.
+        above: Whether the value must be above ``low``.
         chosen: The number that stands for ``None`` in files: the family chooses. Python callers
-            give ``None``.
+            pass ``None``.
     """
 
     low: float | None = None
@@ -89,13 +90,13 @@ class Bounds:
 
     @property
     def words(self) -> str:
-        """As people read it: ``10 to 2000 cells, or -1``."""
+        """The limits as people read them: ``10 to 2000 cells, or -1``."""
         said = self.rule
         return said if self.chosen is None or not said else f"{said}, or {_shown(self.chosen)}"
 
     @property
     def rule(self) -> str:
-        """The same without the number that has the family choose: ``10 to 2000 cells``."""
+        """The same without the number that lets the family choose: ``10 to 2000 cells``."""
         unit = f" {self.unit}" if self.unit else ""
         if self.low is None:
             said = "" if self.high is None else f"at most {_shown(self.high)}{unit}"
@@ -110,10 +111,10 @@ class Bounds:
         return said
 
     def check(self, name: str, value: float) -> None:
-        """Refuse a number outside.
+        """Reject a number outside the limits.
 
         Raises:
-            InvalidParameter: Naming value, rule and way out.
+            InvalidParameter: With value, rule and remedy.
         """
         if self.chosen is not None and value == self.chosen:
             return
@@ -155,7 +156,7 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Group:
-    """Heading under which a form shows an option.
+    """The heading under which a form shows an option.
 
     ``slip: Annotated[float, Bounds(0, 1), Group("Forces")]``.
     """
@@ -165,13 +166,13 @@ class Group:
 
 @dataclass(frozen=True)
 class Written:
-    """How an option is written on the command line, where that is not just its name.
+    """The spelling of an option on the command line, if it isn't just its name.
 
     Args:
-        flag: Such as ``--family`` for ``families``; empty for the name with dashes.
-        metavar: What help shows for the value; empty for its type.
+        flag: Flag such as ``--family`` for ``families``; empty for the name with dashes.
+        metavar: Placeholder of the value in help; empty for its type.
         path: ``file`` or ``folder`` if the value names one.
-        also: Earlier flag that scripts may still use; help does not show it.
+        also: Earlier flag that scripts may still use, hidden in help.
     """
 
     flag: str = ""
@@ -186,14 +187,14 @@ class Parameter:
 
     Args:
         name: Name in Python; on the command line with dashes.
-        default: Its type is the parameter's type: bool, int, float or str; of a field also a tuple
-            of floats or words, or None.
-        choices: The words allowed, from a ``Literal`` annotation; empty if there is none.
+        default: Default value, which sets the type: bool, int, float or str; for a field also a
+            tuple of floats or words, or None.
+        choices: Allowed words, from a ``Literal`` annotation; empty if there are none.
         help: Its entry in the docstring's ``Args``, on one line.
-        bounds: What a number may be, from ``Annotated``; None if only the function itself can say.
+        bounds: Limits of a number, from ``Annotated``; None if only the function knows them.
         group: Heading in a form, from ``Annotated``; empty if it has none.
-        written: How the command line writes it, from ``Annotated``.
-        optional: The type of a value beside None; None where the default says the type.
+        written: Spelling on the command line, from ``Annotated``.
+        optional: The type of a value other than None; None if the default sets the type.
         item: The type of a tuple's items.
     """
 
@@ -226,17 +227,17 @@ class Parameter:
 
     @property
     def chosen(self) -> float | None:
-        """The number that files hold where Python says ``None``: the family chooses."""
+        """The number in files that stands for Python's ``None``: the family chooses."""
         return None if self.bounds is None else self.bounds.chosen
 
     @property
     def python_default(self) -> Any:
-        """The default as Python callers see it: ``None`` if the family chooses."""
+        """The default for Python callers: ``None`` if the family chooses."""
         return None if self.chosen is not None and self.default == self.chosen else self.default
 
     @property
     def annotation(self) -> Any:
-        """The type as a signature shows it, with bounds and unit."""
+        """The type as shown in a signature, with bounds and unit."""
         if self.choices:
             return typing.Literal.__getitem__(self.choices)
         kind: Any = self.kind
@@ -247,21 +248,21 @@ class Parameter:
 
     @property
     def note(self) -> str:
-        """What it means and what it may be, on one line."""
+        """Its help and limits on one line."""
         if self.bounds is None:
             return self.help
         rule = self.bounds.rule if self.python_default is None else self.bounds.words
         return f"{self.help}  [{rule}]" if rule else self.help
 
     def accept(self, value: Any, owner: str) -> Any:
-        """Return the value as files hold it.
+        """Convert a value to the form used in files.
 
-        As a float if the default is one, and as a number for ``None``. NumPy's numbers count as
-        Python's.
+        It becomes a float if the default is one, and a number for ``None``. NumPy's numbers count
+        as Python's.
 
         Raises:
-            InvalidParameter: If it has another type than the default, is out of bounds, or none of
-                the choices.
+            InvalidParameter: If it has another type than the default, is out of bounds, or isn't
+                one of the choices.
         """
         kind = self.kind
         value = _plain(value)
@@ -272,7 +273,8 @@ class Parameter:
         if kind is tuple:
             return self._accept_list(value, owner)
         if kind is float and type(value) is int:
-            with contextlib.suppress(OverflowError):  # what no float holds is refused as it is
+            # Values that no float can hold are refused unchanged.
+            with contextlib.suppress(OverflowError):
                 value = float(value)
         if isinstance(value, int) and not -_INT64 <= value < _INT64:
             raise InvalidParameter(
@@ -293,13 +295,13 @@ class Parameter:
         return value
 
     def parse(self, text: str | None, owner: str) -> Any:
-        """Return the value that a word says.
+        """Parse a value from a word.
 
-        ``+mode=scale``, ``+negate``, ``+negate=on`` or ``+draws=0.25:0.5``.
+        Examples are ``+mode=scale``, ``+negate``, ``+negate=on`` and ``+draws=0.25:0.5``.
 
         Args:
             text: The word; None if only the name was given.
-            owner: What the parameter belongs to, for messages.
+            owner: Owner of the parameter, for messages.
 
         Raises:
             InvalidParameter: If the word is not a value of the parameter's type, or is missing.
@@ -386,17 +388,17 @@ class Parameter:
 def split_options(
     text: str, example: str = "NAME+option=value"
 ) -> tuple[str, dict[str, str | None]]:
-    """Return the name and the options of ``NAME+option=value+switch``.
+    """Split ``NAME+option=value+switch`` into name and options.
 
-    Dashes in an option's name become underscores. This is the one grammar for controllers, formats
-    and families. A ``+`` inside a path begins no option.
+    Dashes in an option's name become underscores. Controllers, formats and families all share this
+    grammar. A ``+`` inside a path does not begin an option.
 
     Args:
-        text: As a user wrote it.
-        example: A text that would be right, for messages: ``ros+mode=scale``.
+        text: Text as a user wrote it.
+        example: A valid text, for messages: ``ros+mode=scale``.
 
     Returns:
-        The name, and by option its value's text; None for an option without ``=``.
+        The name, and each option's value as text; None for an option without ``=``.
 
     Raises:
         InvalidParameter: If a name is missing, or an option is there twice.
@@ -429,13 +431,13 @@ def split_options(
 def find_parameter(
     name: str, known: Iterable[Parameter], owner: str, also: Collection[str] = ()
 ) -> Parameter:
-    """Return the option of that name.
+    """Return the option with that name.
 
     Args:
-        name: With underscores.
-        known: All that there are.
-        owner: What they belong to, for messages.
-        also: Other names that the message offers.
+        name: Name with underscores.
+        known: All options.
+        owner: Their owner, for messages.
+        also: Other names to suggest.
 
     Raises:
         InvalidParameter: If there is none.
@@ -460,7 +462,7 @@ def find_parameter(
 def parse_options(
     words: Mapping[str, str | None], known: Iterable[Parameter], owner: str
 ) -> dict[str, Any]:
-    """Return the values of options as :func:`split_options` reads them.
+    """Parse the values of options from :func:`split_options`.
 
     Raises:
         InvalidParameter: If an option is unknown, or its text is not a value of it.
@@ -474,7 +476,7 @@ def parse_options(
 
 
 def _plain(value: Any) -> Any:
-    """Return a number of NumPy's as Python's; NumPy itself is not loaded for it."""
+    """Convert a NumPy number to Python's; NumPy itself is not loaded for it."""
     numpy = sys.modules.get("numpy")
     return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
 
@@ -484,8 +486,7 @@ def parameters_of_fields(options: type) -> tuple[Parameter, ...]:
     """Return the fields of a dataclass of options as declared, in order of declaration.
 
     A field whose default is neither None nor a bool, number, word or tuple of numbers or words is
-    no option and is left out. Help comes from the docstrings of the class and of those that it
-    inherits from.
+    not an option and is skipped. Help comes from the docstrings of the class and its bases.
     """
     hints = typing.get_type_hints(options, include_extras=True)
     notes: dict[str, str] = {}
@@ -502,11 +503,11 @@ def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, 
     """Return the keyword-only parameters of a function, in order of declaration.
 
     Args:
-        function: As :func:`check_declared` accepts it.
-        owner: What it belongs to, for messages.
+        function: A function that :func:`check_declared` accepts.
+        owner: Its owner, for messages.
 
     Raises:
-        InvalidParameter: If an annotation names what cannot be found at run time.
+        InvalidParameter: If an annotation names something that does not exist at run time.
     """
     try:
         hints = typing.get_type_hints(function, include_extras=True)
@@ -529,16 +530,16 @@ def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, 
 def check_declared(
     function: Callable[..., Any], owner: str, taken: Collection[str] = (), *, positional: int = 1
 ) -> None:
-    """Refuse a function whose parameters do not all stand after ``*`` with a plain default.
+    """Reject a function unless all its parameters follow ``*`` and have plain defaults.
 
     Args:
         function: The function.
-        owner: What it belongs to, for messages.
-        taken: Names that mean something else.
-        positional: How many parameters come before.
+        owner: Its owner, for messages.
+        taken: Reserved names.
+        positional: Number of parameters before them.
 
     Raises:
-        InvalidParameter: Naming the first parameter at fault.
+        InvalidParameter: With the first faulty parameter.
     """
     for parameter in list(inspect.signature(function).parameters.values())[positional:]:
         if parameter.kind is not inspect.Parameter.KEYWORD_ONLY or parameter.name in taken:
@@ -560,7 +561,7 @@ def check_declared(
 
 
 def _declared(name: str, default: Any, hint: Any, notes: Mapping[str, str]) -> Parameter:
-    """Return one option from its default, its annotation and the docstring's entries."""
+    """Build one option from its default, its annotation and the docstring's entries."""
     details = getattr(hint, "__metadata__", ())
     plain = typing.get_args(hint)[0] if details else hint
     optional: type | None = None
@@ -594,10 +595,10 @@ def argument_notes(docstring: str) -> dict[str, str]:
 
 
 def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> None:
-    """Refuse a parameter below its minimum.
+    """Reject a parameter below its minimum.
 
     Raises:
-        InvalidParameter: Naming value, rule and way out.
+        InvalidParameter: With value, rule and remedy.
     """
     if not value >= minimum:
         raise InvalidParameter(
@@ -612,10 +613,10 @@ def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> N
 
 
 def check_between(name: str, value: float, low: float, high: float, unit: str = "") -> None:
-    """Refuse a parameter outside [low, high].
+    """Reject a parameter outside [low, high].
 
     Raises:
-        InvalidParameter: Naming value, rule and way out.
+        InvalidParameter: With value, rule and remedy.
     """
     if not low <= value <= high:
         raise InvalidParameter(
@@ -631,10 +632,10 @@ def check_between(name: str, value: float, low: float, high: float, unit: str = 
 
 
 def check_positive(name: str, value: float, unit: str = "") -> None:
-    """Refuse zero, less than zero, and what is no finite number.
+    """Reject a number that isn't finite and above zero.
 
     Raises:
-        InvalidParameter: Naming value and rule.
+        InvalidParameter: With value and rule.
     """
     if not (math.isfinite(value) and value > 0.0):
         raise InvalidParameter(
@@ -653,10 +654,10 @@ def _shown(value: float, unit: str = "") -> str:
 
 
 def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
-    """Refuse a word that is not one of the choices.
+    """Reject a word that isn't one of the choices.
 
     Raises:
-        InvalidParameter: Naming value and choices.
+        InvalidParameter: With value and choices.
     """
     if value not in choices:
         raise InvalidParameter(

@@ -1,4 +1,4 @@
-"""The one source of chance: a counter-based SplitMix64 stream, the same on every machine.
+"""The only source of randomness: a counter-based SplitMix64 stream, the same on every machine.
 
 NumPy promises stable raw bit streams but not stable ``Generator`` methods, so worlds draw from this
 small generator instead. Every method below fixes how bits become numbers; changing one changes
@@ -23,27 +23,28 @@ __all__ = ["GAMMA", "MASK64", "RandomStream", "Seed", "mix64", "seed_of"]
 T = TypeVar("T")
 
 Seed: TypeAlias = "int | np.integer[Any] | np.random.Generator"
-"""What chance can begin with, wherever a seed is asked for."""
+"""Anything that can seed randomness, wherever a seed is requested."""
 
 MASK64 = (1 << 64) - 1
-GAMMA = 0x9E3779B97F4A7C15  # 2**64 / golden ratio, odd
+# 2**64 / golden ratio, odd.
+GAMMA = 0x9E3779B97F4A7C15
 
 
 def mix64(z: int) -> int:
-    """Return SplitMix64's finaliser: a bijection of 64-bit integers that spreads every bit."""
+    """Return SplitMix64's finaliser of a word: a bijection that spreads every bit."""
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & MASK64
     z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & MASK64
     return z ^ (z >> 31)
 
 
 def seed_of(seed: Seed) -> int:
-    """Return a seed as a number of 64 bits.
+    """Convert a seed to a number of 64 bits.
 
     Args:
-        seed: A whole number, Python's or NumPy's, of which the low 64 bits count; or a NumPy
-            generator, which moves on: its bit generator's next two draws of 32 bits are the low and
-                the high half. NumPy promises those
-            bits, so a generator's state gives the same seed on every machine.
+        seed: An integer, Python's or NumPy's, of which the low 64 bits count; or a NumPy generator,
+            which is advanced: its bit generator's next two draws of 32 bits are the low and the
+            high half. NumPy guarantees those bits, so a generator's state gives the same seed on
+            every machine.
 
     Raises:
         InvalidParameter: If it is something else.
@@ -63,7 +64,7 @@ def seed_of(seed: Seed) -> int:
 
 
 class RandomStream:
-    """A stream of random numbers that depends on its seed alone.
+    """A stream of random numbers that depends only on its seed.
 
     Args:
         seed: Any integer; its low 64 bits count.
@@ -77,7 +78,7 @@ class RandomStream:
     def child(self, *labels: int | str) -> RandomStream:
         """Return an independent stream for a named part; its draws never shift another part's.
 
-        The parent's own sequence does not move.
+        The parent's own sequence is not advanced.
         """
         state = self._state
         for label in labels:

@@ -1,9 +1,9 @@
-"""What every family promises, as checks that you can run over your own.
+"""The promises of every family, as checks that you can run on your own.
 
 In a test: ``check_family(my_family)``, or one check at a time, ``pytest.mark.parametrize("check",
 CHECKS, ids=str)``. On the command line: ``worldgen check-family NAME``.
 
-A check is called with the family and a case, that is, with some of its parameters; it raises
+A check is called with the family and a case, which is some of its parameters; it raises
 ``BrokenContract``.
 """
 
@@ -40,9 +40,11 @@ __all__ = [
     "shown",
 ]
 
-PATIENCE = 20  # s that one absurd value may take: what is refused is refused at once
+# Seconds that one absurd value may take: it must be refused immediately.
+PATIENCE = 20
 _SEEDS = 5
-_WIDE = 6  # seeds that must not all give one world
+# Seeds that must not all give the same world.
+_WIDE = 6
 _ABSURD: dict[type, tuple[Value, ...]] = {
     int: (-(2**63), -2, 0, 1, 2**62),
     float: (-1e308, -1.0, 0.0, 1e-308, 1e308),
@@ -53,16 +55,16 @@ _NOT_FINITE = (math.nan, math.inf, -math.inf)
 
 
 class BrokenContract(AssertionError):
-    """A family does not keep a promise; the message says which seed and parameters show it."""
+    """A family breaks a promise; the message names the seed and parameters that show it."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """One promise.
+    """A promise of families.
 
     Args:
-        name: The promise, as a sentence without spaces.
-        run: Raises :class:`BrokenContract` where it is broken.
+        name: The promise, as a sentence with dashes for spaces.
+        run: Raises :class:`BrokenContract` if the promise is broken.
     """
 
     name: str
@@ -78,12 +80,12 @@ class Check:
 
 @dataclass(frozen=True)
 class CheckOutcome:
-    """What one check said of one case.
+    """The result of one check for one case.
 
     Args:
         check: The promise.
         case: The parameters.
-        fault: What breaks it; empty where it holds.
+        fault: The violation; empty if the promise is kept.
     """
 
     check: str
@@ -92,9 +94,9 @@ class CheckOutcome:
 
 
 def family_cases(family: Family) -> list[dict[str, Value]]:
-    """Return the cases worth checking: each word of the first parameter that has words.
+    """Return the cases worth checking: each choice of the first parameter that has choices.
 
-    Else the defaults alone.
+    If there is none, the defaults are the only case.
     """
     for parameter in family.parameters:
         if parameter.choices:
@@ -105,7 +107,7 @@ def family_cases(family: Family) -> list[dict[str, Value]]:
 def layout_digest(family: Family, case: Mapping[str, Value] | None = None, seed: int = 7) -> str:
     """Return sixteen hex digits of a seed's world without its witness.
 
-    Pin it, and raise the version when it changes.
+    Pin it, and raise the family's version when it changes.
     """
     return world_digest(replace(generate(family, seed, **(case or {})), certificate=None))[:16]
 
@@ -113,12 +115,12 @@ def layout_digest(family: Family, case: Mapping[str, Value] | None = None, seed:
 def run_checks(
     family: Family, cases: list[dict[str, Value]] | None = None, *, without: Collection[str] = ()
 ) -> Iterator[CheckOutcome]:
-    """Yield every check over every case, those of the family as a whole once.
+    """Yield every check of every case; those of the family as a whole run once.
 
     Args:
         family: The family.
         cases: Parameters to check it with; :func:`family_cases` if omitted.
-        without: Names of checks to leave out.
+        without: Names of checks to skip.
     """
     every_case = family_cases(family) if cases is None else cases
     for checks, some in ((FAMILY_CHECKS, [{}]), (CHECKS, every_case)):
@@ -154,7 +156,7 @@ def check_family(
         golden: :func:`layout_digest` by the first value of a case, or by "" for the defaults.
 
     Raises:
-        BrokenContract: With a line for each promise that is broken.
+        BrokenContract: With a line for each broken promise.
     """
     faults = [shown(found) for found in run_checks(family, cases) if found.fault]
     for case in (family_cases(family) if cases is None else cases) if golden is not None else []:
@@ -171,7 +173,7 @@ def check_family(
 
 
 def shown(found: CheckOutcome) -> str:
-    """Return one line that says what breaks a promise."""
+    """Return one line that describes a violation."""
     return f"{found.check}{_told(found.case)}: {found.fault}"
 
 
@@ -185,7 +187,7 @@ def _demand(holds: bool, message: str) -> None:
         raise BrokenContract(message)
 
 
-# Checks of a case: a few worlds of it are made.
+# Checks of a case, which make a few of its worlds.
 
 
 def _equal_seed(family: Family, case: Mapping[str, Value]) -> None:
@@ -253,7 +255,7 @@ def _no_global_state(family: Family, case: Mapping[str, Value]) -> None:
 
 
 def _other_chance() -> tuple[object, ...]:
-    """Return the states of the generators that a family must not touch."""
+    """Return the states of the generators that a family must not use."""
     state = np.random.get_state(legacy=False)["state"]
     return random.getstate(), state["key"].tobytes(), state["pos"]
 
@@ -341,7 +343,7 @@ def _other_type(family: Family, case: Mapping[str, Value]) -> None:
 
 @contextlib.contextmanager
 def _refused(what: str) -> Iterator[None]:
-    """What is done inside must be refused in one line."""
+    """Expect the body to be refused with a one-line message."""
     try:
         yield
     except WorldgenError as error:
@@ -380,7 +382,7 @@ def _absurd_values(parameter: Parameter) -> tuple[Value, ...]:
 
 @contextlib.contextmanager
 def _patience(what: str) -> Iterator[None]:
-    """End what takes too long."""
+    """End code that takes too long."""
     try:
         with time_limit(PATIENCE):
             yield

@@ -1,4 +1,4 @@
-"""Cell changes over time: what burns, falls and opens."""
+"""Changes of cells over time: fire, falling debris, openings."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["CellState", "Event", "Timeline"]
 
 
 class CellState(IntEnum):
-    """What a cell is. A burning cell stops nothing, but no robot may touch it."""
+    """The state of a cell. A burning cell stops nothing, but no robot may touch it."""
 
     FREE = 0
     SOLID = 1
@@ -26,12 +26,12 @@ class CellState(IntEnum):
 
     @property
     def word(self) -> str:
-        """The word that stands in files."""
+        """The word used in files."""
         return self.name.lower()
 
 
 class Event(NamedTuple):
-    """From ``time`` (s, inclusive) on, cell (``iy``, ``ix``) is ``state``."""
+    """From ``time`` (s, inclusive) on, the cell (``iy``, ``ix``) has ``state``."""
 
     time: float
     ix: int
@@ -44,7 +44,7 @@ class Timeline(HoldsFrozen):
     """Events in order of time, as parallel arrays.
 
     Args:
-        times: (n,) float64, s, 0 to ``worldgen.domain.LATEST``, never falling.
+        times: (n,) float64, s, 0 to ``worldgen.domain.LATEST``, never decreasing.
         ix: (n,) int64, column.
         iy: (n,) int64, row, 0 the lowest y.
         states: (n,) uint8, values of :class:`CellState`.
@@ -99,7 +99,7 @@ class Timeline(HoldsFrozen):
 
     @classmethod
     def of(cls, events: Iterable[Event | tuple[float, int, int, CellState]]) -> Timeline:
-        """Build a timeline from events in any order; events of one time keep their order."""
+        """Build a timeline from events in any order; simultaneous events keep their order."""
         ordered = sorted(events, key=lambda event: event[0])
         return (
             cls(*(np.array([event[k] for event in ordered]) for k in range(4)))
@@ -109,19 +109,19 @@ class Timeline(HoldsFrozen):
 
     @property
     def last_time(self) -> float:
-        """When the last change comes, s; 0 if nothing ever changes."""
+        """Time of the last change, s; 0 if nothing ever changes."""
         return float(self.times[-1]) if len(self) else 0.0
 
     def count_until(self, time: float) -> int:
-        """Return how many events come at a time, s, or before it."""
+        """Return the number of events up to and including a time, s."""
         return int(np.searchsorted(self.times, time, side="right"))
 
     def only(self, kept: npt.NDArray[np.bool_]) -> Timeline:
-        """Return the timeline of the events that ``kept``, (n,) bool, marks."""
+        """Return the timeline of the events marked in ``kept``, (n,) bool."""
         return Timeline(self.times[kept], self.ix[kept], self.iy[kept], self.states[kept])
 
     def is_within(self, width: int, height: int) -> bool:
-        """Return whether every event is of a cell of a grid with so many columns and rows."""
+        """Return True if every event is about a cell of a grid with this many columns and rows."""
         columns = (self.ix >= 0) & (self.ix < width)
         rows = (self.iy >= 0) & (self.iy < height)
         return bool((columns & rows).all())
@@ -131,7 +131,7 @@ class Timeline(HoldsFrozen):
     ) -> npt.NDArray[np.bool_]:
         """Mark the cells of a grid that some event puts into one of ``states``.
 
-        Without states, all that change.
+        Without states, all changing cells are marked.
         """
         chosen = np.isin(self.states, states) if states else np.ones(len(self), np.bool_)
         marked = np.zeros(shape, np.bool_)

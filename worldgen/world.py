@@ -1,4 +1,4 @@
-"""The world: solid cells, a start, a target, a round robot, and what may change with time.
+"""The world: solid cells, a start, a target, a round robot, and changes over time.
 
 Frame: metres, x right, y up, headings counter-clockwise from +x in radians (ROS REP-103).
 ``walls[iy, ix]`` covers [ix, ix+1) x [iy, iy+1) times ``cell_size``; row 0 is the lowest y.
@@ -45,17 +45,20 @@ __all__ = [
 ]
 
 # The thesis's robot: 10 px cells, a 14 px disc at 0.2 px/ms, at 10 px = 0.1 m.
-DEFAULT_CELL_SIZE = 0.1  # m
-DEFAULT_ROBOT_RADIUS = 0.07  # m
-DEFAULT_ROBOT_SPEED = 2.0  # m/s
+# Side of a cell, m.
+DEFAULT_CELL_SIZE = 0.1
+# Radius, m.
+DEFAULT_ROBOT_RADIUS = 0.07
+# Speed, m/s.
+DEFAULT_ROBOT_SPEED = 2.0
 
 Value: TypeAlias = "bool | int | float | str | list[Value] | dict[str, Value]"
-"""What a TOML header can hold."""
+"""A value that a TOML header can hold."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where the robot stands: x and y in m, heading in rad, counter-clockwise from +x."""
+    """A pose of the robot: x and y in m, heading in rad, counter-clockwise from +x."""
 
     x: float
     y: float
@@ -73,7 +76,7 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """One robot of a world: where it starts, what it must reach, its disc and its top speed.
+    """One robot of a world: its start, its target, its disc and its top speed.
 
     Args:
         start: Pose at the start.
@@ -90,16 +93,18 @@ class Robot:
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """Where a world came from: equal family, version, seed and params, equal world, byte for byte.
+    """The origin of a world.
+
+    Equal family, version, seed and params give an equal world, byte for byte.
 
     Args:
         family: Name of the generator.
         version: Version of the family.
-        seed: Seed of all chance.
+        seed: Seed of all randomness.
         params: The family's parameters.
-        metrics: How hard the world is, as :func:`worldgen.difficulty.measure` says; empty if it was
-            not measured. What changes a world's cells, start, target or witness drops its
-            provenance, and these with it.
+        metrics: Metrics of the world, as :func:`worldgen.difficulty.measure` returns them; empty if
+            it was not measured. A change of a world's cells, start, target or witness drops its
+            provenance, and the metrics with it.
     """
 
     family: str
@@ -111,17 +116,17 @@ class Provenance:
 
 @dataclass(frozen=True, slots=True)
 class FailureRecord:
-    """What went wrong in this world, with all that is needed to see it again.
+    """A failure in this world, with everything needed to reproduce it.
 
     Args:
         controller: Name of the controller, as the command line takes it.
         motion: Name of the motion model.
         seed: Seed of the controller's randomness.
-        verdict: One of the vocabulary's verdicts.
+        verdict: Verdict of the run.
         trace_digest: 16 hex digits over every state of the run.
         parameters: Options of the run (steps, time step, ...).
-        evidence: What a checker needs (for ``loop``: entry, period, state digest; ...).
-        details: What is worth knowing but proves nothing (class, campaign, shrinking).
+        evidence: Facts for a checker (for ``loop``: entry, period, state digest; ...).
+        details: Facts worth knowing that prove nothing (class, campaign, shrinking).
     """
 
     controller: str
@@ -163,10 +168,10 @@ class Witness(HoldsFrozen):
     """A timed path that the robot could drive; it proves that the target can be reached.
 
     Args:
-        times: (n,) float64, s, rising; the first is 0.
+        times: (n,) float64, s, ascending; the first is 0.
         x: (n,) float64, m; straight lines between the points.
         y: (n,) float64, m.
-        clearance: Largest radius, m, of a disc that this path lets through.
+        clearance: Largest radius, m, of a disc that can follow this path.
     """
 
     times: npt.NDArray[np.float64]
@@ -290,26 +295,28 @@ Certificate: TypeAlias = Witness | JointWitness | Cut
 
 @dataclass(frozen=True, eq=False)
 class World(HoldsFrozen):
-    """Everything a scenario fixes about the surroundings. Immutable; use ``dataclasses.replace``.
+    """Everything about the surroundings that a scenario fixes.
+
+    Worlds are immutable; use ``dataclasses.replace``.
 
     Args:
         walls: (height, width) bool, True is solid; row 0 is the lowest y.
-        start: Where the robot starts.
-        target: What it must reach.
+        start: Start pose of the robot.
+        target: Target of the robot.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot's disc, m.
         robot_speed: Top speed of the robot, m/s.
         timeline: Changes of cells over time.
         certificate: Proof that the target can, or cannot, be reached.
         provenance: How the world was made.
-        failure: What went wrong in it, if the world is a failure's.
+        failure: Failure recorded in it, if it is a failure's world.
         others: The robots after the first, which start, target, robot_radius and robot_speed
             describe; empty in a world of one robot.
 
     Raises:
         InvalidWorld: If a number is outside its limits (`worldgen.domain`), or a point is outside
             the grid; if robots overlap at the start, or their targets exclude each other; or if the
-            certificate is not one for this number of robots.
+            certificate is not for this number of robots.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -354,7 +361,7 @@ class World(HoldsFrozen):
             )
 
     def _check_fleet(self) -> None:
-        """Refuse robots that cannot be in one world."""
+        """Reject robots that cannot be in one world."""
         from worldgen.support.robot_pairs import pair_fault
 
         robots = self.robots
@@ -371,7 +378,7 @@ class World(HoldsFrozen):
             raise InvalidWorld.of(fault)
 
     def _check_certificate(self) -> None:
-        """Refuse a certificate that is about another number of robots."""
+        """Reject a certificate for another number of robots."""
         proof = self.certificate
         count = len(self.others) + 1
         if isinstance(proof, Cut):
@@ -393,7 +400,7 @@ class World(HoldsFrozen):
             )
 
     def _check_robot(self, robot: Robot, prefix: str) -> None:
-        """Refuse a robot outside the domain or the grid; ``prefix`` precedes names in messages."""
+        """Reject a robot outside the domain or the grid; ``prefix`` precedes names in messages."""
         for fault in (
             radius_fault(f"{prefix or 'robot_'}radius", robot.radius, self.cell_size),
             speed_fault(f"{prefix or 'robot_'}speed", robot.speed, self.cell_size),
@@ -414,7 +421,8 @@ class World(HoldsFrozen):
     def _check_inside(self, name: str, x: float, y: float) -> None:
         width = self.width * self.cell_size
         height = self.height * self.cell_size
-        if not (0.0 <= x <= width and 0.0 <= y <= height):  # also true for nan
+        # Also true for NaN.
+        if not (0.0 <= x <= width and 0.0 <= y <= height):
             raise InvalidWorld(
                 "outside-grid",
                 "{name} ({x}, {y}) m lies outside the grid of {width:g} x {height:g} m",
@@ -428,12 +436,12 @@ class World(HoldsFrozen):
 
     @property
     def height(self) -> int:
-        """Cells in y."""
+        """Number of cells in y."""
         return int(self.walls.shape[0])
 
     @property
     def width(self) -> int:
-        """Cells in x."""
+        """Number of cells in x."""
         return int(self.walls.shape[1])
 
     @property
@@ -443,9 +451,9 @@ class World(HoldsFrozen):
         return (first, *self.others)
 
     def alone(self, number: int) -> World:
-        """Return this world with one of its robots and without the others.
+        """Return this world with only one of its robots.
 
-        What speaks of all robots is dropped: certificate, provenance and failure.
+        Facts about all robots are dropped: certificate, provenance and failure.
 
         Args:
             number: The robot's number, from 1.
@@ -486,7 +494,7 @@ class World(HoldsFrozen):
 
     @property
     def is_dynamic(self) -> bool:
-        """Whether any cell changes with time."""
+        """True if any cell changes with time."""
         return len(self.timeline) > 0
 
     @property
@@ -496,7 +504,7 @@ class World(HoldsFrozen):
 
     @property
     def still_walls(self) -> npt.NDArray[np.bool_]:
-        """Cells that are solid and never change, (height, width) bool."""
+        """Cells that are always solid, (height, width) bool."""
         still: npt.NDArray[np.bool_] = self.walls & ~self.timeline.cells_that_become(
             shape=self.walls.shape
         )
@@ -505,7 +513,7 @@ class World(HoldsFrozen):
     def cells_at(self, time: float) -> npt.NDArray[np.uint8]:
         """Return the state of every cell at a time, s.
 
-        (height, width) uint8, values of :class:`CellState`.
+        The result has shape (height, width), uint8, with values of :class:`CellState`.
         """
         return self.cells_after(self.timeline.count_until(time))
 
@@ -515,7 +523,8 @@ class World(HoldsFrozen):
         cells = np.where(self.walls, np.uint8(CellState.SOLID), np.uint8(CellState.FREE))
         cells[line.iy[:count], line.ix[:count]] = line.states[
             :count
-        ]  # of one cell's events the last stays
+            # The last of a cell's events wins.
+        ]
         return cells
 
     @property
@@ -546,7 +555,7 @@ class World(HoldsFrozen):
         )
 
     def _repr_png_(self) -> bytes:
-        """Return the picture that a notebook shows."""
+        """Return the picture shown in a notebook."""
         from worldgen.render import draw_png
 
         return draw_png(self)

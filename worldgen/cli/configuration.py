@@ -1,6 +1,6 @@
 """Defaults of options from ``[tool.worldgen]`` of the project's ``pyproject.toml``.
 
-docs/howto/campaigns.md.
+See docs/howto/campaigns.md.
 """
 
 from __future__ import annotations
@@ -21,11 +21,12 @@ from worldgen.support.progress import say_once
 __all__ = ["FILE", "configured"]
 
 FILE = "pyproject.toml"
-# Options that name code in a file, such as ./robot.py:Robot, beside those that are paths.
+# Options that name code in a file, such as ./robot.py:Robot, in addition to options that are paths.
 _CODE = ("controller", "families", "oracles")
-_SEVERAL = "controllers"  # of compare, which takes several in one value, with commas between them
-# Of these at most one can be given; one on the command line puts the others' configured values
-# aside.
+# The option of compare, which takes several in one value, separated by commas.
+_SEVERAL = "controllers"
+# At most one of these can be given; one on the command line overrides the others' configured
+# values.
 _EITHER = (
     ("budget", "units"),
     ("scheduler", "workers"),
@@ -52,8 +53,8 @@ def configured(
     """Return the defaults that the project's file sets for a command's options, by parameter name.
 
     Args:
-        parameters: The command's.
-        path: The command's name, after those of the groups that it is in: ``("corpus", "show")``.
+        parameters: Parameters of the command.
+        path: The command's name, after the names of its groups: ``("corpus", "show")``.
         given: Names of the parameters that the command line gives.
         known: Names of all commands.
 
@@ -104,7 +105,7 @@ def configured(
 def _value_of(
     parameters: Collection[click.Parameter], key: str, value: object, folder: Path, where: str
 ) -> tuple[str, Any]:
-    """Return the parameter's name, and its value as the command line would give it."""
+    """Return the parameter's name, and its value in the form used on the command line."""
     options = {
         flag.removeprefix("--"): option
         for option in parameters
@@ -160,9 +161,9 @@ def _value_of(
 
 
 def _from_here(path: str, folder: Path) -> str:
-    """Return a path that the file gives as seen from the working directory.
+    """Return a path from the file relative to the working directory.
 
-    In the file's own folder as it is.
+    If that is the file's own folder, the path is unchanged.
     """
     there = Path(path).expanduser()
     if there.is_absolute():
@@ -177,7 +178,7 @@ def _code_from_here(text: str, folder: Path) -> str:
 
 @functools.cache
 def _project(folder: Path) -> _Project | None:
-    """Return the nearest file at or above a folder that has a table for us."""
+    """Return the nearest file at or above a folder that has our table."""
     for place in (folder, *folder.parents):
         file = place / FILE
         try:
@@ -187,7 +188,7 @@ def _project(folder: Path) -> _Project | None:
         if "worldgen" not in text:
             continue
         if not _has_same_owner(file, folder):
-            # Not even a fault in it is our user's business: in /tmp anybody could stop every
+            # Even a fault in it is not our user's problem: in /tmp anybody could block every
             # command with one.
             if "tool.worldgen" in text:
                 say_once(
@@ -215,9 +216,9 @@ def _project(folder: Path) -> _Project | None:
 
 
 def _has_same_owner(file: Path, folder: Path) -> bool:
-    """Return True if nobody else could have put this file where it is: what it names is run."""
+    """Return True if nobody else could have put this file here, because the code it names is run."""
     if not hasattr(os, "geteuid"):
         return True
     trusted = (0, os.geteuid(), folder.stat().st_uid)
-    # Another user's link to a file of ours counts too: the code is looked for next to the link.
+    # Another user's link to a file of ours counts too, because code is looked up next to the link.
     return file.lstat().st_uid in trusted and file.stat().st_uid in trusted

@@ -1,4 +1,4 @@
-"""Ctrl-C that is not lost: Python drops what is raised where nobody can catch it."""
+"""Make sure that no Ctrl-C is lost: Python drops exceptions raised where nobody can catch them."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from types import FrameType
 
 __all__ = ["no_ctrl_c_lost"]
 
-_AGAIN = 0.01  # s
+# Seconds.
+_AGAIN = 0.01
 
 
 @contextlib.contextmanager
 def no_ctrl_c_lost() -> Iterator[None]:
-    """Repeat, inside, a Ctrl-C whose ``KeyboardInterrupt`` would be printed and forgotten.
+    """Repeat, inside this block, a Ctrl-C whose ``KeyboardInterrupt`` would be lost.
 
-    That happens in callbacks of ``gc`` (Hypothesis has one: in campaigns every fourth Ctrl-C fell
-    into it), in those of weak references and in ``__del__``. Where Ctrl-C is ignored, or someone
-    else handles it, this does nothing.
+    That happens in callbacks of ``gc`` (Hypothesis has one: in campaigns it swallowed every fourth
+    Ctrl-C), in those of weak references and in ``__del__``. If Ctrl-C is ignored, or handled
+    elsewhere, this does nothing.
     """
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
@@ -38,8 +39,8 @@ def no_ctrl_c_lost() -> Iterator[None]:
 class _Repeater:
     """Handles Ctrl-C, and sends it again if Python dropped it.
 
-    Its flags are plain attributes: a second signal that comes while an ``Event`` is being set would
-    wait for the first one forever.
+    Its flags are plain attributes: a second signal that arrives while an ``Event`` is being set
+    would wait for the first one forever.
     """
 
     def __init__(self) -> None:
@@ -78,9 +79,9 @@ class _Repeater:
             self._is_starting = False
 
     def _send_again(self) -> None:
-        """Send Ctrl-C until it is heard.
+        """Send Ctrl-C until it is handled.
 
-        One that comes just before the main thread begins to wait does not wake it.
+        A Ctrl-C that arrives just before the main thread begins to wait does not wake it.
         """
         while True:
             time.sleep(_AGAIN)

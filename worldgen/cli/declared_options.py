@@ -24,11 +24,11 @@ def declared_options(
 ) -> Callable[[F], F]:
     """Give a command an option for each declared one.
 
-    What is left out comes as None, or as an empty tuple.
+    Omitted options are None, or an empty tuple.
 
     Args:
-        declared: In the order in which help shows them.
-        notes: Other help for some, by name.
+        declared: The options, in the order in which help shows them.
+        notes: Different help for some of them, by name.
     """
 
     def decorated(command: F) -> F:

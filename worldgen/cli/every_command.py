@@ -1,7 +1,7 @@
-"""What every command has, whoever wrote it.
+"""Add what every command has, whoever wrote it.
 
-That is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, and a refusal
-of options that are given twice.
+This is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, and the
+rejection of options that are given twice.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ _EQUIPPED: weakref.WeakSet[click.Command] = weakref.WeakSet()
 
 
 def equip(command: click.Command) -> click.Command:
-    """Give a command, and the commands below it, what every command has.
+    """Add it to a command and its subcommands.
 
-    A second time changes nothing.
+    A second call changes nothing.
     """
     if isinstance(command, click.Group):
         for below in command.commands.values():
@@ -65,7 +65,7 @@ def equip(command: click.Command) -> click.Command:
 
 
 def _add_options(command: click.Command) -> None:
-    """Let the command take our options too; its own ``params`` stay what its author wrote."""
+    """Let the command take our options too; its own ``params`` stay as its author wrote them."""
     get_params = command.get_params
     taken = {
         flag
@@ -76,14 +76,15 @@ def _add_options(command: click.Command) -> None:
 
     def with_ours(context: click.Context) -> list[click.Parameter]:
         found = get_params(context)
-        own = len(command.params)  # click adds --help behind them
+        # click adds --help after them.
+        own = len(command.params)
         return [*found[:own], *ours, *found[own:]]
 
     command.get_params = with_ours  # type: ignore[method-assign, assignment]
 
 
 def _watch_parser(command: click.Command) -> None:
-    """Look at what was typed before click does: it would take the last of two values."""
+    """Check the arguments before click does, because click would take the last of two values."""
     make_parser = command.make_parser
 
     def strict_parser(context: click.Context) -> Any:
@@ -141,4 +142,5 @@ def _has_one_value(parameter: click.Parameter) -> bool:
         return False
     return not parameter.is_flag or bool(
         parameter.secondary_opts
-    )  # --json twice says the same thing
+        # --json twice means the same.
+    )

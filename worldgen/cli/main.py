@@ -1,4 +1,4 @@
-"""Entry point of ``worldgen``: finds commands, turns errors into one line and an exit code."""
+"""Entry point of ``worldgen``: find commands, and turn errors into one line and an exit code."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class LazyGroup(click.Group):
         ]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import the one command that is asked for, and give it what every command has."""
+        """Import the requested command, and add what every command has."""
         command = self._found(cmd_name)
         return None if command is None else equip(command)
 
@@ -68,7 +68,7 @@ class LazyGroup(click.Group):
             or ":" in cmd_name
             or cmd_name.endswith(".toml")
         ):
-            # ./mine.py:my_family, ./recipe.toml
+            # Such as ./mine.py:my_family or ./recipe.toml.
             from worldgen.commands.family_command import family_command
 
             return family_command(cmd_name)
@@ -105,14 +105,14 @@ class LazyGroup(click.Group):
 
 
 def _print_include(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
-    """Print where the header for controllers in C is."""
+    """Print the folder of the header for controllers in C."""
     if wanted:
         click.echo(Path(__file__).parents[2] / "sim" / "include")
         ctx.exit()
 
 
 def _print_versions(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
-    """Print the versions of the program and of what it builds on."""
+    """Print the versions of the program and of the libraries it uses."""
     if wanted:
         click.echo(describe_versions())
         ctx.exit()
@@ -151,8 +151,10 @@ def _say_how_to_import(error: NotAGrid) -> None:
     path = Path(error.source or "")
     if not path.is_file() or not looks_like_a_map(path):
         return
-    with contextlib.suppress(WorldgenError):  # of several formats: import says so
-        if find_format(path).name == "grid":  # by its name alone: import would say the same again
+    # Several formats match, and import reports that.
+    with contextlib.suppress(WorldgenError):
+        # Only its name matches: import would report the same again.
+        if find_format(path).name == "grid":
             return
     out = f"{path.stem}{'-imported' if path.suffix == '.grid' else ''}.grid"
     command = shlex.join(["worldgen", "import", str(path), "--out", out])
@@ -163,7 +165,7 @@ def _say_how_to_import(error: NotAGrid) -> None:
 
 
 def main() -> NoReturn:
-    """Run the command line and ends the process with the documented exit code."""
+    """Run the command line and end the process with the documented exit code."""
     prefer_own_packages()
     try:
         with no_ctrl_c_lost(), display_on_stderr():
@@ -203,7 +205,8 @@ def main() -> NoReturn:
 def _our_fault(error: BaseException) -> int:
     try:
         check_hidden()
-    except WorldgenError as hidden:  # then what went wrong is no fault of ours
+    # Then the error is not our fault.
+    except WorldgenError as hidden:
         note(f"worldgen: {hidden}", always=True)
         return 2
     if os.environ.get("WORLDGEN_DEBUG"):

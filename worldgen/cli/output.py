@@ -1,4 +1,4 @@
-"""What every command shares: safe writing, JSON, options that mean the same everywhere."""
+"""Shared by all commands: safe writing, JSON, options that mean the same everywhere."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ seed_option: Callable[[F], F] = click.option(
 
 
 class _NamedAlso(click.Option):
-    """An option with further names that scripts may use and help does not show."""
+    """An option with additional names that scripts may use and help does not show."""
 
     def __init__(self, *args: Any, also: tuple[str, ...] = (), **settings: Any) -> None:
         super().__init__(*args, **settings)
@@ -77,22 +77,22 @@ class _NamedAlso(click.Option):
 
 
 def named_also(*names: str, also: str, **settings: Any) -> Callable[[F], F]:
-    """Make an option that can also be given by an earlier name, so that scripts go on working.
+    """Make an option that also accepts an earlier name, so that scripts keep working.
 
     Args:
-        *names: As for ``click.option``.
-        also: The earlier name, which help does not show.
-        **settings: As for ``click.option``.
+        *names: Names, as for ``click.option``.
+        also: The earlier name, hidden in help.
+        **settings: Settings, as for ``click.option``.
     """
     return click.option(*names, cls=_NamedAlso, also=(also,), **settings)
 
 
 def note(message: str, *, always: bool = False) -> None:
-    """Print a message for the person at the terminal on stderr, so that stdout stays data.
+    """Print a message for the person at the terminal to stderr, since stdout is for data.
 
     Args:
         message: One or more lines.
-        always: Whether ``--quiet`` prints it too, as errors and the seed are.
+        always: Whether ``--quiet`` prints it too, as it does errors and the seed.
     """
     if always or not is_quiet():
         spoke()
@@ -100,16 +100,16 @@ def note(message: str, *, always: bool = False) -> None:
 
 
 def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:
-    """Print a result on stdout while slow work is under way.
+    """Print a result to stdout while slow work is in progress.
 
-    What shows progress makes room for it.
+    The progress display makes room for it.
     """
     spoke()
     click.echo(text, nl=nl, color=color)
 
 
 def emit_json(result: Mapping[str, Any]) -> None:
-    """Print one JSON object on stdout; infinities and nan become null."""
+    """Print one JSON object to stdout; infinities and NaN become null."""
     spoke()
     click.echo(json.dumps(_finite(result), allow_nan=False))
 

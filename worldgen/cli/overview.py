@@ -1,4 +1,4 @@
-"""What ``worldgen --help`` and ``--version`` print, without importing a single command."""
+"""Print ``worldgen --help`` and ``--version`` without importing a single command."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ COMMANDS: dict[str, dict[str, str]] = {
         "check-scenarios": "Check the path lengths that MovingAI problems state.",
     },
 }
-"""By job, the name and summary of each command; a test compares them with the commands' own."""
+"""Name and summary of each command by job; a test compares them with the commands' own."""
 
 # The libraries whose version can change what a command does.
 _LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "hypothesis", "click", "numba", "dask")
@@ -60,7 +60,8 @@ def describe_versions() -> str:
     for name in _LIBRARIES:
         try:
             libraries.append(f"{name} {version(name)}")
-        except PackageNotFoundError:  # it belongs to an extra that is not installed
+        # It belongs to an extra that is not installed.
+        except PackageNotFoundError:
             continue
     python = f"{platform.python_implementation()} {platform.python_version()}"
     return "\n".join(

@@ -1,4 +1,4 @@
-"""``worldgen census``: maps and generators of others, judged."""
+"""``worldgen census``: judge the maps and generators of other projects."""
 
 from __future__ import annotations
 
@@ -37,7 +37,8 @@ EXAMPLES = (
     "  worldgen census ./examples/census/mazelib_maps.py:maps --count 500 --seed 1 --option side=20"
 )
 PATH = click.Path(path_type=Path)
-_LONGEST = 50  # characters of a map's name in a file's name: at most 200 of 255 bytes
+# Most characters of a map's name in a file's name: at most 200 of 255 bytes.
+_LONGEST = 50
 
 
 @click.command(epilog=EXAMPLES)
@@ -161,7 +162,7 @@ def _maps(
 ) -> list[FolderMaps | GeneratedMaps]:
     """Return the maps of all sources: files and folders together.
 
-    So that scenarios find their maps, then generators.
+    The order lets scenarios find their maps; generators come last.
     """
     from worldgen.domain import CELL_SIZES
     from worldgen.family import check_between
@@ -226,9 +227,9 @@ def _check_folder(folder: Path, *, force: bool) -> None:
 
 
 def _keeper(folder: Path, *, force: bool) -> Callable[[CensusCase, World], None]:
-    """Return what writes the worlds that only a point passes.
+    """Return the function that writes the worlds that only a point can pass.
 
-    Each is written at once, so that it is there whatever ends the census.
+    Each is written immediately, so that it exists however the census ends.
     """
     from worldgen.files.grid import write_world
     from worldgen.files.whole import refused_writes
@@ -248,7 +249,7 @@ def _keeper(folder: Path, *, force: bool) -> Callable[[CensusCase, World], None]
 
 
 def _file_name(question: CensusCase) -> str:
-    """Return a file's name without ending; it says whether the disc had room at both ends."""
+    """Return a file's name without suffix; it states whether the disc had room at both ends."""
     plain = "".join(
         letter if letter.isalnum() or letter in "-_." else "-" for letter in question.map
     )
@@ -257,7 +258,7 @@ def _file_name(question: CensusCase) -> str:
 
 
 def _check_any(found: Census) -> None:
-    """Refuse to print a table of nothing."""
+    """Refuse to print an empty table."""
     if found.questions or found.interrupted:
         return
     first = found.fault or (

@@ -1,4 +1,4 @@
-"""``worldgen check-family``: does a family of your own keep what every family promises?"""
+"""``worldgen check-family``: check that your own family keeps what every family promises."""
 
 from __future__ import annotations
 
@@ -30,8 +30,9 @@ EXAMPLES = (
 def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: bool) -> None:
     """Check that your own family keeps the promises of every family.
 
-    NAME is a registered family, ./file.py:name, package.module:name or ./recipe.toml. Each word of
-    its first parameter that has words is a case. Exit code 1 says that a promise is broken.
+    NAME is a registered family, ./file.py:name, package.module:name or ./recipe.toml. If a
+    parameter has a fixed set of words, each word of the first such parameter is a case. Exit code 1
+    means that a promise is broken.
     """
     from worldgen import testing
     from worldgen.errors import InvalidParameter

@@ -46,7 +46,7 @@ def check_scenarios(
 
     PATH is a .map or .scen file, or a folder with such files below it. A scenario file finds its
     map by the name that it gives. Paths are octile and cut no corner; lengths are compared to the
-    digits that are published.
+    published digits.
 
     Exits with 0 if all agree, with 1 if some do not, with 2 if there is nothing to check.
     """

@@ -27,7 +27,7 @@ class _Recipes(click.Group):
         return family_command(cmd_name)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return None, because any file may be one."""
+        """Return None, because any file may be a recipe."""
         return []
 
 

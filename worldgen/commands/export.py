@@ -1,4 +1,4 @@
-"""``worldgen export``: a world becomes a file of some other program."""
+"""``worldgen export``: write a world as a file of another program."""
 
 from __future__ import annotations
 
@@ -70,8 +70,9 @@ def export(
 ) -> None:
     """Write a world in another program's format.
 
-    WORLD is a .grid file. What the format cannot hold is an error; what it leaves out is said on
-    stderr, and kept in a sidecar (OUT.worldgen.toml), from which `worldgen import` takes it again.
+    WORLD is a .grid file. A world that the format cannot express is an error. Facts that it cannot
+    store are listed on stderr and kept in a sidecar (OUT.worldgen.toml), from which `worldgen
+    import` restores them.
     """
     from worldgen import interop
     from worldgen.files.grid import read_world

@@ -1,4 +1,4 @@
-"""``worldgen FAMILY``: a command made of a family's own parameters."""
+"""``worldgen FAMILY``: a command made from a family's own parameters."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def family_command(name: str) -> click.Command:
     """Return the command that generates worlds of one family.
 
     Raises:
-        InvalidParameter: If no family is called so.
+        InvalidParameter: If no family has that name.
     """
     from worldgen.family import FAMILIES
 
@@ -92,10 +92,10 @@ def command_of(made_by: Family, name: str) -> click.Command:
 
 
 def _set_place(count: int | None, out: Path | None) -> Path | None:
-    """Return where a set goes, if one is wanted and not a single file.
+    """Return the place for a set, if one is wanted and not a single file.
 
     Raises:
-        UsageError: If there is no place for it, or the output's name is of the other kind.
+        UsageError: If there is no place for it, or the output's name is for the other kind.
     """
     from worldgen.files.archives import is_archive
     from worldgen.files.worlds import is_world_file
@@ -143,8 +143,7 @@ _metrics_option = click.option(
 _SET_OPTIONS = (_count_option, _out_option, _workers_option, _metrics_option)
 
 
-# Cells of the largest world that is measured unasked: longer than a quarter of a minute is too
-# long.
+# Cells of the largest world measured by default; more would take over a quarter of a minute.
 _MEASURED = 4_000_000
 
 
@@ -221,7 +220,8 @@ def _made(
 def _result(world: World, file: Path | None) -> dict[str, Any]:
     from worldgen.files.grid import world_digest
 
-    witness = cast("Witness", world.certificate)  # generate() gives no world without one
+    # generate() makes no world without one.
+    witness = cast("Witness", world.certificate)
     return {
         "file": None if file is None else str(file),
         "digest": world_digest(world),

@@ -1,4 +1,4 @@
-"""``worldgen formats``: what ``import`` reads and ``export`` writes."""
+"""``worldgen formats``: list what ``import`` reads and ``export`` writes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``worldgen import``: a foreign map becomes a world with start, target and a proof."""
+"""``worldgen import``: turn a foreign map into a world with start, target and a proof."""
 
 from __future__ import annotations
 
@@ -105,12 +105,12 @@ def import_map(
     """Make a world from another program's map.
 
     PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI,
-    worlds of robot simulators, pictures, drawings, meshes, a .grid, whose places it keeps unless
-    told otherwise. A mesh is cut at the height --slice, where the lidar is. Start and target that
-    are given neither here nor in the file are placed far apart in the largest region the robot can
-    drive through, with room to turn.
+    worlds of robot simulators, pictures, drawings, meshes, or a .grid, which keeps its own places
+    unless you give others. A mesh is cut at the height --slice, where the lidar is. If neither you
+    nor the file gives start and target, they are placed far apart in the largest region the robot
+    can drive through, with room to turn.
 
-    Exits with 0 if the target can be reached, with 1 if it cannot, or that stays undecided. If a
+    Exits with 0 if the target can be reached, with 1 if it cannot or that remains undecided. If a
     path was found but the file has obstacles that cannot be read, such as a mesh, nothing is
     written and the exit code is 2; --ignore-unread judges the world without them.
     """

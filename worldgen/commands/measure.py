@@ -1,4 +1,4 @@
-"""``worldgen measure``: how hard worlds are, as a table."""
+"""``worldgen measure``: print how hard worlds are, as a table."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ __all__ = ["measure"]
 def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     """Measure how hard worlds are.
 
-    Metrics are worked out again, by the file's own witness; a map without a certificate is decided
-    first. What has no meaning for a world is left empty. A folder or an archive stands for the
+    Metrics are computed again, from the file's own witness; a map without a certificate is decided
+    first. Metrics that a world does not have are left empty. A folder or an archive stands for the
     .grid files in it. docs/howto/difficulty.md defines every metric.
     """
     from worldgen.difficulty import measure as measured
@@ -53,16 +53,17 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
                 work.say(f"{path}, world {len(results) + 1}")
                 _check_its_own(path, world)
                 results.append((path, measured(world).as_dict()))
-    finally:  # what was measured is told, whatever ends the work
+    # Measurements are printed, however the work ends.
+    finally:
         if results:
             _tell(results, as_csv=as_csv, as_json=as_json)
 
 
 def _check_its_own(path: Path, world: World) -> None:
-    """Refuse a file whose certificate is wrong: what goes by a witness would be measured along it.
+    """Reject a file with an invalid certificate: metrics are measured along its witness.
 
     Raises:
-        InvalidWorld: If it is.
+        InvalidWorld: If it is invalid.
     """
     from worldgen.reach import check_certificate
 
@@ -99,7 +100,7 @@ def _comma_separated(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
 
 
 def _table(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
-    """Return one world below the other, or one metric a line where there is one world."""
+    """Format one world per line, or one metric per line if there is only one world."""
     from worldgen.difficulty import METRICS
     from worldgen.support.plain_text import aligned
 

@@ -21,7 +21,8 @@ EXAMPLES = (
     "again/\n"
     "  worldgen regenerate mazes.zip --out again.zip"
 )
-SHOWN = 20  # differences in text; --json has them all
+# Most differences in text; --json has all of them.
+SHOWN = 20
 
 
 @click.command(epilog=EXAMPLES)
@@ -58,12 +59,12 @@ def regenerate(
 ) -> None:
     """Make a set of worlds again from its manifest, or check it.
 
-    SET is a set's folder, its archive, or its manifest alone. With --out the whole set is made
-    there; without, what is missing in the set's own folder. Every world is compared with the
-    manifest before it is written.
+    SET is a set's folder, its archive, or only its manifest. With --out the whole set is made
+    there; without it, the missing worlds are made in the set's own folder. Every world is compared
+    with the manifest before it is written.
 
-    Exits with 0 if the set is what its manifest says, with 1 if it is not, or a world comes out
-    otherwise.
+    Exits with 0 if the set matches its manifest, with 1 if it does not, or a world comes out
+    differently.
     """
     from worldgen.sets import manifest_of
 

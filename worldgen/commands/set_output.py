@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["make_many", "told", "workers_for"]
 
-_LARGE = 200  # worlds; below it takes longer to start processes than to do without
+# Number of worlds; below it, starting processes takes longer than it saves.
+_LARGE = 200
 
 
 def make_many(
@@ -29,15 +30,15 @@ def make_many(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Make a set, or go on with it.
+    """Make a set, or continue one.
 
     Args:
         plan: The set, from any seed on.
-        seed: The first world's; without it, that of an unfinished set there, or else one that is
-            drawn.
+        seed: Seed of the first world; if omitted, that of an unfinished set there, or else a random
+            one.
         out: Folder or archive.
-        workers: Processes.
-        force: Whether to replace what is there.
+        workers: Number of processes.
+        force: Whether to replace what exists.
         as_json: Whether to print one object.
     """
     from worldgen.random_streams import MASK64
@@ -87,10 +88,9 @@ def workers_for(count: int, workers: int | None) -> int:
 
 @contextmanager
 def told(out: Path, count: int, *, force: bool) -> Iterator[Callable[[int], None]]:
-    """Give what to call with the number of worlds that are safe.
+    """Yield a callback that takes the number of worlds that are safe.
 
-    Say that number if the work ends early. With ``force`` the same command would begin again from
-    nothing.
+    It reports that number if the work ends early. With ``force`` the same command would start over.
     """
     safe = -1
     with working(f"writing {out}") as work:

@@ -1,4 +1,4 @@
-"""``worldgen show``: a world in the terminal, or as a picture file."""
+"""``worldgen show``: draw a world in the terminal, or as a picture file."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def show(
 ) -> None:
     """Draw a world in the terminal, or as PNG, SVG or HTML.
 
-    With --png, --svg or --html nothing is drawn in the terminal; they may be combined. With --json
+    With --png, --svg or --html nothing is drawn in the terminal; they can be combined. With --json
     the world's facts are printed instead of a drawing.
     """
     from worldgen import render

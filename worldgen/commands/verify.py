@@ -1,4 +1,4 @@
-"""``worldgen verify``: is the proof in the file true; and if there is none, what is true."""
+"""``worldgen verify``: check the proof in a file or, if there is none, decide the world."""
 
 from __future__ import annotations
 
@@ -49,15 +49,15 @@ def verify(
     """Check a world's proof, or decide whether a target can be reached.
 
     A file's certificate is checked by code that shares nothing with the code that made it. A map
-    without a certificate is decided again, and so is a certificate that says nothing about the
-    radius asked for; what was decided is then checked in the same way. A folder or an archive
-    stands for the .grid files in it.
+    without a certificate is decided, as is one whose certificate does not cover the requested
+    radius; the result is then checked in the same way. A folder or an archive stands for the .grid
+    files in it.
 
-    Of a world that changes it says too how late the robot may set out: on the witness (its margin),
-    and on any path (the latest start).
+    For a world that changes, it also reports how late the robot may set out: on the witness (its
+    margin), and on any path (the latest start).
 
-    Exits with 0 if every certificate holds or every map could be decided (blocked is an answer
-    too), with 1 if a certificate does not hold or a map stays undecided, with 2 if a file cannot be
+    Exits with 0 if every certificate is valid or every map could be decided (blocked is an answer
+    too), with 1 if a certificate is invalid or a map remains undecided, with 2 if a file cannot be
     read.
     """
     from worldgen.errors import InvalidParameter
@@ -97,7 +97,7 @@ def verify_world(
     Args:
         world: The world.
         radius: Radius of the disc, m; the robot's if omitted.
-        deadline: s, by which the robot must be in the target; None for any time.
+        deadline: Time, s, by which the robot must be in the target; None for any time.
 
     Returns:
         ``result``, ``certificate`` (witness, cut, confinement, swap or None), ``certificate_valid``,
@@ -108,7 +108,7 @@ def verify_world(
         robot may wait at the start if it may take any path; None for any time.
 
     Raises:
-        InvalidParameter: If the radius or the deadline is not a finite number above 0.
+        InvalidParameter: If the radius or the deadline isn't a finite number above 0.
     """
     from worldgen.reach import (
         BLOCKED,
@@ -173,7 +173,7 @@ def verify_world(
 def _answers(world: World, radius: float | None, deadline: float | None) -> bool:
     """Return True if the certificate in the file speaks of what is asked.
 
-    If of that alone, it need not hold.
+    It may still be invalid.
     """
     from worldgen.reach import check_certificate
     from worldgen.world import Cut
@@ -188,7 +188,7 @@ def _answers(world: World, radius: float | None, deadline: float | None) -> bool
 def _lateness(
     world: World, witness: Witness, radius: float, deadline: float | None
 ) -> dict[str, float | None]:
-    """Return how much later the witness may begin, and some path."""
+    """Return how much later the witness may begin, and any path."""
     from worldgen.reach import latest_start, witness_margin
 
     margin = witness_margin(world, witness, radius=radius) if world.is_dynamic else math.inf

@@ -33,7 +33,7 @@ class Difficulty(click.ParamType[tuple[float, ...]]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[float, ...]:
-        """Read one number, or the two ends of a range."""
+        """Parse one number, or the two ends of a range."""
         if isinstance(value, tuple):
             return value
         try:
@@ -72,7 +72,7 @@ WISH_OPTIONS = (
 
 
 def given_parameters(params: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the parameters that were typed, not left at their defaults."""
+    """Return the parameters that were given, not left at their defaults."""
     source = click.get_current_context().get_parameter_source
     default = click.core.ParameterSource.DEFAULT
     return {name: value for name, value in params.items() if source(name) is not default}
@@ -93,10 +93,10 @@ def make_wanted(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Search and write what is found: one world, or a set.
+    """Search and write the results: one world, or a set.
 
     Raises:
-        Exit: With code 1 if a world that fits was not found; those found before it stay.
+        Exit: With code 1 if no fitting world was found; those found before are kept.
     """
     from worldgen.difficulty.search import Search, constraint_for, found
     from worldgen.sets import plan_wanted_set
@@ -165,13 +165,14 @@ def make_wanted(
 
 
 def _within(low: float, high: float, where: str | None) -> str:
-    """Return the wish for one world anywhere in a range of difficulty."""
+    """Return the constraint for one world anywhere in a range of difficulty."""
     from worldgen.difficulty import parse
     from worldgen.difficulty.strata import check_range
 
     check_range(low, high)
     if where is not None:
-        parse(where)  # whose messages show what was written, no more
+        # Its messages quote only what was written.
+        parse(where)
     return f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
 
 
@@ -260,7 +261,7 @@ def _write(
 def flag_of(parameter: str, made_by: Family) -> str:
     """Return the name of a parameter's option, without the dashes.
 
-    The robot's are called as in every other command.
+    The robot's options have the same names as in every other command.
     """
     short = _ROBOT.get(parameter)
     own = {one.name for one in made_by.parameters}

@@ -1,1 +1,1 @@
-"""Files: read and written whole and safely, archives, locks, and the ``.grid`` format."""
+"""Files: read and write them safely, archives, locks, and the ``.grid`` format."""

@@ -1,8 +1,8 @@
 """Archives of many small files.
 
-Written byte for byte alike, read one file at a time and within bounds. Times, owners and modes are
-fixed, so equal files in equal order are an equal archive. How bytes are compressed is zlib's and
-libbz2's business: see ``docs/howto/sets.md`` for what that means on other machines.
+They are written reproducibly, and read one file at a time within limits. Times, owners and modes
+are fixed, so equal files in equal order give an equal archive. The compressed bytes depend on zlib
+and libbz2: ``docs/howto/sets.md`` explains what that means on other machines.
 """
 
 from __future__ import annotations
@@ -33,29 +33,33 @@ __all__ = [
 
 ENDINGS = (".zip", ".tar.gz", ".tgz", ".tar.bz2", ".tar")
 
-_LEVEL = 6  # of zlib, its own default; fixed
-_FIRST_DAY = (1980, 1, 1, 0, 0, 0)  # a zip file knows no earlier one
+# Compression level: zlib's own default, fixed.
+_LEVEL = 6
+# The earliest time that a zip file can store.
+_FIRST_DAY = (1980, 1, 1, 0, 0, 0)
 _MODE = 0o644
-_BLOCK = 512  # bytes, of a tar file
+# Block size of a tar file, bytes.
+_BLOCK = 512
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-_PIECE = 1 << 20  # bytes skipped at a time
+# Bytes skipped at a time.
+_PIECE = 1 << 20
 
 
 class SupportsRead(Protocol):
-    """What can be read piece by piece."""
+    """A stream that can be read piece by piece."""
 
     def read(self, size: int, /) -> bytes:
-        """Return the next bytes, none at the end."""
+        """Return the next bytes, or none at the end."""
 
 
 class ArchiveWriter(Protocol):
     """An archive that grows file by file."""
 
     def add(self, name: str, data: bytes) -> None:
-        """Appends a file."""
+        """Append a file."""
 
     def close(self) -> None:
-        """Write what comes last."""
+        """Write the end of the archive."""
 
 
 @dataclass(frozen=True)
@@ -63,10 +67,10 @@ class Member:
     """A file of an archive.
 
     Args:
-        name: Its name there, with forward slashes.
-        packed: Bytes that it takes compressed; of the whole archive where it is compressed as one.
-        read: Gives its bytes, or ``None`` if there are more than the number it is called with. Of a
-            tar file it must be called before the next member is asked for.
+        name: Its name in the archive, with forward slashes.
+        packed: Its compressed size, bytes; that of the whole archive if it is compressed as one.
+        read: Returns its bytes, or ``None`` if there are more than its argument. For a tar file it
+            must be called before the next member is requested.
     """
 
     name: str
@@ -90,7 +94,7 @@ class _Zip:
 
 
 class _Tar:
-    """A plain tar file, and what compresses it, if anything does."""
+    """A plain tar file, and its compressor, if any."""
 
     def __init__(
         self, stream: IO[bytes] | gzip.GzipFile | bz2.BZ2File, *, compresses: bool
@@ -118,16 +122,16 @@ class _Tar:
 
 
 def is_archive(path: Path) -> bool:
-    """Return True if a file of this name is taken for an archive."""
+    """Return True if a file's name is an archive's."""
     return path.name.lower().endswith(ENDINGS)
 
 
 def writer_for(path: Path, stream: IO[bytes]) -> ArchiveWriter:
-    """Return a writer of the kind that the path's name asks for.
+    """Return a writer for the archive format of the path's suffix.
 
     Args:
-        path: Its ending counts.
-        stream: Where the bytes go.
+        path: Path, of which the suffix counts.
+        stream: Stream to write to.
     """
     name = path.name.lower()
     if name.endswith(".zip"):
@@ -144,7 +148,7 @@ def writer_for(path: Path, stream: IO[bytes]) -> ArchiveWriter:
 
 @contextlib.contextmanager
 def _told(source: str) -> Iterator[None]:
-    """Make one sentence of whatever a broken archive raises."""
+    """Turn any exception of a broken archive into one sentence."""
     try:
         yield
     except FileNotFoundError as error:
@@ -168,7 +172,8 @@ def _told(source: str) -> Iterator[None]:
             reason=error or "it is cut off",
             source=source,
         ) from error
-    except (NotImplementedError, RuntimeError) as error:  # another compression, or encrypted
+    # Another compression, or encryption.
+    except (NotImplementedError, RuntimeError) as error:
         raise FormatError(
             "unsupported",
             "cannot be unpacked: {reason}",
@@ -186,7 +191,7 @@ def _told(source: str) -> Iterator[None]:
 
 
 def members(path: Path) -> Iterator[Member]:
-    """Yield the files of an archive in their order, one at a time.
+    """Yield the files of an archive in order, one at a time.
 
     Raises:
         FormatError: If it cannot be read.
@@ -205,9 +210,9 @@ def members(path: Path) -> Iterator[Member]:
 
 
 def archive_in(path: Path) -> tuple[Path, str] | None:
-    """Return the archive of which a path names a file, and the file's name there.
+    """Split a path into an archive and the name of a file in it.
 
-    ``set.zip/maze-7.grid``.
+    An example is ``set.zip/maze-7.grid``.
     """
     for parent in path.parents:
         if is_archive(parent) and parent.is_file():
@@ -220,7 +225,8 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
         for entry in archive.infolist():
 
             def read(limit: int, entry: zipfile.ZipInfo = entry) -> bytes | None:
-                if entry.compress_type not in _METHODS:  # others take memory as the file pleases
+                # Other modes take as much memory as the file demands.
+                if entry.compress_type not in _METHODS:
                     message = Message(
                         "unsupported",
                         "is compressed by another method than deflate",
@@ -231,12 +237,13 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
                     data = file.read(limit + 1)
                 return data if len(data) <= limit else None
 
-            if entry.filename and not entry.is_dir():  # a broken one may have no name
+            # A broken one may have no name.
+            if entry.filename and not entry.is_dir():
                 yield Member(entry.filename, min(entry.compress_size, most), read)
 
 
 def _tar_members(stream: SupportsRead, source: str, packed: int) -> Iterator[Member]:
-    """Read tar by hand: the library takes the length of a long header at its word."""
+    """Read tar by hand, because the library trusts the length of a long header."""
     while len(head := stream.read(_BLOCK)) == _BLOCK and head.strip(b"\0"):
         entry = tarfile.TarInfo.frombuf(head, "utf-8", "surrogateescape")
         if entry.size < 0:

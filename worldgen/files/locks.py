@@ -1,4 +1,4 @@
-"""Keeps a file for one process at a time, however that process ends."""
+"""Lock a file for one process at a time, however that process ends."""
 
 from __future__ import annotations
 
@@ -9,21 +9,23 @@ from pathlib import Path
 
 try:
     import fcntl
-except ImportError:  # Windows, where nothing keeps a second command out
+# Windows, where nothing locks out a second command.
+except ImportError:
     fcntl = None  # type: ignore[assignment]
 
 __all__ = ["holder", "lock", "sign"]
 
-_LONGEST = 400  # bytes of what a locked file says
+# Bytes of a locked file's contents.
+_LONGEST = 400
 
 
 def lock(descriptor: int) -> bool:
     """Lock an open file against other processes until it is closed or this process ends.
 
-    On another host it is kept only as far as the file system carries locks there, as NFS 4 does.
+    On another host the lock only holds if the file system carries it there, as NFS 4 does.
 
     Returns:
-        Whether it is ours; not if another process has it.
+        Whether the lock is ours; False if another process has it.
     """
     if fcntl is not None:
         try:
@@ -34,20 +36,21 @@ def lock(descriptor: int) -> bool:
 
 
 def sign(descriptor: int) -> None:
-    """Write into a file that is ours, and that holds nothing else, which process has it.
+    """Write our process into a locked file that contains nothing else.
 
     :func:`holder` reads it.
     """
     if fcntl is not None:
-        with contextlib.suppress(OSError):  # a full disk: then nobody is told whose it is
+        # A full disk: then nobody learns which process it is.
+        with contextlib.suppress(OSError):
             os.ftruncate(descriptor, 0)
             os.pwrite(descriptor, f"{os.getpid()} {socket.gethostname()}\n".encode(), 0)
 
 
 def holder(path: Path) -> int | None:
-    """Return the process of this machine that keeps a signed file.
+    """Return the process of this machine that holds a signed file.
 
-    ``None`` if none does, or that cannot be known here.
+    Return ``None`` if none does, or that cannot be known here.
     """
     if fcntl is not None:
         try:
@@ -62,8 +65,10 @@ def holder(path: Path) -> int | None:
                 ):
                     return None
                 os.kill(
-                    int(number), 0
-                )  # so that a file that nobody has is not kept from a process that wants it
+                    int(number),
+                    0,
+                    # So that an abandoned file is available to a process that wants it.
+                )
                 fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)
         except BlockingIOError:
             return int(number)

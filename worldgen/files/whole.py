@@ -1,6 +1,6 @@
-"""Safe reading and writing: a file is read whole within bounds.
+"""Read and write files safely: a file is read completely, within limits.
 
-It is there whole, or it is not there.
+A written file is complete, or does not exist.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ _MOST_BYTES = 64 << 20
 
 
 def check_output(path: Path, force: bool) -> None:
-    """Refuse before the work what could not be written after it.
+    """Reject, before the work, output that could not be written after it.
 
     Raises:
-        OutputError: If the file is there and ``force`` is not set, or its folder is missing.
+        OutputError: If the file exists and ``force`` is not set, or its folder is missing.
     """
     if path.is_dir():
         raise OutputError("is-a-folder", "{path} is a folder", "name a file in it", path=path)
@@ -49,7 +49,7 @@ def read_text(path: Path) -> str:
     """Return the text of a small file.
 
     Raises:
-        FormatError: If it cannot be read, is larger than 64 MiB, or is no UTF-8.
+        FormatError: If it cannot be read, is larger than 64 MiB, or isn't UTF-8.
     """
     try:
         with path.open("rb") as stream:
@@ -81,18 +81,20 @@ def read_text(path: Path) -> str:
 
 
 def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
-    """Write a file whole or not at all.
+    """Write a file completely or not at all.
 
     Raises:
-        OutputError: If the file is there and ``force`` is not set, its folder is missing, or the
-            disk is full or not writable; nothing is left half written.
+        OutputError: If the file exists and ``force`` is not set, its folder is missing, or the disk
+            is full or not writable; no partial file is left behind.
     """
     with refused_writes(path):
         check_output(path, force)
-        if path.exists() and not path.is_file():  # a device or pipe cannot be replaced
+        # A device or pipe cannot be replaced.
+        if path.exists() and not path.is_file():
             path.write_bytes(data)
         else:
-            _replace(Path(os.path.realpath(path)), data)  # through a link, as any editor writes
+            # Write through a link, as any editor does.
+            _replace(Path(os.path.realpath(path)), data)
 
 
 @contextlib.contextmanager
@@ -104,7 +106,8 @@ def refused_writes(path: Path) -> Iterator[None]:
     """
     try:
         yield
-    except WorldgenError:  # some are ValueErrors
+    # Some are ValueErrors.
+    except WorldgenError:
         raise
     except OSError as error:
         raise OutputError(
@@ -114,7 +117,8 @@ def refused_writes(path: Path) -> Iterator[None]:
             path=path,
             reason=error.strerror or str(error),
         ) from error
-    except ValueError as error:  # a name with a NUL
+    # The name contains a NUL.
+    except ValueError as error:
         raise OutputError(
             "unwritable",
             "{path!r}: cannot be written: {reason}",

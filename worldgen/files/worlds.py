@@ -1,4 +1,4 @@
-"""The worlds that a path stands for: a file's own, a folder's, an archive's."""
+"""The worlds at a path: in a file, a folder or an archive."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _ENDINGS = (".grid", ".grid.gz")
 
 
 def is_world_file(name: str) -> bool:
-    """Return True if a file of this name is taken for a world."""
+    """Return True if a file's name is a world's."""
     return name.endswith(_ENDINGS)
 
 
 def files_in(folder: Path) -> list[Path]:
-    """Return the files in a folder and below that are taken for worlds, sorted by name.
+    """Return the world files in a folder and below, sorted by name.
 
-    None in a folder called ``.name``.
+    Folders called ``.name`` are skipped.
     """
     found = (file for file in folder.rglob("*") if is_world_file(file.name) and file.is_file())
     return sorted(file for file in found if not _is_hidden(file.relative_to(folder)))
@@ -36,12 +36,11 @@ def _is_hidden(path: Path) -> bool:
 
 
 def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
-    """Yield the worlds of files, folders and archives, each read when its turn comes.
+    """Yield the worlds of files, folders and archives; each is read when it is reached.
 
     Args:
         paths: A folder stands for the ``.grid`` and ``.grid.gz`` files in it and below, sorted by
-            name; an archive for those in it, in its order; anything else is taken for a world's
-            file.
+            name; an archive for those in it, in its order; anything else is read as a world.
 
     Returns:
         Path and world; a world in an archive has the archive's path and then its own name.

@@ -1,4 +1,4 @@
-"""Small helpers that know nothing of worlds.
+"""Small helpers that know nothing about worlds.
 
-Text for terminals, progress, arrays, worker processes.
+They handle text for terminals, progress, arrays and worker processes.
 """

@@ -1,4 +1,4 @@
-"""Sine and cosine of whole degrees in whole numbers: the same on every machine."""
+"""Sine and cosine of whole degrees in integers: the same on every machine."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ import functools
 
 __all__ = ["SCALE", "direction"]
 
-SCALE = 1 << 20  # a sine of 1
-_QUARTER = 90  # degrees
-_PI = 3141592653589793238462643383279  # times 10**30
+# The sine of 90 degrees.
+SCALE = 1 << 20
+# In degrees.
+_QUARTER = 90
+# Pi times 10**30.
+_PI = 3141592653589793238462643383279
 _DIGITS = 10**30
 
 
@@ -21,7 +24,8 @@ def _sine(degrees: int) -> int:
     while term:
         total += term
         term = -term * x // _DIGITS * x // _DIGITS // ((order + 1) * (order + 2))
-        term = 0 if term == -1 else term  # what floor division leaves of a vanishing negative term
+        # The rest that floor division leaves of a vanishing negative term.
+        term = 0 if term == -1 else term
         order += 2
     return (2 * total * SCALE + _DIGITS) // (2 * _DIGITS)
 
@@ -30,7 +34,7 @@ def _sine(degrees: int) -> int:
 def direction(degrees: int) -> tuple[int, int]:
     """Return the cosine and sine of any whole angle, times ``SCALE``.
 
-    Exactly symmetric under quarter turns.
+    It is exactly symmetric under quarter turns.
     """
     quarters, rest = divmod(degrees % (4 * _QUARTER), _QUARTER)
     cos = _sine(_QUARTER - rest)

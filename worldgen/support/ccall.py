@@ -1,7 +1,7 @@
 """Pass numpy arrays to the C cores: addresses, checked for type and order.
 
-Every core is a module that cffi makes (``build_tools/cores.py``). Its functions take plain
-pointers, so an array of the wrong type would be read as garbage; here it is refused.
+Every core is a module made by cffi (``build_tools/cores.py``). Its functions take plain pointers,
+so an array of the wrong type would be read as garbage; these functions reject it.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ def pointer(ffi: Any, array: np.ndarray[Any, Any], kind: type[np.generic]) -> An
 
     Args:
         ffi: ``ffi`` of the core.
-        array: In C order.
-        kind: Its dtype; C knows no other.
+        array: Array in C order.
+        kind: The dtype that C expects.
 
     Raises:
-        TypeError: If its dtype is another.
+        TypeError: If the dtype differs.
         ValueError: If it is not in C order.
     """
     if array.dtype != kind:
@@ -50,10 +50,10 @@ def pointer(ffi: Any, array: np.ndarray[Any, Any], kind: type[np.generic]) -> An
 
 
 def writable(ffi: Any, array: np.ndarray[Any, Any], kind: type[np.generic]) -> Any:
-    """Return the address of an array that C fills; as :func:`pointer`.
+    """Return the address of an array that C fills; see :func:`pointer`.
 
     Raises:
-        BufferError: If the array cannot be written.
+        BufferError: If the array is read-only.
     """
     if not array.flags.writeable:
         raise BufferError("the core was to write into an array that is read-only")
@@ -61,11 +61,11 @@ def writable(ffi: Any, array: np.ndarray[Any, Any], kind: type[np.generic]) -> A
 
 
 def check(status: int) -> None:
-    """Raise what a core's function returned, unless it is WG_OK.
+    """Raise the error that a core's function returned, unless it is WG_OK.
 
     Raises:
-        MemoryError: If the core got no memory.
-        ValueError: If it refused its arguments, which is a fault of ours.
+        MemoryError: If the core ran out of memory.
+        ValueError: If it refused its arguments, which is a bug of ours.
     """
     if status == 0:
         return

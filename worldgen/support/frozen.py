@@ -1,6 +1,6 @@
-"""Arrays that nobody changes.
+"""Immutable arrays.
 
-What is immutable holds its own copy, made once and shared from then on.
+An immutable object holds its own copy, made once and shared from then on.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ __all__ = ["HoldsFrozen", "freeze", "frozen"]
 
 T = TypeVar("T", bound=np.generic)
 
-# Arrays that were made or handed over here, by identity: of these there is no writable view
-# elsewhere.
+# Arrays that were made or handed over here, by identity: no writable view of them exists elsewhere.
 _ours: weakref.WeakValueDictionary[int, npt.NDArray[np.generic]] = weakref.WeakValueDictionary()
 
 
@@ -26,7 +25,7 @@ def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generi
     They are copied, unless this function has already frozen them.
 
     Args:
-        values: Anything that NumPy makes an array of.
+        values: Anything that NumPy can turn into an array.
         dtype: Type of the elements.
     """
     if isinstance(values, np.ndarray) and values.dtype == dtype and _is_ours(values):
@@ -34,7 +33,8 @@ def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generi
     array = np.array(values, dtype=dtype)
     if (
         array.dtype == np.bool_
-    ):  # an image's 255 seen as a bool is true, and no index of two letters
+        # An image's 255 seen as a bool is true, but cannot index two letters.
+    ):
         array = array.view(np.uint8) != 0
     return _keep(array)
 
@@ -42,11 +42,11 @@ def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generi
 class HoldsFrozen:
     """A base of immutable classes with arrays.
 
-    In a copy and in what was pickled they are frozen, too.
+    In a copy and after unpickling they are frozen, too.
     """
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        """Take over what ``pickle`` or ``copy`` brings."""
+        """Set the state from ``pickle`` or ``copy``."""
         for name, value in state.items():
             object.__setattr__(
                 self, name, frozen(value, value.dtype) if isinstance(value, np.ndarray) else value
@@ -54,12 +54,12 @@ class HoldsFrozen:
 
 
 def freeze(array: npt.NDArray[T]) -> npt.NDArray[T]:
-    """Freeze an array in place and say that it need not be copied.
+    """Freeze an array in place, and mark it as not needing a copy.
 
-    The caller keeps no writable view of it.
+    The caller must not keep a writable view of it.
 
     Args:
-        array: A fresh one. A view of another array is left as it is, and copied later.
+        array: A new array. A view of another array is left alone, and copied later.
     """
     if array.base is None and array.flags.c_contiguous:
         _keep(array)
@@ -73,5 +73,5 @@ def _keep(array: npt.NDArray[T]) -> npt.NDArray[T]:
 
 
 def _is_ours(array: npt.NDArray[np.generic]) -> bool:
-    """Return whether this very array was kept, and nobody made it writable since."""
+    """Return True if this very array was registered and is still read-only."""
     return not array.flags.writeable and _ours.get(id(array)) is array

@@ -1,7 +1,7 @@
 """Searches over grids, in compiled code: floods, shortest paths, distances.
 
-A grid is a raster of bool and a place in it a flat index, row by row. What searches for a disc
-among walls of exact places is in `worldgen.reach`.
+A grid is a bool raster, and a place in it a flat index, row by row. Searches for a disc among walls
+at exact places are in `worldgen.reach`.
 """
 
 from __future__ import annotations
@@ -30,16 +30,15 @@ Ints = npt.NDArray[np.int64]
 
 
 class Floods:
-    """Floods over the free places of one grid, in steps to the four neighbours.
+    """Flood fills over the free places of one grid, in steps to the four neighbours.
 
-    They share their memory.
+    They share memory.
 
     Args:
-        free: (rows, columns) bool, nothing free on the rim.
+        free: (rows, columns) bool, with a rim that is not free.
 
     Attributes:
-        queue: (places,) int32; its beginning has the last region that was flooded, in order of
-            steps.
+        queue: (places,) int32; it begins with the last region flooded, in order of steps.
     """
 
     def __init__(self, free: Bools) -> None:
@@ -52,7 +51,7 @@ class Floods:
         """Flood every region that has a place in ``first`` .. ``last - 1``.
 
         Returns:
-            Their number, ``regions``, and that of their ``places``; a place, ``root``, of the
+            The number of ``regions``, and that of their ``places``; a place, ``root``, of the
             ``largest`` and its size.
         """
         ffi = _core.ffi
@@ -65,9 +64,9 @@ class Floods:
 
 
 def free_windows(walls: Bools, width: int, height: int) -> Bools:
-    """Return where a box of ``width`` x ``height`` cells is free, at its first cell.
+    """Return where a box of ``width`` x ``height`` cells is free, marked at its first cell.
 
-    Bool, shaped like ``walls``.
+    The result is bool and has the shape of ``walls``.
     """
     ffi = _core.ffi
     lib = _core.lib
@@ -88,7 +87,7 @@ def window_at(halves: int, side: int) -> int:
 def steps_from(windows: Bools, start: int) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
     """Return the steps from a place to every other, -1 if no path leads there.
 
-    And those reached, the nearest first.
+    Also return the places reached, the nearest first.
     """
     ffi = _core.ffi
     lib = _core.lib
@@ -101,9 +100,9 @@ def steps_from(windows: Bools, start: int) -> tuple[npt.NDArray[np.int32], npt.N
 
 
 def components(windows: Bools) -> tuple[npt.NDArray[np.int32], int]:
-    """Return the number of each place's component, -1 where there is none, flat.
+    """Return the number of each place's component, -1 if there is none, flat.
 
-    And how many there are.
+    Also return the number of components.
     """
     ffi = _core.ffi
     lib = _core.lib
@@ -119,7 +118,7 @@ def components(windows: Bools) -> tuple[npt.NDArray[np.int32], int]:
 
 
 def _grid(windows: Bools) -> tuple[Any, int, int]:
-    """Return a grid as the core takes it: its places, how many, and how many in a row."""
+    """Return a grid in the core's form: its places, their number, and the number in a row."""
     return (
         pointer(_core.ffi, np.ascontiguousarray(windows), np.bool_),
         windows.size,
@@ -130,7 +129,7 @@ def _grid(windows: Bools) -> tuple[Any, int, int]:
 def shortest_path(windows: Bools, start: int, goal: int) -> list[int]:
     """Return the flat cells of a shortest path over free windows, both ends included.
 
-    Empty if there is none.
+    It is empty if there is no path.
     """
     ffi = _core.ffi
     lib = _core.lib
@@ -148,9 +147,9 @@ def by_distance(clear: Bools, pitch: int, x: int, y: int) -> tuple[Ints, Ints]:
 
     Args:
         clear: (height, width) bool, nodes at multiples of ``pitch``.
-        pitch: From one node to the next, in the units of the point.
-        x: Of the point.
-        y: Of the point.
+        pitch: Distance between nodes, in the units of the point.
+        x: x of the point.
+        y: y of the point.
     """
     ffi = _core.ffi
     lib = _core.lib
@@ -171,7 +170,7 @@ def squared_distances(marked: Bools, most: int = 2**62) -> Ints:
 
     Args:
         marked: (rows, columns) bool.
-        most: Instead of a square above this, any number above it is given; that takes less time.
+        most: Squares above this may be given as any larger number, which takes less time.
 
     Source: Meijster, Roerdink, Hesselink, "A General Algorithm for Computing Distance Transforms in
         Linear Time",

@@ -1,4 +1,4 @@
-"""Confidence intervals of shares."""
+"""Confidence intervals of proportions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ __all__ = ["interval_95"]
 
 
 def interval_95(count: int, total: int) -> tuple[float, float]:
-    """Return two-sided 95 % interval of a probability of which ``count`` of ``total`` were seen.
+    """Return the two-sided 95 % interval of a probability observed as ``count`` out of ``total``.
 
     Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated
         in the

@@ -1,6 +1,6 @@
 """Plain text for terminals.
 
-Aligned columns, counted nouns, and nothing that a terminal would obey.
+It provides aligned columns, counted nouns, and text without control codes.
 """
 
 from __future__ import annotations
@@ -11,20 +11,22 @@ from numbers import Number
 
 __all__ = ["GAP", "aligned", "counted", "describe_value", "quote", "shown", "shown_lines"]
 
-GAP = "  "  # between two columns
+# Gap between two columns.
+GAP = "  "
 
-_BRIEF = reprlib.Repr()  # looks at the first items alone, so that a list of a million costs nothing
+# Only the first items are examined, so that a list of a million costs nothing.
+_BRIEF = reprlib.Repr()
 _BRIEF.maxdict = _BRIEF.maxlist = _BRIEF.maxtuple = _BRIEF.maxset = 20
 _BRIEF.maxstring = _BRIEF.maxlong = _BRIEF.maxother = 1_000
 
 
 def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
-    """Return rows as lines, each column as wide as its widest cell.
+    """Format rows as lines, with each column as wide as its widest cell.
 
-    Cells that a row lacks at its end are empty.
+    Missing cells at the end of a row are empty.
 
     Args:
-        rows: At least one.
+        rows: The rows, at least one.
         right: Columns that are aligned to the right, counted from 0.
     """
     columns = max(map(len, rows))
@@ -41,7 +43,7 @@ def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
 
 
 def counted(count: int, one: str, many: str = "") -> str:
-    """Return the count and its noun: ``1 map``, ``2 maps``; ``many`` where an s is not enough."""
+    """Return the count and its noun: ``1 map``, ``2 maps``; ``many`` if an s is not enough."""
     return f"{count} {one if count == 1 else many or one + 's'}"
 
 
@@ -57,7 +59,8 @@ def quote(text: object, limit: int = 40) -> str:
         text = bytes(text[: 4 * limit]).decode("utf-8", "backslashreplace")
     try:
         quoted = _shown_value(text)
-    except ValueError:  # Python shows no number of more than 4,300 digits
+    # Python refuses to print a number of more than 4,300 digits.
+    except ValueError:
         return "<too many digits to show>"
     return quoted if len(quoted) <= limit else f"{quoted[: limit - 3]}..."
 
@@ -69,22 +72,22 @@ def _shown_value(value: object) -> str:
 
 
 def shown(text: object) -> str:
-    """Return a text with what a terminal would obey.
+    """Return a text with terminal control codes escaped.
 
-    As in the names of strangers' files, written as escapes.
+    Names of strangers' files may contain them.
     """
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
 
 
 def shown_lines(text: str) -> str:
-    """Return the same for a text of several lines, which stay so."""
+    """Do the same for a text of several lines, which are kept."""
     return "\n".join(map(shown, text.split("\n")))
 
 
 def describe_value(value: object) -> str:
-    """Return a value of a file's header, lists and tables in it included, on one line.
+    """Return a value of a file's header, including lists and tables, on one line.
 
-    Numbers with six digits.
+    Numbers have six digits.
     """
     if isinstance(value, list):
         return ", ".join(map(describe_value, value))

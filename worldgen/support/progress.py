@@ -35,24 +35,33 @@ __all__ = [
 
 _clock = time.monotonic
 _LOGGER = logging.getLogger("worldgen")
-_FIRST = 2.0  # s of silence before the first line
-_EVERY = 5.0  # s between two lines in a log ...
-_LATER = 15.0  # s ... once the work has taken longer than
-_LONG = 60.0  # s
-_WORTH_SAYING = 1.0  # s that a piece of work has taken
-_REDRAW = 0.25  # s between two looks at the clock, and two drawings of the live line
-_LOOK = 0.001  # s between two looks whether the thread has drawn its line ...
-_PATIENT_LOOKS = 100  # ... and how many of them, should standard error block
+# Seconds of silence before the first line.
+_FIRST = 2.0
+# Seconds between two lines in a log ...
+_EVERY = 5.0
+# Seconds ... once the work has taken longer than
+_LATER = 15.0
+# Seconds.
+_LONG = 60.0
+# Seconds that a piece of work has taken.
+_WORTH_SAYING = 1.0
+# Seconds between two checks of the clock, and two drawings of the live line.
+_REDRAW = 0.25
+# Seconds between two checks whether the thread has drawn its line ...
+_LOOK = 0.001
+# ... and how many of them, should standard error block.
+_PATIENT_LOOKS = 100
 _CLEAR = "\r\x1b[K"
-_WIDTH = 80  # columns of a terminal that does not report its width
+# Columns of a terminal that does not report its width.
+_WIDTH = 80
 
 
 class Work:
-    """One piece of slow work that is under way.
+    """A piece of slow work in progress.
 
     Args:
-        message: What is being done, such as ``"loading the simulator"``.
-        clock: Gives seconds.
+        message: The activity, such as ``"loading the simulator"``.
+        clock: Returns seconds.
         often: See :func:`working`.
     """
 
@@ -67,7 +76,7 @@ class Work:
         self._first: tuple[float, int] | None = None
 
     def say(self, detail: str | Callable[[], str]) -> None:
-        """Set what follows the message.
+        """Set the text after the message.
 
         A function is called only when a line is printed, in another thread.
         """
@@ -76,7 +85,7 @@ class Work:
     def count(self, done: int, total: int | None = None, noun: str = "") -> None:
         """Set the detail to ``120 of 10,000 worlds (40/s, 4 min left)``.
 
-        Cheap enough for every item.
+        It is cheap enough to call for every item.
         """
         if self._first is None:
             self._first = (self._clock(), done)
@@ -114,16 +123,16 @@ class _LoggedWork(Work):
 
 
 class Display:
-    """Prints what is under way to standard error, from a thread of its own.
+    """Prints the work in progress to standard error, from its own thread.
 
-    The thread never holds a lock, so that Ctrl-C in the main thread can fall anywhere.
+    The thread never holds a lock, so that Ctrl-C in the main thread can come at any time.
 
     Args:
-        terminal: Whether a line can be drawn again in place; if omitted, whether standard error is
-            a terminal.
+        terminal: Whether a line can be redrawn in place; if omitted, whether standard error is a
+            terminal.
         verbosity: -1 prints nothing; 1 also prints when each piece of work begins and ends.
         silent: Whether to print no progress, whatever the verbosity.
-        clock: Gives seconds.
+        clock: Returns seconds.
     """
 
     def __init__(
@@ -147,7 +156,7 @@ class Display:
         self._thread: threading.Thread | None = None
 
     def begin(self, message: str, *, often: bool = False) -> Work:
-        """Start a piece of work inside those that are under way; see :func:`working`."""
+        """Start a piece of work inside those in progress; see :func:`working`."""
         work = Work(message, self._clock, often=often)
         if self.verbosity > 0 and not self.silent and not often:
             self._write(f"{work.text()} ...\n")
@@ -168,7 +177,7 @@ class Display:
             self._write(f"{shown(work.message)}: done in {_duration(self._clock() - work.begun)}\n")
 
     def close(self) -> None:
-        """Stop the thread and take the live line away."""
+        """Stop the thread and clear the live line."""
         over = self._over
         thread = self._thread
         self._over = self._thread = None
@@ -178,7 +187,7 @@ class Display:
         self.clear()
 
     def clear(self) -> None:
-        """Take the live line away, because something else is about to be printed."""
+        """Clear the live line, because something else is about to be printed."""
         # The thread may be drawing at this moment; that takes microseconds.
         for _ in range(_PATIENT_LOOKS):
             if not self._ticking:
@@ -189,9 +198,9 @@ class Display:
             self._put(_CLEAR)
 
     def spoke(self) -> None:
-        """Take the live line away and count the silence from now on.
+        """Clear the live line and restart the silence.
 
-        Somebody is printing a message.
+        A message is being printed.
         """
         self._spoken = self._clock()
         self.clear()
@@ -202,7 +211,7 @@ class Display:
             self._write(f"warning: {shown(message)}\n")
 
     def tick(self) -> None:
-        """Look at the clock and print what is due; the thread calls this several times a second."""
+        """Check the clock and print what is due; the thread calls this several times a second."""
         works = tuple(self._works)
         if not works or self.verbosity < 0 or self.silent:
             return
@@ -211,14 +220,15 @@ class Display:
         due = now - self._spoken >= self._patience
         if not due and not (terminal and self._drawn):
             return
-        # Details of the innermost only: on one line there is no room for more.
+        # Show only the innermost details: one line has no room for more.
         parts = list(
             dict.fromkeys([*(shown(work.message) for work in works[:-1]), works[-1].text()])
         )
         spent = now - works[0].begun
         took = (
             f" ({_duration(spent)})" if spent >= _WORTH_SAYING else ""
-        )  # short work after other short work
+            # Short work after other short work.
+        )
         if terminal:
             self._drawn = True
             self._put(_CLEAR + _fitted(parts, took, _columns() - 1))
@@ -228,7 +238,7 @@ class Display:
 
     def _watch(self, over: threading.Event) -> None:
         while not over.wait(_REDRAW):
-            # What draws must never end what works.
+            # Drawing must never end the work.
             self._ticking = True
             with contextlib.suppress(Exception):
                 self.tick()
@@ -258,12 +268,11 @@ _display: Display | None = None
 
 @contextmanager
 def working(message: str, *, often: bool = False) -> Iterator[Work]:
-    """Say, if it takes long, that this is being done; the body may add details to what it gets.
+    """Report, if it takes long, that this is being done; the body may add details.
 
     Args:
-        message: What is being done, such as ``"loading the simulator"``.
-        often: Whether this is done thousands of times, so that ``--verbose`` and the log leave it
-            out.
+        message: The activity, such as ``"loading the simulator"``.
+        often: Whether this is done thousands of times, so that ``--verbose`` and the log skip it.
     """
     display = _display
     if display is None:
@@ -279,7 +288,7 @@ def working(message: str, *, often: bool = False) -> Iterator[Work]:
 
 @contextmanager
 def display_on_stderr() -> Iterator[Display]:
-    """Show, inside, what :func:`working` says on standard error.
+    """Show the messages of :func:`working` inside this block on standard error.
 
     ``WORLDGEN_PROGRESS=off`` shows none of it.
     """
@@ -305,7 +314,7 @@ def set_verbosity(verbosity: int) -> None:
 
 
 def is_quiet() -> bool:
-    """Return True if the command line was asked for results and errors only."""
+    """Return True if the command line was told to print only results and errors."""
     return _display is not None and _display.verbosity < 0
 
 
@@ -358,7 +367,7 @@ def _columns() -> int:
 def _fitted(parts: list[str], end: str, columns: int) -> str:
     """Return one line for a terminal.
 
-    Without the outer parts if it would be too long, then cut before its end.
+    It drops the outer parts if it would be too long, then truncates.
     """
     from rich.cells import cell_len, set_cell_size  # noqa: PLC0415 - only when a live line is drawn
 

@@ -23,7 +23,8 @@ __all__ = ["pair_fault"]
 # Pairs are compared in float64 first. The exact comparison decides only those within this share of
 # the limit, which is far more than the rounding of a few operations.
 _DOUBT = 1e-6
-_UNIT = 1024  # lattice units per cell, as in `worldgen.lattice`, which checkers must not import
+# Lattice units per cell, as in `worldgen.lattice`, which checkers must not import.
+_UNIT = 1024
 
 
 def pair_fault(robots: Sequence[Robot], cell_size: float) -> Message | None:
@@ -93,12 +94,12 @@ def _fault_of(first: int, second: int, robots: Sequence[Robot], cell_size: float
 
 
 def _exact(metres: float) -> Fraction:
-    """The number as its shortest decimal says it."""
+    """Return the number given by its shortest decimal."""
     return Fraction(repr(float(metres)))
 
 
 def _across(one: float, two: float, size: Fraction, is_rounded: bool) -> Fraction:
-    """How far apart two coordinates are, in cells, as they are or rounded to the lattice."""
+    """Return the distance between two coordinates, in cells, exact or rounded to the lattice."""
     first = _exact(one) / size
     second = _exact(two) / size
     if is_rounded:

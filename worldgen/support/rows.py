@@ -1,4 +1,4 @@
-"""The one place where rows change their order: arrays go up from y = 0, text and images go down."""
+"""Reverse rows, in this module only: arrays go up from y = 0, text and images go down."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ T = TypeVar("T", bound=np.generic)
 
 
 def flip_rows(array: npt.NDArray[T]) -> npt.NDArray[T]:
-    """Turn lowest-row-first into top-row-first, and back: it is its own inverse.
+    """Turn lowest-row-first into top-row-first, and back; it is its own inverse.
 
     Args:
         array: (height, ...) cells, pixels or rows of anything.

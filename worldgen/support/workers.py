@@ -1,4 +1,4 @@
-"""Worker processes and Ctrl-C: the driver hears it where it can bear it, the workers never."""
+"""Worker processes and Ctrl-C: the driver handles it at safe points, the workers never see it."""
 
 from __future__ import annotations
 
@@ -24,18 +24,20 @@ __all__ = [
 P = ParamSpec("P")
 T = TypeVar("T")
 
-LISTEN = 0.1  # s between two moments at which a waiting driver hears Ctrl-C
-_TO_TERMINATE = 1.0  # s that all processes have together
+# Seconds between two checks for Ctrl-C in a waiting driver.
+LISTEN = 0.1
+# Seconds for all processes together.
+_TO_TERMINATE = 1.0
 
 
 @contextlib.contextmanager
 def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Callable[[], None]]:
     """Hold back Ctrl-C until the function this yields is called; that raises ``KeyboardInterrupt``.
 
-    Every driver of work hears Ctrl-C in this one way. An exception between any two instructions
+    Every driver of work handles Ctrl-C in this one way. An exception between any two instructions
     could leave locks of queues and futures locked forever, or be swallowed by other code. A second
-    Ctrl-C is raised at once, in case something hangs. Outside the main thread, which is the only
-    one that receives Ctrl-C, this does nothing, and neither does it where Ctrl-C is ignored.
+    Ctrl-C is raised immediately, in case something hangs. Outside the main thread, which is the
+    only one that receives Ctrl-C, this does nothing; the same is true if Ctrl-C is ignored.
 
     Args:
         at_once: Called when Ctrl-C comes.
@@ -75,8 +77,8 @@ class WorkerPool(ProcessPoolExecutor):
     They are started when work is first submitted.
 
     Args:
-        workers: How many.
-        initializer: Called first in each process; it can be pickled, as its arguments can.
+        workers: Number of processes.
+        initializer: Called first in each process; it and its arguments must be picklable.
         *args: Its arguments; objects of ``get_context("spawn")`` among them are shared.
     """
 
@@ -91,14 +93,14 @@ class WorkerPool(ProcessPoolExecutor):
         )
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Give it to the next process that is free."""
+        """Submit it to the next free process."""
         with sigint_blocked():
             return super().submit(work, *args, **kwargs)
 
     def end(self) -> None:
         """End the processes now, even one that is stuck in a controller.
 
-        Work that is not done is lost.
+        Unfinished work is lost.
         """
         # shutdown() forgets its processes, so they are copied first.
         processes = list((self._processes or {}).values())
@@ -120,7 +122,8 @@ def sigint_blocked() -> Iterator[None]:
     They ignore Ctrl-C from their first moment. This process gets a Ctrl-C that arrives meanwhile
     afterwards.
     """
-    if not hasattr(signal, "pthread_sigmask"):  # not on Windows, where a process group is told
+    # Not on Windows, where a process group is signalled.
+    if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     # It would start with the first process otherwise, and starting it lifts the block.

@@ -1,10 +1,11 @@
-"""The ``.grid`` file: one world as text, the same world always the same bytes.
+"""The ``.grid`` file: one world as text, with the same bytes for the same world.
 
 Version 1 holds one robot, version 2 several.
 
 Contents:
-    dumps, loads: between a world and its text.
-    read_world, write_world: between a world and a file, compressed if its name ends in ``.gz``.
+    dumps, loads: convert between a world and its text.
+    read_world, write_world: convert between a world and a file, compressed if its name ends in
+        ``.gz``.
     world_digest: a world's id.
 
 ``docs/reference/grid-format.md`` is the normative description.

@@ -1,4 +1,4 @@
-"""Files: read whole, plain or compressed, within a limit; written whole or not at all."""
+"""Read files, plain or compressed, within a limit; write them completely or not at all."""
 
 from __future__ import annotations
 
@@ -21,33 +21,36 @@ from worldgen.world import World
 __all__ = ["expansion_limit", "read_world", "unpack_world", "write_world"]
 
 
-_COMPRESSION = 6  # zlib's own default; fixed, so that equal worlds are equal files
-_PIECE = 1 << 20  # bytes read at a time
+# zlib's own default, fixed so that equal worlds give equal files.
+_COMPRESSION = 6
+# Bytes read at a time.
+_PIECE = 1 << 20
 
 
 class _SupportsRead(Protocol):
-    """What can be read piece by piece."""
+    """A stream that can be read piece by piece."""
 
     def read(self, size: int, /) -> bytes:
-        """Return the next bytes, none at the end."""
+        """Return the next bytes, or none at the end."""
 
 
 def read_world(path: str | PathLike[str]) -> World:
-    """Return the world in a file; names ending in ``.gz`` are decompressed.
+    """Read the world in a file; names ending in ``.gz`` are decompressed.
 
     Args:
-        path: The file; one in an archive has the archive's path and then its own name,
+        path: The file; for one in an archive, the archive's path followed by its own name,
             ``set.zip/maze-7.grid``.
 
     Raises:
-        FormatError: If the file cannot be read, or is no ``.grid`` file; with the line where there
+        FormatError: If the file cannot be read, or isn't a ``.grid`` file; with the line if there
             is one.
     """
     source = str(path)
     try:
         with Path(path).open("rb") as stream:
             data = _read_up_to(stream, MAX_FILE_BYTES)
-    except (NotADirectoryError, FileNotFoundError) as error:  # the latter is Windows's for both
+    # The latter is Windows's error for both.
+    except (NotADirectoryError, FileNotFoundError) as error:
         place = archive_in(Path(path))
         if place is None:
             raise FormatError(
@@ -65,7 +68,8 @@ def read_world(path: str | PathLike[str]) -> World:
             reason=error.strerror or str(error),
             source=source,
         ) from error
-    except ValueError as error:  # a name with a NUL
+    # The name contains a NUL.
+    except ValueError as error:
         raise FormatError(
             "unreadable",
             "cannot be read: {reason}",
@@ -84,14 +88,14 @@ def read_world(path: str | PathLike[str]) -> World:
 
 
 def unpack_world(member: Member, source: str) -> World:
-    """Return the world in a file of an archive.
+    """Read the world in a file of an archive.
 
     Args:
         member: The file.
         source: Its name in messages.
 
     Raises:
-        FormatError: If it cannot be read, or is no ``.grid`` file.
+        FormatError: If it cannot be read, or isn't a ``.grid`` file.
     """
     limit = expansion_limit(member.packed)
     data = member.read(limit)
@@ -110,7 +114,8 @@ def _read_archived(archive: Path, name: str, source: str) -> World:
     for member in members(archive):
         if (
             PurePosixPath(member.name).as_posix() == name
-        ):  # tar writes ./w.grid for a folder that is packed as .
+            # tar writes ./w.grid for a folder that is packed as . (a dot).
+        ):
             return unpack_world(member, source)
     raise FormatError(
         "no-such-file",
@@ -125,14 +130,13 @@ def write_world(world: World, path: str | PathLike[str], *, force: bool = False)
     """Write the canonical text of a world; names ending in ``.gz`` are compressed.
 
     Args:
-        world: What to write.
-        path: Where to.
-        force: Whether a file that is there is overwritten.
+        world: The world.
+        path: Path of the file.
+        force: Whether to overwrite an existing file.
 
     Raises:
-        InvalidWorld: If the world holds what the format cannot.
-        OutputError: If the file is there already, or cannot be written; nothing is left half
-            written.
+        InvalidWorld: If the format cannot express the world.
+        OutputError: If the file exists, or cannot be written; no partial file is left behind.
     """
     if _is_compressed(str(path)):
         data, length = _compress(pieces(world))
@@ -160,7 +164,7 @@ def write_world(world: World, path: str | PathLike[str], *, force: bool = False)
 
 
 def expansion_limit(compressed: int) -> int:
-    """Return bytes that a compressed file of this size may expand to."""
+    """Return the bytes that a compressed file of this size may expand to."""
     return min(MAX_FILE_BYTES, max(EXPANSION_FLOOR, EXPANSION_RATIO * compressed))
 
 
@@ -169,9 +173,9 @@ def _is_compressed(name: str) -> bool:
 
 
 def _compress(text: Iterable[bytes]) -> tuple[bytes, int]:
-    """Return gzip data without name or time, so that equal worlds are equal files.
+    """Return gzip data without name or time, so that equal worlds give equal files.
 
-    And the length of what is in it.
+    Also return the length of the uncompressed data.
     """
     packed = io.BytesIO()
     length = 0
@@ -214,7 +218,7 @@ def _expand(data: bytes, source: str) -> bytes:
 
 
 def _read_up_to(stream: _SupportsRead, limit: int) -> bytes | None:
-    """Return all of a stream, or nothing if it is longer than ``limit``: a device may never end."""
+    """Return a whole stream, or nothing if it exceeds ``limit``, since a device may never end."""
     pieces: list[bytes] = []
     left = limit
     while piece := stream.read(_PIECE):

@@ -1,8 +1,8 @@
-"""The TOML header: parsed with its limits guarded beforehand, and with the line of every key.
+"""The TOML header: parsed after a check of its limits, with the line of every key.
 
-``tomllib`` has no positions, recurses for every bracket and takes quadratic time for long dotted
-keys. So a linear scan looks over the text first; a second scan finds a key's line when a fault
-needs it.
+``tomllib`` gives no positions, recurses for every bracket and takes quadratic time for long dotted
+keys. So a linear scan checks the text first; a second scan finds a key's line when an error needs
+it.
 """
 
 from __future__ import annotations
@@ -41,17 +41,18 @@ class Header:
     """The parsed header.
 
     Args:
-        text: The TOML, whole lines, without the first line of the file.
+        text: The TOML, in whole lines, without the first line of the file.
         line: Line of the file in which ``text`` begins.
         source: The file's name for messages.
-        noun: What the text is called in messages.
+        noun: Name of the text in messages.
 
     Raises:
-        FormatError: If the text is no TOML, or goes beyond the format's limits.
+        FormatError: If the text isn't TOML, or exceeds the format's limits.
     """
 
     def __init__(self, text: str, line: int, source: str | None, noun: str = "the header") -> None:
-        text = text.replace("\r\n", "\n")  # as tomllib does
+        # As tomllib does.
+        text = text.replace("\r\n", "\n")
         self._text = text
         self._line = line
         self.source = source
@@ -62,7 +63,8 @@ class Header:
             self.data: dict[str, Any] = tomllib.loads(text)
         except (
             ValueError
-        ) as error:  # TOMLDecodeError, or int() refusing to read thousands of digits
+            # TOMLDecodeError, or the refusal of int() to read thousands of digits.
+        ) as error:
             self._fail_toml(str(error))
 
     def line_of(self, *path: str) -> int:
@@ -78,9 +80,9 @@ class Header:
         return found
 
     def line_in_item(self, name: str, index: int, *path: str) -> int:
-        """Line of a key in one table of an array: in the ``[[name]]`` that is ``index``-th from 0.
+        """Return the line of a key in the ``[[name]]`` table number ``index`` of an array, from 0.
 
-        It is the line of the table itself if the key is not there, or if no key is asked for.
+        It is the line of the table itself if the key is missing or none is requested.
         """
         statements = self.statements()
         begins = [k for k, (_, found) in enumerate(statements) if found == (name,)]
@@ -102,7 +104,7 @@ class Header:
         return FormatError.of(message, line=self.line_of(*path), source=self.source)
 
     def missing(self, message: Message) -> FormatError:
-        """Return an error at the end of the header, for what should stand in it."""
+        """Return an error at the end of the header, about something missing in it."""
         return FormatError.of(message, line=self._line_at(len(self._text)), source=self.source)
 
     def _line_at(self, offset: int) -> int:
@@ -110,7 +112,8 @@ class Header:
 
     def _fail_toml(self, message: str) -> NoReturn:
         place = _PLACE.search(message)
-        line = self._last_line  # what stays open is seen at the end, and mended at its begin
+        # An unclosed bracket is noticed at the end, and reported where it opens.
+        line = self._last_line
         column = None
         if place is not None and place[1] is not None:
             line = self._line + int(place[1]) - 1
@@ -129,14 +132,15 @@ class Header:
         )
 
     def _guard(self) -> None:
-        """Refuse what tomllib would take too long over, or too many frames."""
+        """Reject what would make tomllib take too long or recurse too deeply."""
         depth = dots = 0
         for token in _TOKEN.finditer(self._text):
             kind = token.lastgroup
             if kind in (
                 "unclosed",
                 "unclosed_long",
-            ):  # tomllib says what is wrong, and reads no further
+                # tomllib reports the fault, and reads no further.
+            ):
                 self._last_line = self._line_at(token.start())
                 return
             if kind == "open":
@@ -181,7 +185,7 @@ class Header:
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:
-    """Yield offset and key part of every statement: ``[table]``, or what stands before ``=``."""
+    """Yield offset and key part of every statement: ``[table]``, or the text before ``=``."""
     depth = 0
     begin = -1
     key_done = False

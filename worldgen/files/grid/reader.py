@@ -1,4 +1,4 @@
-"""Bytes to world, strictly: every fault is one :class:`FormatError` with its line."""
+"""Parse bytes strictly into a world: every fault is one :class:`FormatError` with its line."""
 
 from __future__ import annotations
 
@@ -59,16 +59,16 @@ _CARRIAGE_RETURN = Message(
 
 
 def loads(data: bytes, source: str | None = None) -> World:
-    """Return the world that a ``.grid`` text describes.
+    """Parse the world in a ``.grid`` text.
 
-    Time and memory stay within a small multiple of the text's size, whatever it says.
+    Time and memory stay within a small multiple of the text's size, whatever it contains.
 
     Args:
-        data: The whole text, not compressed.
+        data: The complete text, not compressed.
         source: The file's name for messages.
 
     Raises:
-        FormatError: If anything is wrong, with the line, what came, the rule and the way out.
+        FormatError: If anything is wrong, with the line, what came, the rule and the remedy.
     """
     file = _File(data, source)
     header_end = _header_end(file)
@@ -102,7 +102,8 @@ def loads(data: bytes, source: str | None = None) -> World:
             cells.walls, first.start, first.target, cell_size, first.radius, first.speed,
             timeline, certificate, provenance, failure, tuple(robots[1:]),
         )  # fmt: skip
-    except InvalidWorld as error:  # a number that no world has, or robots that cannot be together
+    # An impossible number, or robots that cannot be together.
+    except InvalidWorld as error:
         line = _line_of_fault(header, cells, error.facts, fleet=file.is_fleet)
         raise FormatError.of(error.message, line=line, source=source) from error
 
@@ -110,41 +111,43 @@ def loads(data: bytes, source: str | None = None) -> World:
 def _line_of_fault(
     header: Header, cells: CellBlock, facts: Mapping[str, Any], *, fleet: bool
 ) -> int:
-    """Return the line of what a world was refused for."""
+    """Return the line of the fault in a rejected world."""
     name = str(facts.get("name", "")).removesuffix(" radius")
     if not fleet:
         mark = {"start": cells.start, "target": cells.target}.get(name)
         return header.line_of(name) if mark is None else mark.line
     if "second" in facts:
         return header.line_in_item("robot", facts["second"] - 1)
-    words = str(facts.get("name", "")).split(" ")  # "robot 2 radius", "robot 2 target radius"
+    # Such as "robot 2 radius" or "robot 2 target radius".
+    words = str(facts.get("name", "")).split(" ")
     if len(words) < 3:
         return header.line_of("robot")
     return header.line_in_item("robot", int(words[1]) - 1, words[2])
 
 
 class _File(NamedTuple):
-    """The whole text and its name."""
+    """The complete text and its name."""
 
     data: bytes
     source: str | None
 
     @property
     def first_line_end(self) -> int:
-        return len(MAGIC) + 1  # both versions have first lines of the same length
+        # Both versions have first lines of the same length.
+        return len(MAGIC) + 1
 
     @property
     def is_fleet(self) -> bool:
-        """Whether it is of version 2, with several robots."""
+        """True for version 2, with several robots."""
         return self.data.startswith(FLEET_MAGIC.encode("ascii"))
 
     def fault(self, message: Message, at: int) -> FormatError:
-        """Return an error in the line that holds byte ``at``."""
+        """Return an error in the line that contains byte ``at``."""
         return FormatError.of(message, line=self.data.count(b"\n", 0, at) + 1, source=self.source)
 
 
 def _header_end(file: _File) -> int:
-    """Check the first line and the line ends; give the offset of the first section's line."""
+    """Check the first line and the line ends; return the offset of the first section's line."""
     data = file.data
     magic = MAGIC.encode("ascii")
     known = (MAGIC, FLEET_MAGIC)
@@ -300,7 +303,7 @@ def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, 
 
 
 def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Target]:
-    """Return start and target, each from the header or from its mark, never both."""
+    """Return start and target, each from the header or from its mark, never from both."""
     for key, letter, mark in (("start", START, cells.start), ("target", TARGET, cells.target)):
         if mark is None and key not in header.data:
             raise header.missing(
@@ -332,7 +335,7 @@ def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Tar
 
 
 def _refuse_marks(header: Header, cells: CellBlock) -> None:
-    """Refuse the marks of version 1 in version 2, which has several starts and targets."""
+    """Reject the marks of version 1 in version 2, which has several starts and targets."""
     for letter, mark in ((START, cells.start), (TARGET, cells.target)):
         if mark is not None:
             message = Message(
@@ -400,7 +403,7 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
 
 
 def _certificate(header: Header, blocks: dict[str, Block], robots: int) -> Certificate | None:
-    """Return the certificate; its section is there if and only if the header says so."""
+    """Return the certificate; its section must exist if and only if the header declares it."""
     record = read_certificate(header, robots)
     for kind in CERTIFICATE_KINDS:
         if kind in blocks and (record is None or record.kind != kind):
@@ -440,7 +443,7 @@ def _joint_witness(block: Block, clearances: tuple[float, ...]) -> JointWitness:
     numbers, times, x, y = read_columns(block, FLEET_WITNESS)
     robots = len(clearances)
 
-    # Each line is of the same robot as the one before, or of the next one.
+    # Each line is about the same robot as the one before, or the next one.
     before = np.concatenate([[1], numbers[:-1]])
     wrong = (numbers < before) | (numbers > before + 1) | (numbers > robots)
     wrong[:1] |= numbers[:1] != 1

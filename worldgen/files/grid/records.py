@@ -1,6 +1,6 @@
-"""What the header's keys and tables mean.
+"""The header's keys and tables.
 
-Robots, provenance, certificate, failure, each checked with its line.
+Robots, provenance, certificate and failure are each checked, with lines in errors.
 """
 
 from __future__ import annotations
@@ -54,11 +54,11 @@ __all__ = [
 
 
 class CertificateRecord(NamedTuple):
-    """What the ``[certificate]`` table says.
+    """The contents of the ``[certificate]`` table.
 
     Args:
         kind: ``witness`` or ``cut``.
-        clearances: m; one number, or one for each robot's path of a joint witness.
+        clearances: Clearances, m; one number, or one for each robot's path of a joint witness.
         robot: Number of the robot that a cut of version 2 stops; 1 in version 1.
     """
 
@@ -93,11 +93,11 @@ class _Place(NamedTuple):
 
 
 def check_keys(header: Header, *, fleet: bool = False) -> None:
-    """Refuse every key and table that the version does not know.
+    """Reject every key and table that the version does not know.
 
     Args:
         header: The header.
-        fleet: Whether it is that of version 2.
+        fleet: Whether it is of version 2.
 
     Raises:
         FormatError: At the unknown key, with the nearest known one.
@@ -217,7 +217,7 @@ def _unknown(what: str, name: str, known: Iterable[str]) -> Message:
 
 
 def read_number(header: Header, key: str, *, default: float | None = None) -> float:
-    """Return a length or speed, above 0."""
+    """Return a length or speed, which must be above 0."""
     return _number(_Place(header, header.data, HEADER_KEYS), key, default=default)
 
 

@@ -1,7 +1,7 @@
 """The rules of ``.grid`` files as data: keys, sections, words, limits.
 
-``docs/reference/grid-format.md`` says the same in prose; a test holds the two together. This module imports
-neither the reader nor the writer, which both go by it.
+``docs/reference/grid-format.md`` has the same in prose; a test keeps the two in agreement. This
+module imports neither the reader nor the writer, which both follow it.
 """
 
 from __future__ import annotations
@@ -50,10 +50,13 @@ __all__ = [
     "LineSection",
 ]
 
-MAGIC: Final = "%worldgen-grid 1"  # one robot
-FLEET_MAGIC: Final = "%worldgen-grid 2"  # several
+# One robot.
+MAGIC: Final = "%worldgen-grid 1"
+# Several robots.
+FLEET_MAGIC: Final = "%worldgen-grid 2"
 END: Final = "end"
-SECTIONS: Final = ("cells", "timeline", "witness", "cut", END)  # in this order, each at most once
+# In this order, each at most once.
+SECTIONS: Final = ("cells", "timeline", "witness", "cut", END)
 
 SOLID: Final = "#"
 FREE: Final = "."
@@ -63,7 +66,7 @@ TARGET: Final = "G"
 STATES: Final = {state.word: state for state in CellState}
 CERTIFICATE_KINDS: Final = ("witness", "cut")
 
-# Header keys in the order in which the writer gives them, each with what it holds.
+# Header keys in the order in which the writer puts them, each with its contents.
 HEADER_KEYS: Final = {
     "cell_size": "side of a cell, m",
     "robot_radius": "radius of the robot's disc, m",
@@ -93,14 +96,22 @@ OPTIONAL_KEYS: Final = frozenset(
 
 MAX_HEADER_BYTES: Final = (
     1 << 20
-)  # a header is pages at most; TOML costs 100 times its size in memory
-MAX_FILE_BYTES: Final = 512 << 20  # the largest world, 20000 x 20000, takes 382 MiB
-EXPANSION_RATIO: Final = 1000  # deflate can reach 1032; more than this is a bomb, or an empty plain
-EXPANSION_FLOOR: Final = 64 << 20  # bytes that any compressed file may expand to
-MAX_DEPTH: Final = 32  # brackets open at once, values in values, and parts of a dotted key
-MAX_INTEGER_BITS: Final = 1024  # seeds have 64; reading a number's digits takes quadratic time
-MAX_WORD: Final = 2000  # characters of a number or bare key in the header
-MAX_DIGITS: Final = 400  # of a decimal in a section, on either side of its point; float64 needs 309
+    # A header is a few pages at most; TOML takes 100 times its size in memory.
+)
+# The largest world, 20000 x 20000, takes 382 MiB.
+MAX_FILE_BYTES: Final = 512 << 20
+# deflate can reach 1032; more than this is a bomb, or an empty plain.
+EXPANSION_RATIO: Final = 1000
+# Bytes that any compressed file may expand to.
+EXPANSION_FLOOR: Final = 64 << 20
+# Brackets open at once, nested values, and parts of a dotted key.
+MAX_DEPTH: Final = 32
+# Seeds have 64 bits; reading a number's digits takes quadratic time.
+MAX_INTEGER_BITS: Final = 1024
+# Characters of a number or bare key in the header.
+MAX_WORD: Final = 2000
+# Digits of a decimal in a section, on either side of its point; float64 needs 309.
+MAX_DIGITS: Final = 400
 
 BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]{1,64}\Z")
 
@@ -112,10 +123,10 @@ class Field(NamedTuple):
     """One word of a line.
 
     Args:
-        name: What it is called in messages and in the documentation.
-        pattern: What it may look like.
-        rule: The same in prose.
-        read: Turns a word that fits the pattern into a number.
+        name: Its name in messages and in the documentation.
+        pattern: Pattern that it must match.
+        rule: The pattern in prose.
+        read: Converts a matching word to a number.
         dtype: NumPy type of the numbers.
     """
 
@@ -127,7 +138,7 @@ class Field(NamedTuple):
 
 
 class LineSection(NamedTuple):
-    """A section of lines with a fixed number of words, one space between two."""
+    """A section of lines with a fixed number of words, separated by single spaces."""
 
     name: str
     fields: tuple[Field, ...]
@@ -135,7 +146,7 @@ class LineSection(NamedTuple):
 
     @property
     def form(self) -> str:
-        """What a line looks like."""
+        """The form of a line."""
         return " ".join(field.name for field in self.fields)
 
 

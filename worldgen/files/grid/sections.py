@@ -1,6 +1,6 @@
 """The sections: cells as one block of bytes, events and points as lines of few words.
 
-What is right is read in bulk; only when something is wrong does a slow second look find the line.
+Valid sections are read in bulk; only if something is wrong does a slow second pass find the line.
 """
 
 from __future__ import annotations
@@ -23,12 +23,13 @@ __all__ = ["Block", "CellBlock", "LetterMark", "read_cells", "read_columns"]
 
 _CHUNK = (
     1 << 20
-)  # bytes of lines split into words at a time; words take 20 times their text in memory
+    # Bytes of lines split into words at a time; words take 20 times their text in memory.
+)
 _CELL_BYTES = (SOLID + FREE + START + TARGET).encode("ascii")
 
 
 class Block(NamedTuple):
-    """Where a section's lines lie: ``data[begin:end]``, whole lines, the first is line ``line``."""
+    """The place of a section's lines: ``data[begin:end]``, whole lines, the first is line ``line``."""
 
     data: bytes
     begin: int
@@ -50,7 +51,7 @@ class LetterMark(NamedTuple):
 
 
 class CellBlock(NamedTuple):
-    """What ``%cells`` holds: walls, lowest row first, and the marks of start and target."""
+    """The contents of ``%cells``: walls, lowest row first, and the marks of start and target."""
 
     walls: npt.NDArray[np.bool_]
     start: LetterMark | None
@@ -58,11 +59,11 @@ class CellBlock(NamedTuple):
 
 
 def read_cells(block: Block) -> CellBlock:
-    """Return the cells from their rows.
+    """Parse the cells from their rows.
 
     Raises:
-        FormatError: If there are no rows, too many, too long ones, ones of different length, a
-            character that is no cell, or a second start or target.
+        FormatError: If there are no rows, too many, too long ones, ones of different length, an
+            invalid character, or a second start or target.
     """
     data = block.data
     begin = block.begin
@@ -94,7 +95,7 @@ def read_cells(block: Block) -> CellBlock:
 
 
 def _mark(block: Block, letter: str, width: int) -> LetterMark | None:
-    """Return the one cell with a letter, in a block whose rows are right."""
+    """Return the only cell with a letter, in a block with valid rows."""
     code = letter.encode("ascii")
     first = block.data.find(code, block.begin, block.end)
     if first < 0:
@@ -119,7 +120,7 @@ def _mark(block: Block, letter: str, width: int) -> LetterMark | None:
 def _check_rows(block: Block, width: int) -> None:
     """Raise for the first row that breaks a rule.
 
-    What comes before it is at most a world's size.
+    The rows before it are at most a world's size.
     """
     at = block.begin
     row = 0
@@ -194,11 +195,10 @@ def _strange_cell(block: Block, at: int, stop: int, row: int) -> FormatError:
 
 
 def read_columns(block: Block, section: LineSection) -> list[npt.NDArray[Any]]:
-    """Return the words of a section, one array a field.
+    """Parse the words of a section into one array per field.
 
     Raises:
-        FormatError: If a line has other words than the section's form, or a number is beyond 64
-            bits.
+        FormatError: If a line does not have the section's form, or a number exceeds 64 bits.
     """
     line_pattern = _line_pattern(section)
     at = block.begin
@@ -222,7 +222,7 @@ def read_columns(block: Block, section: LineSection) -> list[npt.NDArray[Any]]:
 
 
 def _chunk_end(block: Block, at: int) -> int:
-    """End of the whole lines within a chunk, or of the one line that is longer."""
+    """Return the end of the whole lines within a chunk, or of the one line that is longer."""
     if block.end - at <= _CHUNK:
         return block.end
     last = block.data.rfind(b"\n", at, at + _CHUNK)

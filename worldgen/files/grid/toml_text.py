@@ -1,4 +1,4 @@
-"""TOML out: one canonical spelling of every value, so that equal worlds are equal bytes."""
+"""Write TOML with one canonical spelling of every value, so that equal worlds give equal bytes."""
 
 from __future__ import annotations
 
@@ -19,19 +19,20 @@ _ESCAPES = {
     '"': '\\"',
     "\\": "\\\\",
 }
-# Also the line ends of Unicode, so that no tool sees a line where the format has none.
+# This includes Unicode's line ends, so that no tool sees a line where the format has none.
 _ESCAPE_TABLE = str.maketrans(
     {chr(code): f"\\u{code:04X}" for code in (*range(0x20), 0x7F, 0x85, 0x2028, 0x2029)} | _ESCAPES,
 )
 
 
 def number_text(value: float, what: str) -> str:
-    """Return the shortest decimal that reads back as the same float64; minus zero is zero.
+    """Return the shortest decimal that reads back as the same float64; minus zero becomes zero.
 
     Raises:
-        InvalidWorld: If it is not finite, naming ``what``.
+        InvalidWorld: If it isn't finite; the message names ``what``.
     """
-    number = float(value) + 0.0  # -0.0 + 0.0 is 0.0
+    # -0.0 + 0.0 is 0.0.
+    number = float(value) + 0.0
     if not math.isfinite(number):
         raise InvalidWorld(
             "not-finite",
@@ -44,15 +45,15 @@ def number_text(value: float, what: str) -> str:
 
 
 def value_text(value: object, what: str, depth: int = 1) -> str:
-    """Return one value on one line: inline tables with sorted keys, lists, text, numbers, truth.
+    """Return one value on one line: inline tables with sorted keys, lists, text, numbers, Booleans.
 
     Args:
         value: A ``Value``.
         what: Its name in messages, as a dotted key.
-        depth: Levels it is nested in, itself included.
+        depth: Levels it is nested in, including its own.
 
     Raises:
-        InvalidWorld: If TOML or the format's limits have no place for it.
+        InvalidWorld: If TOML or the format's limits do not allow it.
     """
     if isinstance(value, bool):
         return "true" if value else "false"

@@ -32,12 +32,12 @@ _KINDS = {
 
 
 def kind_of(value: object) -> str:
-    """Return a TOML value's kind, for messages."""
+    """Return the kind of a TOML value, for messages."""
     return _KINDS.get(type(value), "a date or time")
 
 
 def finite_at(header: Header, value: object, what: str, path: tuple[str, ...]) -> float:
-    """Return a number that is finite."""
+    """Return a number that must be finite."""
     number = number_of(value, what)
     if isinstance(number, Message):
         raise header.fault(number, *path)
@@ -45,7 +45,7 @@ def finite_at(header: Header, value: object, what: str, path: tuple[str, ...]) -
 
 
 def number_of(value: object, what: str) -> float | Message:
-    """Return a finite number, or what is wrong with it."""
+    """Return a finite number, or a description of the fault."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return Message(
             "wrong-type",
@@ -55,7 +55,8 @@ def number_of(value: object, what: str) -> float | Message:
             kind=kind_of(value),
         )
     try:
-        number = float(value) + 0.0  # no minus zero
+        # No minus zero.
+        number = float(value) + 0.0
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
@@ -114,7 +115,7 @@ def integer_at(header: Header, table: Mapping[str, object], name: str, key: str)
 
 
 def values_at(header: Header, table: Mapping[str, object], name: str, key: str) -> dict[str, Value]:
-    """Return the table of values of a key in a table; empty if it is not there."""
+    """Return the table of values of a key in a table; empty if it is missing."""
     value = table.get(key, {})
     if not isinstance(value, dict):
         raise header.fault(
@@ -135,7 +136,7 @@ def values_at(header: Header, table: Mapping[str, object], name: str, key: str) 
 def numbers_at(
     header: Header, table: Mapping[str, object], name: str, key: str
 ) -> dict[str, float]:
-    """Return a table of numbers; whole ones stay whole."""
+    """Return a table of numbers; integers stay integers."""
     found: dict[str, float] = {}
     for part, value in values_at(header, table, name, key).items():
         if isinstance(value, bool) or not isinstance(value, int | float):

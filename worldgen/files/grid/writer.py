@@ -1,4 +1,4 @@
-"""World to bytes: the same world gives the same bytes, wherever and whenever it is written."""
+"""Write a world as bytes: the same world gives the same bytes, wherever and whenever."""
 
 from __future__ import annotations
 
@@ -36,18 +36,20 @@ from worldgen.world import (
 
 __all__ = ["dumps", "pieces", "world_digest"]
 
-_PIECE = 1 << 20  # cells written at a time
+# Cells written at a time.
+_PIECE = 1 << 20
 
 
 def dumps(world: World) -> bytes:
     """Return the canonical ``.grid`` text of a world.
 
     Returns:
-        UTF-8 with LF line ends; :func:`worldgen.files.grid.loads` gives an equal world back.
+        The text is UTF-8 with LF line ends; :func:`worldgen.files.grid.loads` returns an equal
+        world.
 
     Raises:
-        InvalidWorld: If the world holds what the format cannot: a number that is not finite, a
-            value that is none of ``Value``, more provenance and failure than a header may take.
+        InvalidWorld: If the format cannot express the world: a number that isn't finite, a value
+            that isn't a ``Value``, or more provenance and failure than fits into a header.
     """
     return b"".join(pieces(world))
 
@@ -56,7 +58,7 @@ def pieces(world: World) -> Iterator[bytes]:
     """Yield the same text in pieces, so that a large world is not held in memory twice.
 
     Raises:
-        InvalidWorld: As :func:`dumps`, for the header before the first piece.
+        InvalidWorld: Same as :func:`dumps`, for the header before the first piece.
     """
     header = "\n".join(_header_lines(world)).encode("utf-8")
     if len(header) > MAX_HEADER_BYTES - len(MAGIC):
@@ -160,7 +162,7 @@ def _table_line(table: str, key: str, values: Mapping[str, Value]) -> Iterator[s
 
 
 def _cells(world: World) -> Iterator[bytes]:
-    """Yield the rows, top row first, some at a time."""
+    """Yield the rows in chunks, top row first."""
     rows = flip_rows(world.walls)
     at_once = max(1, _PIECE // world.width)
     letters = np.array([ord(FREE), ord(SOLID)], np.uint8)
@@ -193,7 +195,7 @@ def _section_lines(world: World) -> Iterator[str]:
 
 
 def _point_lines(path: Witness, prefix: str) -> Iterator[str]:
-    """The points of one path; ``prefix`` precedes each."""
+    """Return the points of one path; ``prefix`` precedes each."""
     points = np.column_stack((path.times, path.x, path.y)) + 0.0
     if not np.isfinite(points).all():
         raise InvalidWorld(
