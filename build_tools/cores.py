@@ -135,8 +135,16 @@ CORES = (
             "sim/core/wg_runs.h",
             "sim/core/wg_navigate.h",
             "sim/core/wg_thesis.h",
+            "sim/core/fleet/wg_fleet.h",
         ),
-        ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers", _STABLE_ABI),
+        (
+            "worldgen/include",
+            "sim/include",
+            "sim/core",
+            "sim/core/controllers",
+            "sim/core/fleet",
+            _STABLE_ABI,
+        ),
     ),
     # The search runs the simulator and the prover's flood inside its own loops, so both are
     # compiled into it.
@@ -156,6 +164,7 @@ CORES = (
             "sim/include",
             "sim/core",
             "sim/core/controllers",
+            "sim/core/fleet",
             "fuzz/core",
             _STABLE_ABI,
         ),

@@ -2,6 +2,7 @@
 
 Contents, each imported when it is first used:
     simulate: Run one controller in one world. Returns an Episode, with a Trace if one is recorded.
+    FleetEpisode: What simulate returns for a world of several robots.
     simulate_many: Run many controllers, worlds and seeds. Returns Runs, with results in arrays.
     RunOptions: How a run is done: motion model, time step, budget and robot.
     RobotOptions: Dynamics and sensors of the robot, under the motion models on the lattice.
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
         VectorController,
     )
     from sim.episode import Episode, simulate
+    from sim.fleet import FleetEpisode
     from sim.motion import MOTIONS
     from sim.options.robot import RobotOptions
     from sim.options.run import RunOptions
@@ -64,6 +66,7 @@ __getattr__, __dir__ = lazy_names(
             "VectorController",
         ),
         "episode": ("Episode", "simulate"),
+        "fleet": ("FleetEpisode",),
         "motion": ("MOTIONS",),
         "options.robot": ("RobotOptions",),
         "options.run": ("RunOptions",),
@@ -80,6 +83,7 @@ __all__ = [
     "Commands",
     "CompiledController",
     "Episode",
+    "FleetEpisode",
     "MemoryField",
     "MemoryMap",
     "Observation",

@@ -8,8 +8,10 @@ from sim.episode import Episode
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
+    CollisionEvidence,
     Evidence,
     FaultEvidence,
+    JointLoopEvidence,
     LoopEvidence,
     WallEvidence,
 )
@@ -19,6 +21,9 @@ from worldgen.world import Value
 
 __all__ = ["describe_evidence", "describe_frames"]
 
+# Pairs of robots that are named.
+_MOST_BLOCKS = 4
+
 
 def describe_evidence(episode: Episode) -> str:
     """Return a phrase about the evidence to put after the verdict: a space and text, or nothing."""
@@ -26,12 +31,17 @@ def describe_evidence(episode: Episode) -> str:
         case LoopEvidence(entry=entry, period=period):
             often = "in every step" if period == 1 else f"every {period} steps"
             return f" forever (the state after step {entry} comes back {often})"
+        case JointLoopEvidence() as joint:
+            return f" forever ({_joint(joint)})"
         case WallEvidence() as wall:
             since = "" if wall.cause is None else f", since a {wall.cause} in step {wall.since}"
-            return f" (step {wall.step}, wall cell {wall.cell}{since})"
+            return f" ({_of_robot(wall.robot)}step {wall.step}, wall cell {wall.cell}{since})"
+        case CollisionEvidence(step=step, robots=robots):
+            return f" (robots {robots[0]} and {robots[1]} in step {step})"
         case BurnedEvidence() as burned:
             cause = "fire" if burned.state == CellState.BURNING.word else "debris"
-            return f" ({cause} in step {burned.step}, cell {burned.cell})"
+            of_robot = _of_robot(burned.robot)
+            return f" ({of_robot}{cause} in step {burned.step}, cell {burned.cell})"
         case BudgetEvidence() as budget if episode.verdict == Verdict.STALLED:
             seen = f"no new cell after step {budget.last_new_cell} of {episode.steps}"
             return f" ({_manner(budget)}{seen}{_multiple(budget)})"
@@ -41,8 +51,32 @@ def describe_evidence(episode: Episode) -> str:
                 f"up{_multiple(budget)})"
             )
         case FaultEvidence() as fault:
-            return f" ({_fault(episode.verdict, fault)})"
+            return f" ({_of_robot(fault.robot)}{_fault(episode.verdict, fault)})"
     return ""
+
+
+def _joint(joint: JointLoopEvidence) -> str:
+    """Return what comes back, and who is in whose way."""
+    often = "in every step" if joint.period == 1 else f"every {joint.period} steps"
+    back = f"the joint state after step {joint.entry} comes back {often}"
+    face_to_face = [pair for pair in joint.blocked if pair[::-1] in joint.blocked]
+    blocks = [f"robots {one} and {by} block each other" for one, by in face_to_face if one < by]
+    blocks += [
+        f"robot {one} is blocked by robot {by}"
+        for one, by in joint.blocked
+        if (one, by) not in face_to_face
+    ]
+    if not blocks:
+        waiting = ", ".join(map(str, joint.waiting))
+        what = f"robot {waiting} never arrives" if len(joint.waiting) == 1 else ""
+        blocks = [what or f"robots {waiting} never arrive"]
+    shown = blocks[:_MOST_BLOCKS]
+    more = f", and {len(blocks) - len(shown)} more" if len(blocks) > len(shown) else ""
+    return f"{back}: {', '.join(shown)}{more}"
+
+
+def _of_robot(number: int | None) -> str:
+    return "" if number is None else f"robot {number}, "
 
 
 def describe_frames(evidence: Evidence | None) -> str:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 
 from sim.controllers import CompiledController, Controller, controller_of
+from sim.episode_record import Episode
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
@@ -12,19 +14,18 @@ from sim.evidence import (
     FaultEvidence,
     LoopEvidence,
     ReachedEvidence,
-    WallEvidence,
-    evidence_table,
 )
+from sim.fleet.assignment import assigned
+from sim.fleet.episode import simulate_fleet
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.options.run import RunOptions, check_recordable, check_world, options_from, switch_sets
-from sim.outcome import Outcome, Runnable
+from sim.outcome import Outcome, Runnable, area_of, wall_evidence
 from sim.runners.lattice import LatticeRun
 from sim.thesis.run import ThesisRun
-from sim.trace import Trace, state_digest
+from sim.trace import state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidParameter
-from worldgen.lattice import exact
 from worldgen.world import Value, Witness, World
 
 __all__ = ["Episode", "area_of", "prepare", "simulate", "wall_evidence"]
@@ -34,54 +35,9 @@ __all__ = ["Episode", "area_of", "prepare", "simulate", "wall_evidence"]
 _RECORDED_AT_ONCE = 100_000
 
 
-@dataclass(frozen=True)
-class Episode:
-    """What happened in one run.
-
-    Args:
-        verdict: How it ended.
-        steps: Steps simulated; for a ``loop``, up to the first return of a state.
-        time: Their duration, s.
-        path_length: Distance driven, m.
-        collisions: Times that the robot began to touch a wall.
-        trace_digest: 16 hex digits, a digest of every state.
-        evidence: The facts that confirm the verdict for a checker; a record of the verdict's kind.
-        trace: The recorded states, if requested.
-        area_covered: Area of the cells that its centre was in after a step, the start's included,
-            m2.
-    """
-
-    verdict: Verdict
-    steps: int
-    time: float
-    path_length: float
-    collisions: int
-    trace_digest: str
-    evidence: Evidence
-    trace: Trace | None = None
-    area_covered: float = 0.0
-
-    @property
-    def went_into_a_wall(self) -> bool:
-        """Whether the robot went into a wall, even in a run that a wall does not end."""
-        evidence = self.evidence
-        entered = isinstance(evidence, ReachedEvidence) and evidence.wall_step is not None
-        return entered or isinstance(evidence, WallEvidence)
-
-    def __repr__(self) -> str:
-        evidence = "".join(
-            f"\n  {name}: {value!r}" for name, value in evidence_table(self.evidence).items()
-        )
-        return (
-            f"{self.verdict}: {self.steps} steps, {self.time:g} s, {self.path_length:.3f} m "
-            f"driven, "
-            f"{self.collisions} collisions, trace {self.trace_digest}{evidence}"
-        )
-
-
 def simulate(
     world: World,
-    controller: str | Controller | type,
+    controller: str | Controller | type | Mapping[int, str | Controller | type],
     options: RunOptions | None = None,
     *,
     record: bool = False,
@@ -92,7 +48,8 @@ def simulate(
 
     Args:
         world: The world to drive in.
-        controller: Its name, the controller itself, or its class.
+        controller: Its name, the controller itself, or its class. In a world of several robots it
+            drives all of them, or ``{1: "bug2", 2: "vfh"}`` gives each robot its own.
         options: How to run; if omitted, ``swept`` and a budget of 50 times the witness's time.
         record: Whether to keep every state, as ``trace``.
         lean: Whether a recording may omit a compiled controller's memory if that would take more
@@ -100,16 +57,19 @@ def simulate(
         **settings: Single options, as an alternative to ``options``: ``motion="stepped", seed=3``.
 
     Returns:
-        The verdict and its evidence.
+        The verdict and its evidence; a :class:`~sim.fleet.FleetEpisode` for several robots.
 
     Raises:
         InvalidParameter: If a name or an option is unknown or of the wrong type, or the controller
             and the options do not fit each other.
-        InvalidWorld: If the robot does not fit at the start.
+        InvalidWorld: If a robot does not fit at the start.
     """
     check_world(world)
     options = options_from(world, options, settings)
-    found = controller_of(controller)
+    if world.others:
+        return simulate_fleet(world, controller, options, record=record)
+    named: list[str | Controller | type] = assigned(controller, 1)
+    found = controller_of(named[0])
 
     # Slow controllers record in their first run, to be run only once. Compiled ones are fast enough
     # to run again, and record only the steps that the verdict needs.
@@ -197,22 +157,6 @@ def _evidence(world: World, outcome: Outcome, options: RunOptions) -> Evidence:
         return replace(outcome.fault or FaultEvidence(), step=outcome.steps)
     entered = outcome.wall_step if outcome.wall_step >= 0 else None
     return ReachedEvidence(step=outcome.steps, wall_step=entered)
-
-
-def area_of(cells: int, world: World) -> float:
-    """Return the area of this many cells, m2."""
-    return float(cells * exact(world.cell_size) ** 2)
-
-
-def wall_evidence(outcome: Outcome) -> WallEvidence:
-    """Return where a run went into a wall and, if known, the move that let it in."""
-    tunnelled = outcome.ending == Verdict.TUNNEL
-    return WallEvidence(
-        step=outcome.hit_step if tunnelled else outcome.overlap_step,
-        cell=outcome.hit_cell if tunnelled else outcome.overlap_cell,
-        cause=outcome.cause or None,
-        since=outcome.cause_step if outcome.cause else None,
-    )
 
 
 def _episode(

@@ -18,9 +18,11 @@ from worldgen.world import Value
 __all__ = [
     "BudgetEvidence",
     "BurnedEvidence",
+    "CollisionEvidence",
     "CoveredEvidence",
     "Evidence",
     "FaultEvidence",
+    "JointLoopEvidence",
     "LoopEvidence",
     "ReachedEvidence",
     "WallEvidence",
@@ -76,6 +78,45 @@ class LoopEvidence:
 
 
 @dataclass(frozen=True, kw_only=True)
+class JointLoopEvidence:
+    """The joint state of several robots recurred: ``livelock``, ``deadlock`` or ``starved``.
+
+    The joint state is every robot's pose, speed, memory and message, and whether it has parked.
+    Robots are numbered from 1.
+
+    Args:
+        entry: Step after which the loop begins.
+        period: Length of the loop, steps.
+        state_digest: 16 hex digits, the digest of the joint state at the entry.
+        waiting: Robots that never arrive.
+        moving: Robots whose centres move within the period.
+        blocked: Pairs: a robot that drives into another one within the period, and that one.
+        parked: Pairs: a robot that has arrived, and the step in which it did.
+    """
+
+    entry: int
+    period: int
+    state_digest: str
+    waiting: tuple[int, ...]
+    moving: tuple[int, ...]
+    blocked: tuple[tuple[int, int], ...]
+    parked: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CollisionEvidence:
+    """Two robots drove through each other.
+
+    Args:
+        step: Step in which they did.
+        robots: Their numbers, from 1.
+    """
+
+    step: int
+    robots: tuple[int, int]
+
+
+@dataclass(frozen=True, kw_only=True)
 class BudgetEvidence:
     """The budget was spent without an arrival or a proof: ``stalled`` or ``timeout``.
 
@@ -108,6 +149,7 @@ class WallEvidence:
             ``corner``.
         since: Step of that move.
         reached: Of a breach, the step in which the robot arrives if walls do not end the run.
+        robot: The robot's number, from 1, if there are several.
     """
 
     step: int
@@ -115,6 +157,7 @@ class WallEvidence:
     cause: str | None = None
     since: int | None = None
     reached: int | None = None
+    robot: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,11 +168,13 @@ class BurnedEvidence:
         step: Step in which it did.
         cell: Cell of the fire or debris (ix, iy).
         state: ``burning`` or ``solid``.
+        robot: The robot's number, from 1, if there are several.
     """
 
     step: int
     cell: Cell
     state: str
+    robot: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,6 +194,7 @@ class FaultEvidence:
         message: The message of a compiled controller's exception.
         frames: Frames of the user's code, the innermost last.
         bump: Whether the robot touched a wall; recorded only for crashes of programs.
+        robot: The robot's number, from 1, if there are several.
     """
 
     error: str | None = None
@@ -163,14 +209,17 @@ class FaultEvidence:
     message: str | None = None
     frames: tuple[Frame, ...] | None = None
     bump: bool | None = None
+    robot: int | None = None
 
 
 Evidence: TypeAlias = (
     ReachedEvidence
     | CoveredEvidence
     | LoopEvidence
+    | JointLoopEvidence
     | BudgetEvidence
     | WallEvidence
+    | CollisionEvidence
     | BurnedEvidence
     | FaultEvidence
 )
@@ -179,10 +228,14 @@ _KINDS: Mapping[Verdict, type[Evidence]] = {
     Verdict.REACHED: ReachedEvidence,
     Verdict.COVERED: CoveredEvidence,
     Verdict.LOOP: LoopEvidence,
+    Verdict.LIVELOCK: JointLoopEvidence,
+    Verdict.DEADLOCK: JointLoopEvidence,
+    Verdict.STARVED: JointLoopEvidence,
     Verdict.STALLED: BudgetEvidence,
     Verdict.TIMEOUT: BudgetEvidence,
     Verdict.TUNNEL: WallEvidence,
     Verdict.OVERLAP: WallEvidence,
+    Verdict.COLLISION: CollisionEvidence,
     Verdict.BURNED: BurnedEvidence,
     Verdict.CRASH: FaultEvidence,
     Verdict.HANG: FaultEvidence,

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import Literal, Protocol, TypeAlias
 
 from sim._core import lib
-from sim.evidence import FaultEvidence
+from sim.evidence import FaultEvidence, WallEvidence
 from sim.trace import Trace, Words
 from sim.verdict import AT_ONCE, Verdict
+from worldgen.lattice import exact
+from worldgen.world import World
 
-__all__ = ["ENDINGS", "LIMIT", "Ending", "Outcome", "Runnable"]
+__all__ = ["ENDINGS", "LIMIT", "Ending", "Outcome", "Runnable", "area_of", "wall_evidence"]
 
 LIMIT: Literal["limit"] = "limit"
 """The ending of a run that spent its budget."""
@@ -27,6 +29,7 @@ ENDINGS: Mapping[int, Ending] = {
     lib.WG_INVALID_COMMAND: Verdict.INVALID_COMMAND,
     lib.WG_CRASH: Verdict.CRASH,
     lib.WG_COVERED: Verdict.COVERED,
+    lib.WG_COLLISION: Verdict.COLLISION,
 }
 """The ending that each of the core's numbers stands for."""
 
@@ -57,6 +60,7 @@ class Outcome:
             else -1.
         random_draws: Random numbers used.
         cells_visited: Cells that the centre has been in after a step, the start's included.
+        points: Points of the path after the start.
         complete: Whether the recorded state alone decides the future.
         fault: The controller's fault, without the step; ``None`` if it made none or only the core
             knows it.
@@ -77,6 +81,7 @@ class Outcome:
     overlap_cell: tuple[int, int]
     random_draws: int
     cells_visited: int = 0
+    points: int = 0
     entry: int = -1
     cause: str = ""
     cause_step: int = -1
@@ -131,3 +136,19 @@ class Runnable(Protocol):
             state does not recur.
         """
         ...
+
+
+def wall_evidence(outcome: Outcome) -> WallEvidence:
+    """Return where a run went into a wall and, if known, the move that let it in."""
+    tunnelled = outcome.ending == Verdict.TUNNEL
+    return WallEvidence(
+        step=outcome.hit_step if tunnelled else outcome.overlap_step,
+        cell=outcome.hit_cell if tunnelled else outcome.overlap_cell,
+        cause=outcome.cause or None,
+        since=outcome.cause_step if outcome.cause else None,
+    )
+
+
+def area_of(cells: int, world: World) -> float:
+    """Return the area of this many cells, m2."""
+    return float(cells * exact(world.cell_size) ** 2)

@@ -9,6 +9,7 @@ __all__ = [
     "AT_ONCE",
     "BY_THE_CONTROLLER",
     "FAILURES",
+    "JOINT_LOOPS",
     "MEANINGS",
     "NEVER",
     "OUT_OF_BUDGET",
@@ -26,10 +27,14 @@ class Verdict(StrEnum):
     REACHED = "reached"
     COVERED = "covered"
     LOOP = "loop"
+    LIVELOCK = "livelock"
+    DEADLOCK = "deadlock"
+    STARVED = "starved"
     STALLED = "stalled"
     TIMEOUT = "timeout"
     TUNNEL = "tunnel"
     OVERLAP = "overlap"
+    COLLISION = "collision"
     BURNED = "burned"
     CRASH = "crash"
     HANG = "hang"
@@ -42,19 +47,22 @@ ARRIVALS = (Verdict.REACHED, Verdict.COVERED)
 FAILURES = tuple(verdict for verdict in Verdict if verdict not in ARRIVALS)
 """Every verdict on a robot that did not do what its task asks."""
 
-NEVER = (Verdict.LOOP, Verdict.STALLED)
-"""Verdicts on a robot that keeps driving forever."""
+JOINT_LOOPS = (Verdict.LIVELOCK, Verdict.DEADLOCK, Verdict.STARVED)
+"""Verdicts on several robots whose joint state provably comes back."""
+
+NEVER = (Verdict.LOOP, *JOINT_LOOPS, Verdict.STALLED)
+"""Verdicts on robots that never arrive, however long they drive."""
 
 OUT_OF_BUDGET = (Verdict.STALLED, Verdict.TIMEOUT)
 """Verdicts on a run that ended because its budget was spent."""
 
-UNENDED = (Verdict.LOOP, *OUT_OF_BUDGET)
+UNENDED = (Verdict.LOOP, *JOINT_LOOPS, *OUT_OF_BUDGET)
 """Verdicts on a run that nothing ended but its budget, or the proof that it repeats."""
 
 BY_THE_CONTROLLER = (Verdict.CRASH, Verdict.HANG, Verdict.INVALID_COMMAND)
 """Verdicts on a fault of the controller itself, wherever the robot was."""
 
-AT_ONCE = (Verdict.TUNNEL, Verdict.BURNED, *BY_THE_CONTROLLER)
+AT_ONCE = (Verdict.TUNNEL, Verdict.COLLISION, Verdict.BURNED, *BY_THE_CONTROLLER)
 """Verdicts on an event that ends a run in the step in which it happens."""
 
 MEANINGS = {
@@ -62,12 +70,19 @@ MEANINGS = {
     Verdict.COVERED: "The robot has been in every cell that its coverage task asks for.",
     Verdict.LOOP: "The robot returns to a complete state that it was in before, so it repeats "
     "itself endlessly and never arrives, although its target can be reached.",
+    Verdict.LIVELOCK: "The robots return to a joint state that they were in before and some of them "
+    "move meanwhile, so they repeat themselves endlessly and two or more never arrive.",
+    Verdict.DEADLOCK: "The robots return to a joint state that they were in before and none of them "
+    "moves meanwhile, so they stand still forever and two or more never arrive.",
+    Verdict.STARVED: "All robots but one arrive, and the joint state comes back, so that one never "
+    "arrives.",
     Verdict.STALLED: "The robot enters no new cell in the second half of a budget that is many "
     "times what the path to its target takes.",
     Verdict.TIMEOUT: "The robot has not arrived within a budget that is many times what the path "
     "to its target takes.",
     Verdict.TUNNEL: "The robot's centre passes through a wall.",
     Verdict.OVERLAP: "The robot's disc cuts into a wall by more than the motion model's tolerance.",
+    Verdict.COLLISION: "Two robots drive through each other.",
     Verdict.BURNED: "Fire or falling debris catches the robot.",
     Verdict.CRASH: "The controller raises an exception, or its program ends.",
     Verdict.HANG: "The controller gives no answer in time.",

@@ -28,6 +28,7 @@ __all__ = ["run"]
 
 EXAMPLES = (
     "\b\n  worldgen run w.grid --controller turn-right --trail run.png\n"
+    "  worldgen run two-robots.grid --controller 1=bug2,2=turn-right\n"
     "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json\n"
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
@@ -82,9 +83,9 @@ def run(
     Exit code 0 if the robot arrives, 1 if it does not.
     """
     from sim.controllers.contract import check_contract
-    from sim.controllers.programs.transcript import transcribed
+    from sim.controllers.programs.transcript import check_transcript, transcribed
     from sim.describe import describe_frames
-    from sim.episode import simulate
+    from sim.fleet.assignment import controllers_in
     from sim.options.run import RunOptions
     from sim.scenario import Scenario
     from worldgen.files.grid import read_world
@@ -93,24 +94,26 @@ def run(
 
     world = read_world(path)
     duration = RunOptions.time_step if time_step is None else time_step
-    scenario = Scenario.parse(controller, motion=motion, time_step=duration, seed=seed)
-    options = scenario.options(world, steps)
-    note_unused([scenario], seeds=["seed"])
+    scenarios = [
+        Scenario.parse(part, motion=motion, time_step=duration, seed=seed)
+        for part in controllers_in(controller, len(world.robots))
+    ]
+    note_unused(list(dict.fromkeys(scenarios)), seeds=["seed"])
+    check_transcript(scenarios, transcript)
     for out in (trail, trace):
         if out is not None:
             check_output(out, force)
     if trail is not None and trail.suffix not in _PICTURES:
         raise click.UsageError(f"--trail {trail}: name a {', '.join(_PICTURES)} file")
     with (
-        transcribed(scenario.controller, transcript, force=force),
-        working(f"running {scenario.label()} in {path}"),
+        transcribed(scenarios[0].controller, transcript, force=force),
+        working(f"running {_label(scenarios)} in {path}"),
     ):
-        episode = simulate(
-            world, scenario.controller, options, record=trail is not None or trace is not None
-        )
-    check_contract(scenario.controller, episode.evidence, episode.steps)
+        record = trail is not None or trace is not None
+        episode = _simulated(world, scenarios, steps, record=record)
+    check_contract(_at_fault(scenarios, episode), episode.evidence, episode.steps)
     reachable = _is_reachable(world, episode)
-    uncertain = _why_uncertain(world, scenario)
+    uncertain = _why_uncertain(world, scenarios)
     if as_json:
         emit_json(
             {**_summary(episode), "reachable": reachable, "arrival_uncertain": uncertain or None}
@@ -124,12 +127,13 @@ def run(
         note(_BLOCKED if reachable is False else _UNDECIDED)
     if uncertain and episode.verdict not in ARRIVALS:
         note(f"with these disturbances no controller is sure to arrive: {uncertain}")
-    if trace is not None and episode.trace is not None:
-        write_bytes(trace, episode.trace.to_csv().encode(), force=force)
+    states = _csv(episode)
+    if trace is not None and states:
+        write_bytes(trace, states.encode(), force=force)
         note(f"wrote {trace}")
     if trail is not None:
         title = (
-            f"{scenario.label()}, {scenario.run.motion}: {_sentence(episode)}, "
+            f"{_label(scenarios)}, {scenarios[0].run.motion}: {_sentence(episode)}, "
             f"{episode.area_covered:.4g} m2 covered"
         )
         with working(f"drawing {trail}"):
@@ -140,31 +144,82 @@ def run(
         raise SystemExit(1)
 
 
-def _why_uncertain(world: World, scenario: Scenario) -> str:
+def _why_uncertain(world: World, scenarios: list[Scenario]) -> str:
+    """Return why no controller is sure to arrive with these disturbances; empty if one can be."""
     from sim.options.disturbances import why_arrival_is_not_certain
 
-    return why_arrival_is_not_certain(world, scenario.run.robot)
+    reasons = (why_arrival_is_not_certain(world, one.run.robot) for one in scenarios)
+    return next((reason for reason in reasons if reason), "")
+
+
+def _simulated(
+    world: World, scenarios: list[Scenario], steps: int | None, *, record: bool
+) -> Episode:
+    """Run one robot, or all robots of a world with several."""
+    from sim.episode import simulate
+    from sim.fleet.episode import simulate_fleet
+
+    options = [one.options(world, steps) for one in scenarios]
+    if not world.others:
+        return simulate(world, scenarios[0].controller, options[0], record=record)
+    names = {number: one.controller for number, one in enumerate(scenarios, start=1)}
+    return simulate_fleet(world, names, options, record=record)
+
+
+def _label(scenarios: list[Scenario]) -> str:
+    """Return the text that names all robots' controllers, as the command line takes it."""
+    labels = [one.label() for one in scenarios]
+    if len(set(labels)) == 1:
+        return labels[0]
+    return ",".join(f"{number}={label}" for number, label in enumerate(labels, start=1))
+
+
+def _at_fault(scenarios: list[Scenario], episode: Episode) -> str:
+    """Return the name of the controller that made a fault, if one did."""
+    number = getattr(episode.evidence, "robot", None)
+    return scenarios[(number or 1) - 1].controller
+
+
+def _csv(episode: Episode) -> str:
+    """Return the recorded states, with a first column ``robot`` for several; empty without any."""
+    from sim.fleet.episode import FleetEpisode
+
+    if not isinstance(episode, FleetEpisode):
+        return "" if episode.trace is None else episode.trace.to_csv()
+    if all(one.trace is None for one in episode.robots):
+        return ""
+    lines = ["robot,t,x,y,heading"]
+    for number, one in enumerate(episode.robots, start=1):
+        states = [] if one.trace is None else one.trace.to_csv().splitlines()[1:]
+        lines += [f"{number},{state}" for state in states]
+    return "\n".join(lines) + "\n"
 
 
 def _is_reachable(world: World, episode: Episode) -> bool | None:
     """Return True if the target can be reached at all; None if that is undecided.
 
     A file without a certificate is decided only if the robot did not arrive, because that can take
-    as long as the run.
+    as long as the run. Whether several robots can all arrive is not decided here.
     """
     from worldgen.reach import decide
-    from worldgen.world import Witness
+    from worldgen.world import JointWitness, Witness
 
     if world.certificate is not None:
-        return isinstance(world.certificate, Witness)
+        return isinstance(world.certificate, Witness | JointWitness)
     if episode.verdict == Verdict.REACHED:
         return True
+    if world.others:
+        return None
     return {"reachable": True, "blocked": False}.get(decide(world).result)
 
 
 def _summary(episode: Episode) -> dict[str, object]:
     from sim.evidence import evidence_table
+    from sim.fleet.episode import FleetEpisode
 
+    robots: dict[str, object] = {}
+    if isinstance(episode, FleetEpisode):
+        robots["robots"] = [_summary(one) for one in episode.robots]
     return {
         "verdict": episode.verdict,
         "steps": episode.steps,
@@ -174,6 +229,7 @@ def _summary(episode: Episode) -> dict[str, object]:
         "area_covered": episode.area_covered,
         "trace_digest": episode.trace_digest,
         "evidence": evidence_table(episode.evidence),
+        **robots,
     }
 
 

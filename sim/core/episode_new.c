@@ -13,8 +13,7 @@ enum {
     MOST_PUSHES = 1 << 20,
 };
 
-// The most events that one step has.
-static int64_t most_events_of_a_step(const WgArena *arena)
+int64_t wg_most_events_of_a_step(const WgArena *arena)
 {
     int64_t most = 0;
     int64_t run = 0;
@@ -58,7 +57,7 @@ static bool measure(const WgArena *arena, const WgSettings *settings, const WgCo
     if (pushes < 0 || pushes > MOST_PUSHES || settings->place_count > pushes) {
         return false;
     }
-    int64_t corners = WG_MOST_CORNERS * (most_events_of_a_step(arena) + 1 + pushes);
+    int64_t corners = WG_MOST_CORNERS * (wg_most_events_of_a_step(arena) + 1 + pushes);
     parts->state = WG_STATE_WORDS + memory;
     parts->corners = corners * (int64_t)(sizeof(WgCorner) / sizeof(uint64_t));
     parts->beams = beams;

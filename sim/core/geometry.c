@@ -57,6 +57,20 @@ static bool corner_is_clear(int64_t clear_sq, int64_t along, int64_t across, int
     return across * across >= clear_sq * length_sq;
 }
 
+bool wg_point_is_clear(int64_t clear_sq, WgSegment way, int64_t x, int64_t y)
+{
+    int64_t ex = x - way.qx;
+    int64_t ey = y - way.qy;
+    if (ex * ex + ey * ey < clear_sq) {
+        return false;
+    }
+    int64_t dx = way.qx - way.px;
+    int64_t dy = way.qy - way.py;
+    int64_t cx = x - way.px;
+    int64_t cy = y - way.py;
+    return corner_is_clear(clear_sq, dx * cx + dy * cy, dx * cy - dy * cx, dx * dx + dy * dy);
+}
+
 // Returns whether the disc is clear of one closed cell along a segment whose first end is taken to
 // be clear.
 //

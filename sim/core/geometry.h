@@ -71,6 +71,10 @@ static inline bool wg_segment_point_within(WgSegment way, int64_t x, int64_t y, 
     return across * across <= (double)within_sq * (double)length_sq;
 }
 
+// Returns whether a point stays at least the root of `clear_sq` away from a segment whose first end
+// is taken to be that far away, decided in integers. In geometry.c.
+bool wg_point_is_clear(int64_t clear_sq, WgSegment way, int64_t x, int64_t y);
+
 // Returns whether the masks show that no cell in the box around a disc's path is taken; if not, the
 // exact test is needed.
 static inline bool wg_window_is_free(const WgArena *arena, int64_t reach, WgSegment way)

@@ -5,36 +5,24 @@
 
 #include <math.h>
 
-#include "geometry.h"
+#include "motion.h"
 
 enum { TRIES = 3 };  // straight pieces a move may have: ahead and two slides (face, then corner)
 
 static const double GRAZE = 1e-6;         // lattice units squared by which a path may cut a circle's square and graze it
 static const double TIME_UNIT = 0x1p32;   // of WgCorner.time, in a step
 
-// The share of a displacement at which something is touched (2: never), and the direction away from
-// it.
-typedef struct Contact {
-    double time;
-    WgNormal normal;
-} Contact;
-
-typedef struct Point {
-    int64_t x;
-    int64_t y;
-} Point;
-
 typedef struct Stop {
-    Contact contact;
-    Point place;
+    WgContact contact;
+    WgPlace place;
 } Stop;
 
-static WgSegment segment(Point from, Point to)
+static WgSegment segment(WgPlace from, WgPlace to)
 {
     return (WgSegment){from.x, from.y, to.x, to.y};
 }
 
-static bool is_clear(WgGrid grid, WgDisc disc, Point from, Point to)
+static bool is_clear(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to)
 {
     return !wg_first_not_clear(grid, WG_SOLID, disc, segment(from, to)).found;
 }
@@ -60,21 +48,26 @@ static double contact_with_corner(double radius_sq, double mx, double my, double
 
 // Keeps the earlier of the best contact and those of a disc at the origin, moving by d, with a cell.
 //
+double wg_touch_time(double radius_sq, WgPlace from, WgVector by)
+{
+    return contact_with_corner(radius_sq, (double)from.x, (double)from.y, (double)by.x, (double)by.y, 0.0);
+}
+
 // left, low: the cell's corner.
-static void touch_cell(double left, double low, double radius, double dx, double dy, double graze, Contact *best)
+static void touch_cell(double left, double low, double radius, double dx, double dy, double graze, WgContact *best)
 {
     const double side = WG_UNIT;
     // Its faces, moved out by the radius, against the centre.
     if (dx != 0.0) {
         double t = dx > 0.0 ? (left - radius) / dx : (left + side + radius) / dx;
         if (-1e-9 <= t && t < best->time && low <= t * dy && t * dy <= low + side) {
-            *best = (Contact){wg_higher(t, 0.0), {-dx, 0.0}};
+            *best = (WgContact){wg_higher(t, 0.0), {-dx, 0.0}};
         }
     }
     if (dy != 0.0) {
         double t = dy > 0.0 ? (low - radius) / dy : (low + side + radius) / dy;
         if (-1e-9 <= t && t < best->time && left <= t * dx && t * dx <= left + side) {
-            *best = (Contact){wg_higher(t, 0.0), {0.0, -dy}};
+            *best = (WgContact){wg_higher(t, 0.0), {0.0, -dy}};
         }
     }
     // Circles around its corners.
@@ -83,16 +76,16 @@ static void touch_cell(double left, double low, double radius, double dx, double
         double my = -low - (double)((corner >> 1) * WG_UNIT);
         double t = contact_with_corner(radius * radius, mx, my, dx, dy, graze);
         if (t < best->time) {
-            *best = (Contact){t, {mx + t * dx, my + t * dy}};
+            *best = (WgContact){t, {mx + t * dx, my + t * dy}};
         }
     }
 }
 
 // When a disc moving by (dx, dy) first touches a solid cell.
-static Contact first_contact(WgGrid grid, double radius, int64_t reach, Point from, int64_t dx, int64_t dy,
+static WgContact first_contact(WgGrid grid, double radius, int64_t reach, WgPlace from, int64_t dx, int64_t dy,
                              double graze)
 {
-    Contact best = {2.0, {0.0, 0.0}};
+    WgContact best = {2.0, {0.0, 0.0}};
     int64_t low = wg_most(wg_cell_of(wg_least(from.y, from.y + dy) - reach - 1), -1);
     int64_t high = wg_least(wg_cell_of(wg_most(from.y, from.y + dy) + reach), grid.height);
     int64_t left = wg_most(wg_cell_of(wg_least(from.x, from.x + dx) - reach - 1), -1);
@@ -108,15 +101,28 @@ static Contact first_contact(WgGrid grid, double radius, int64_t reach, Point fr
     return best;
 }
 
+WgContact wg_wall_contact(WgGrid grid, WgDisc disc, WgPlace from, WgVector by)
+{
+    double radius = sqrt((double)disc.clear_sq);
+    WgContact contact = first_contact(grid, radius, disc.reach, from, by.x, by.y, GRAZE);
+    if (contact.time > 1.0) {
+        contact = first_contact(grid, radius, disc.reach, from, by.x, by.y, 0.0);
+    }
+    if (contact.time > 1.0) {
+        contact = (WgContact){1.0, {-(double)by.x, -(double)by.y}};
+    }
+    return contact;
+}
+
 // A clear end of a slide: its destination, or one or two lattice units further from the wall.
-static bool step_aside(WgGrid grid, WgDisc disc, Point from, Point to, WgNormal normal, Point *end)
+static bool step_aside(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to, WgNormal normal, WgPlace *end)
 {
     int64_t sx = (normal.x > 0.0) - (normal.x < 0.0);
     int64_t sy = (normal.y > 0.0) - (normal.y < 0.0);
     int64_t main_x = fabs(normal.x) >= fabs(normal.y) ? sx : 0;
     int64_t main_y = fabs(normal.y) >= fabs(normal.x) ? sy : 0;
     for (int64_t away = 0; away < 4; away++) {
-        Point aside = {to.x + (away < 3 ? away * main_x : sx), to.y + (away < 3 ? away * main_y : sy)};
+        WgPlace aside = {to.x + (away < 3 ? away * main_x : sx), to.y + (away < 3 ? away * main_y : sy)};
         if (is_clear(grid, disc, from, aside)) {
             *end = aside;
             return true;
@@ -130,7 +136,7 @@ static bool step_aside(WgGrid grid, WgDisc disc, Point from, Point to, WgNormal 
 //
 // Try the nearest to the contact, then points a little away from the wall in case rounding is
 // inside it, then further back.
-static Point stop_at(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t dy, Contact contact)
+static WgPlace stop_at(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64_t dy, WgContact contact)
 {
     double length = sqrt((double)dx * (double)dx + (double)dy * (double)dy);
     for (int back = 0; back < 4; back++) {
@@ -138,12 +144,12 @@ static Point stop_at(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t d
         if (share <= 0.0) {
             break;
         }
-        Point goal = {from.x + wg_round_away(share * (double)dx), from.y + wg_round_away(share * (double)dy)};
+        WgPlace goal = {from.x + wg_round_away(share * (double)dx), from.y + wg_round_away(share * (double)dy)};
         // Where it is, it is clear. Nine of ten contacts of a robot that pushes along walls end here: a fifth faster.
         if (goal.x == from.x && goal.y == from.y) {
             break;
         }
-        Point end;
+        WgPlace end;
         if (step_aside(grid, disc, from, goal, contact.normal, &end)) {
             return end;
         }
@@ -155,12 +161,12 @@ static Point stop_at(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t d
 //
 // Corners that the path only grazes count if nothing else explains why it isn't clear: they do not
 // take part in a slide along a wall, though they are as near as possible.
-static Stop first_stop(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t dy)
+static Stop first_stop(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64_t dy)
 {
     double radius = sqrt((double)disc.clear_sq);
-    Contact contact = first_contact(grid, radius, disc.reach, from, dx, dy, GRAZE);
+    WgContact contact = first_contact(grid, radius, disc.reach, from, dx, dy, GRAZE);
     if (contact.time <= 1.0) {
-        Point place = stop_at(grid, disc, from, dx, dy, contact);
+        WgPlace place = stop_at(grid, disc, from, dx, dy, contact);
         bool moved = place.x != from.x || place.y != from.y;
         if (moved || contact.time * (double)(wg_abs(dx) + wg_abs(dy)) < 1.0) {
             return (Stop){contact, place};
@@ -169,12 +175,12 @@ static Stop first_stop(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t
     contact = first_contact(grid, radius, disc.reach, from, dx, dy, 0.0);
     if (contact.time > 1.0) {
         // A touch that only exact arithmetic detects.
-        contact = (Contact){1.0, {-(double)dx, -(double)dy}};
+        contact = (WgContact){1.0, {-(double)dx, -(double)dy}};
     }
     return (Stop){contact, stop_at(grid, disc, from, dx, dy, contact)};
 }
 
-static int64_t append(WgCorner *chain, int64_t count, Point place, double time)
+static int64_t append(WgCorner *chain, int64_t count, WgPlace place, double time)
 {
     chain[count] = (WgCorner){place.x, place.y, wg_floor(time * TIME_UNIT + 0.5)};
     return count + 1;
@@ -183,15 +189,15 @@ static int64_t append(WgCorner *chain, int64_t count, Point place, double time)
 WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, double end, double wall_friction,
                       WgCorner *chain, int64_t count)
 {
-    Point place = {way.px, way.py};
+    WgPlace place = {way.px, way.py};
     int64_t dx = way.qx - way.px;
     int64_t dy = way.qy - way.py;
     double now = begin;
     WgNormal normal = {0.0, 0.0};
     for (int attempt = 0; attempt < TRIES && (dx != 0 || dy != 0); attempt++) {
         // All the way, if it is clear.
-        Point goal = {place.x + dx, place.y + dy};
-        Point clear_end = goal;
+        WgPlace goal = {place.x + dx, place.y + dy};
+        WgPlace clear_end = goal;
         bool is_free = attempt == 0 ? is_clear(grid, disc, place, goal)
                                     : step_aside(grid, disc, place, goal, normal, &clear_end);
         if (is_free) {
@@ -229,7 +235,7 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
 
 WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chain, int64_t count)
 {
-    Point goal = {way.qx, way.qy};
+    WgPlace goal = {way.qx, way.qy};
     if (goal.x == way.px && goal.y == way.py) {
         return (WgMoved){count, {0.0, 0.0}};
     }

@@ -13,19 +13,24 @@ static void burn(WgRobot *robot, int64_t step, WgFound cell, int state)
     robot->report.hit_iy = cell.iy;
 }
 
-// Applies all events of one time; one that catches the robot ends the run as WG_BURNED.
-static void apply_events(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
+int64_t wg_change_cells(const WgArena *arena, int64_t step, int64_t first)
 {
-    int64_t time = arena->events[robot->next_event].time;
-    while (robot->next_event < arena->event_count) {
-        const WgEvent *event = &arena->events[robot->next_event];
+    int64_t time = arena->events[first].time;
+    int64_t next = first;
+    while (next < arena->event_count) {
+        const WgEvent *event = &arena->events[next];
         if (event->step != step || event->time != time) {
             break;
         }
         arena->cells[event->iy * arena->width + event->ix] = (uint8_t)event->state;
         wg_mark_near(wg_grid(arena), arena->near, event->ix, event->iy);
-        robot->next_event++;
+        next++;
     }
+    return next;
+}
+
+void wg_catch(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
+{
     const WgState *state = &robot->body->state;
     WgSegment here = {state->x, state->y, state->x, state->y};
     static const int CAUGHT[2] = {WG_SOLID, WG_BURNING};
@@ -70,10 +75,8 @@ static void judge_piece(const WgArena *arena, const WgSettings *settings, int64_
     }
 }
 
-// Judges a straight piece of the path near cells that are not free (fire, walls, target, length),
-// and moves the robot to its end.
-static void arrive_closely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t x, int64_t y,
-                           WgRobot *robot)
+void wg_arrive_closely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t x, int64_t y,
+                       WgRobot *robot)
 {
     WgSegment way = {robot->body->state.x, robot->body->state.y, x, y};
     if (arena->event_count > 0 && robot->report.ending == WG_LIMIT) {
@@ -107,16 +110,15 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
 
     // A robot that stands still may still be burnt, or be at the target.
     if (robot->corners == before) {
-        arrive_closely(arena, settings, step, state->x, state->y, robot);
+        wg_arrive_closely(arena, settings, step, state->x, state->y, robot);
     }
     for (int64_t k = before; k < robot->corners; k++) {
-        arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
+        wg_arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
     }
     return moved.contact;
 }
 
-// The part of a displacement covered by a time in the step, lattice units.
-static int64_t share(int64_t whole, int64_t time)
+int64_t wg_share_of(int64_t whole, int64_t time)
 {
     return wg_round_away((double)whole * ((double)time / (double)WG_STEP_TIME));
 }
@@ -134,8 +136,8 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
         bool due = robot->next_event < arena->event_count && arena->events[robot->next_event].step == step;
         int64_t until = due && exact ? arena->events[robot->next_event].time : WG_STEP_TIME;
         if (until > now && (exact || !due)) {
-            int64_t there_x = until == WG_STEP_TIME ? dx : share(dx, until);
-            int64_t there_y = until == WG_STEP_TIME ? dy : share(dy, until);
+            int64_t there_x = until == WG_STEP_TIME ? dx : wg_share_of(dx, until);
+            int64_t there_y = until == WG_STEP_TIME ? dy : wg_share_of(dy, until);
             WgNormal contact = wg_move(arena, settings, step, there_x - gone_x, there_y - gone_y, now, until, robot);
 
             // The robot waits for the next event.
@@ -151,7 +153,8 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
             now = until;
         }
         if (due && robot->report.ending == WG_LIMIT) {
-            apply_events(arena, settings, step, robot);
+            robot->next_event = wg_change_cells(arena, step, robot->next_event);
+            wg_catch(arena, settings, step, robot);
         }
         if (robot->report.ending != WG_LIMIT) {
             break;
@@ -160,14 +163,13 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
     return last;
 }
 
-void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
+WgVector wg_rounded_place(const WgArena *arena, const WgSettings *settings, const WgState *state)
 {
-    const WgState *state = &robot->body->state;
     int64_t grid = settings->lattice;
     int64_t left = wg_floor_div(state->x, grid) * grid;
     int64_t low = wg_floor_div(state->y, grid) * grid;
     if (left == state->x && low == state->y) {
-        return;
+        return (WgVector){state->x, state->y};
     }
 
     // Of equally near points, the first from the lower left counts.
@@ -188,9 +190,16 @@ void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t ste
             best = away;
         }
     }
-    if (best > 0) {
-        wg_add_corner(robot, to_x, to_y, WG_STEP_TIME);
-        arrive_closely(arena, settings, step, to_x, to_y, robot);
+    return (WgVector){to_x, to_y};
+}
+
+void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
+{
+    const WgState *state = &robot->body->state;
+    WgVector to = wg_rounded_place(arena, settings, state);
+    if (to.x != state->x || to.y != state->y) {
+        wg_add_corner(robot, to.x, to.y, WG_STEP_TIME);
+        wg_arrive_closely(arena, settings, step, to.x, to.y, robot);
     }
 }
 
@@ -215,7 +224,7 @@ static void push(const WgArena *arena, const WgSettings *settings, int64_t step,
         robot->contact = moved.contact;
     }
     for (int64_t k = before; k < robot->corners && robot->report.ending == WG_LIMIT; k++) {
-        arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
+        wg_arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
     }
     if (settings->lattice > 1 && robot->report.ending == WG_LIMIT) {
         wg_round_pose(arena, settings, step, robot);

@@ -37,6 +37,9 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
 // The controller's senses before its first step: only constants.
 void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings);
 
+// The most events in one step.
+int64_t wg_most_events_of_a_step(const WgArena *arena);
+
 // Forgets where the robot has been, except for its start.
 void wg_visit_start(const WgArena *arena, const WgSettings *settings);
 
@@ -78,6 +81,24 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
 // and judges the path. `from` and `until` are times in the step.
 WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
                           int64_t from, int64_t until, WgRobot *robot);
+
+// Judges a straight piece of the path near cells that are not free (fire, walls, target, length),
+// and moves the robot to its end.
+void wg_arrive_closely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t x, int64_t y,
+                       WgRobot *robot);
+
+// Applies all events at the time of the first one. Returns the index of the next event.
+int64_t wg_change_cells(const WgArena *arena, int64_t step, int64_t first);
+
+// Ends the run as WG_BURNED if a cell that has changed catches the robot.
+void wg_catch(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
+
+// The part of a displacement covered by a time in the step, lattice units.
+int64_t wg_share_of(int64_t whole, int64_t time);
+
+// The nearest point of a coarser lattice that the robot can reach on a clear line; its own place if
+// there is none.
+WgVector wg_rounded_place(const WgArena *arena, const WgSettings *settings, const WgState *state);
 
 // Moves the robot to the nearest point of a coarser lattice that it can reach on a clear line, if
 // there is one.

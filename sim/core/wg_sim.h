@@ -32,6 +32,7 @@ enum {
     WG_INVALID_COMMAND = 5,
     WG_CRASH = 6,  // the controller set WgCommand.error; that step ends there, neither recorded nor hashed
     WG_COVERED = 7,  // the robot's centre has been in every cell of WgArena.wanted
+    WG_COLLISION = 8,  // of a fleet under WG_ENDPOINT: two robots' paths crossed
 };
 
 // Motion models on the lattice.

@@ -21,7 +21,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
 from worldgen.parameters import Bounds, parameters_of_fields
 from worldgen.support.plain_text import quote
-from worldgen.world import Pose, Value, Witness, World
+from worldgen.world import JointWitness, Pose, Value, Witness, World
 
 __all__ = [
     "BUDGET_FACTOR",
@@ -245,7 +245,7 @@ def step_budget(
         time_step: Time step, s.
         robot: Options of the robot; if omitted, nothing disturbs it.
     """
-    if not isinstance(world.certificate, Witness):
+    if not isinstance(world.certificate, Witness | JointWitness):
         return _STEPS_WITHOUT_WITNESS
     duration = exact(world.certificate.duration)
     if robot is not None and robot.moved:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import time
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,7 @@ __all__ = [
     "CoreArena",
     "CoreEpisode",
     "Driver",
+    "ReportedEpisode",
     "Workspace",
     "beam_tables",
     "copy_of",
@@ -266,7 +267,8 @@ class Workspace:
     """Views of the core's memory through which an episode talks to a controller outside the core.
 
     Args:
-        episode: The episode.
+        episode: The episode, a :class:`CoreEpisode` or a robot of a fleet; its ``c`` is a
+            WgEpisode.
 
     Attributes:
         observation: (17 + beams,) what the controller observes.
@@ -274,7 +276,7 @@ class Workspace:
         command: (3,) speed, turn rate, and whether the random number was used.
     """
 
-    def __init__(self, episode: CoreEpisode) -> None:
+    def __init__(self, episode: Any) -> None:
         c = episode.c
         size = int(c.controller.memory_size)
         numbers = SENSES + int(c.workspace.observation.beam_count)
@@ -293,6 +295,25 @@ def _buffer(owner: object, address: Any, count: int) -> Any:
     """
     held = ffi.gc(address, lambda _, owner=owner: None)
     return ffi.buffer(held, 8 * count)
+
+
+class ReportedEpisode(Protocol):
+    """An episode that can be read: one that runs alone, or a robot's in a fleet."""
+
+    @property
+    def report(self) -> Any:
+        """The WgReport of the run so far."""
+        ...
+
+    @property
+    def state(self) -> Any:
+        """The robot's WgState."""
+        ...
+
+    @property
+    def entry(self) -> int:
+        """First step of the loop with which the run ended; -1 if it ended otherwise."""
+        ...
 
 
 class CoreEpisode:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -31,6 +31,7 @@ from sim.runners.core_calls import (
     CoreArena,
     CoreEpisode,
     Driver,
+    ReportedEpisode,
     Workspace,
     beam_tables,
     copy_of,
@@ -199,6 +200,13 @@ class LatticeRun:
         Raises:
             InvalidWorld: If none of them is clear.
         """
+        start = next(self.starts_near(pose), None)
+        if start is None:
+            raise start_overlaps(replace(self.world, start=pose))
+        return start
+
+    def starts_near(self, pose: Pose) -> Iterator[tuple[int, int, int]]:
+        """Yield the lattice points next to a start at which the robot is clear, nearest first."""
         side = self.world.cell_size
         settings = self.settings
         x = metres_to_lattice(pose.x, side)
@@ -211,8 +219,7 @@ class LatticeRun:
         )
         for dx, dy in near:
             if lib.wg_disc_is_clear(grid, lib.WG_SOLID, disc, x + dx, y + dy):
-                return x + dx, y + dy, heading_to_lattice(pose.heading)
-        raise start_overlaps(replace(self.world, start=pose))
+                yield x + dx, y + dy, heading_to_lattice(pose.heading)
 
     @property
     def last_event_step(self) -> int:
@@ -231,7 +238,7 @@ class LatticeRun:
             return self._run_compiled(self.controller, record)[0]
         loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
         loop.run(steps, record=record)
-        return self._outcome(loop.episode, loop.recording(), loop.complete, loop.fault)
+        return self.outcome_of(loop.episode, loop.recording(), loop.complete, loop.fault)
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
@@ -450,11 +457,11 @@ class LatticeRun:
         episode.run_to_the_end()
         fault = self._fault(controller, episode) if episode.report.ending == lib.WG_CRASH else None
         if not record:
-            return self._outcome(episode, None, fault=fault), episode
+            return self.outcome_of(episode, None, fault=fault), episode
         done = int(episode.report.steps)
         points = int(episode.report.points)
         if self._lean and 8 * (done + 1) * (_STATE + episode.words) > MOST_HELD:
-            outcome = self._outcome(episode, None, fault=fault)
+            outcome = self.outcome_of(episode, None, fault=fault)
             return replace(outcome, trace=self._lean_trace(controller, done, points)), episode
         rows = self.memory.zeros((done + 1, _STATE + episode.words), np.int64)
         path = self.memory.zeros((points, _POINT_FIELDS), np.int64)
@@ -462,7 +469,7 @@ class LatticeRun:
         rows[0, _STATE:] = episode.state_words()
         episode.record(rows[1:], path)
         episode.run_to_the_end()
-        return self._outcome(episode, (rows, path), fault=fault), episode
+        return self.outcome_of(episode, (rows, path), fault=fault), episode
 
     def _episode(self, controller: CompiledController) -> CoreEpisode:
         return CoreEpisode(self.arena(), self.settings, Driver(controller, controller.memory))
@@ -517,18 +524,26 @@ class LatticeRun:
                     take(step, memories[step - first])
 
         return replace(
-            self._trace(rows[: steps + 1], path[:filled], True, lean=True),
+            self.trace_of(rows[: steps + 1], path[:filled], True, lean=True),
             recall=recall,
             recalled=size,
         )
 
-    def _outcome(
+    def outcome_of(
         self,
-        episode: CoreEpisode | None,
+        episode: ReportedEpisode | None,
         recording: tuple[Ints, Ints] | None,
         complete: bool = True,
         fault: ControllerError | None = None,
     ) -> Outcome:
+        """Return the outcome of an episode that this run has packed.
+
+        Args:
+            episode: The episode; ``None`` if the controller failed before it began.
+            recording: Its rows and the points of its path, if it was recorded.
+            complete: Whether the recorded state alone decides the future.
+            fault: The controller's fault, if it made one.
+        """
         report: Any = episode.report if episode else ffi.new("WgReport *")
         return Outcome(
             ending=fault.verdict if fault else ENDINGS[int(report.ending)],
@@ -546,12 +561,13 @@ class LatticeRun:
             overlap_cell=(int(report.overlap_ix), int(report.overlap_iy)),
             random_draws=int(episode.state.draws) if episode else 0,
             cells_visited=int(report.cells_visited),
+            points=int(report.points),
             complete=complete,
             fault=fault.evidence if fault else None,
-            trace=None if recording is None else self._trace(*recording, complete),
+            trace=None if recording is None else self.trace_of(*recording, complete),
         )
 
-    def _trace(self, rows: Ints, path: Ints, complete: bool, *, lean: bool = False) -> Trace:
+    def trace_of(self, rows: Ints, path: Ints, complete: bool, *, lean: bool = False) -> Trace:
         """Return a recording in metres and radians."""
         states = rows[:, _STATE:]
         side = self.world.cell_size

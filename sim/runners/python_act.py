@@ -14,7 +14,7 @@ from sim.controllers.contract import flat_memory, no_command, no_memory
 from sim.runners.controller_time import MEASURED_EVERY, timed
 from sim.runners.stopping import breakable, portions
 
-__all__ = ["Stops", "act_in_core"]
+__all__ = ["Stops", "act_in_core", "settled"]
 
 # Speed, turn rate, and whether the random number was used.
 _COMMAND = struct.Struct("3d")
@@ -77,7 +77,7 @@ def act_in_core(
     """
     first = timed(act) if is_measured else act
     measured = timed(act, MEASURED_EVERY) if is_measured else act
-    tools = (act, first, measured, tuple.__new__, Observation, Command, tuple, float, _settled)
+    tools = (act, first, measured, tuple.__new__, Observation, Command, tuple, float, settled)
     address = _address(ffi, stops.acting)
     for most in portions():
         memory = _act_in_python(address, tools, memory, most)
@@ -86,7 +86,7 @@ def act_in_core(
     return memory
 
 
-def _settled(answer: Any, size: int) -> tuple[float, ...]:
+def settled(answer: Any, size: int) -> tuple[float, ...]:
     """Read an answer that is not in the usual form, which C reads itself.
 
     Args:

@@ -5,8 +5,10 @@ import pytest
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
+    CollisionEvidence,
     CoveredEvidence,
     FaultEvidence,
+    JointLoopEvidence,
     LoopEvidence,
     ReachedEvidence,
     WallEvidence,
@@ -16,17 +18,30 @@ from sim.evidence import (
 from sim.verdict import Verdict
 
 FRAMES = ({"file": "mine.py", "line": 3, "function": "act"},)
+JOINT = JointLoopEvidence(
+    entry=4,
+    period=2,
+    state_digest="0" * 16,
+    waiting=(1, 3),
+    moving=(),
+    blocked=((1, 3), (3, 1)),
+    parked=((2, 90),),
+)
 EACH = {
     Verdict.REACHED: ReachedEvidence(step=5, wall_step=3),
     Verdict.COVERED: CoveredEvidence(step=5, cells=3),
     Verdict.LOOP: LoopEvidence(entry=0, period=4, state_digest="0" * 16),
+    Verdict.LIVELOCK: JOINT,
+    Verdict.DEADLOCK: JOINT,
+    Verdict.STARVED: JOINT,
+    Verdict.COLLISION: CollisionEvidence(step=3, robots=(1, 2)),
     Verdict.STALLED: BudgetEvidence(
         last_new_cell=3, kind="drifting", entry=4, period=2, box=(3, 1)
     ),
     Verdict.TIMEOUT: BudgetEvidence(last_new_cell=90, witness_multiple=50.0),
     Verdict.TUNNEL: WallEvidence(step=7, cell=(-1, 3), cause="slide", since=6, reached=9),
     Verdict.OVERLAP: WallEvidence(step=7, cell=(2, 3)),
-    Verdict.BURNED: BurnedEvidence(step=2, cell=(4, 4), state="burning"),
+    Verdict.BURNED: BurnedEvidence(step=2, cell=(4, 4), state="burning", robot=2),
     Verdict.CRASH: FaultEvidence(
         error="exit code 1", step=2, stderr=("a", "b"), frames=FRAMES, bump=True
     ),

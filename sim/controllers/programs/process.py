@@ -187,6 +187,13 @@ class ProcessController:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def another(self) -> ProcessController:
+        """Return a controller that runs the same command in its own process."""
+        limits = self.limits
+        return ProcessController(
+            self.command, limits.deadline, limits.start_deadline, limits.memory
+        )
+
     def close(self) -> None:
         """End the program; the next episode starts it again."""
         self._stop()

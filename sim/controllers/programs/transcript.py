@@ -3,14 +3,31 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from sim.controllers import CONTROLLERS, ProcessController
 from worldgen.errors import InvalidParameter
 from worldgen.files.whole import check_output
 
-__all__ = ["transcribed"]
+__all__ = ["check_transcript", "transcribed"]
+
+
+def check_transcript(robots: Sequence[object], out: Path | None) -> None:
+    """Refuse to write a transcript for several robots, each of which has its own program.
+
+    Raises:
+        InvalidParameter: If one is wanted and there are several robots.
+    """
+    if out is not None and len(robots) > 1:
+        raise InvalidParameter(
+            "transcript-of-several",
+            "{option} records the lines sent to one program, and the world has {count} robots",
+            "leave it out",
+            at_terminal=True,
+            option="--transcript",
+            count=len(robots),
+        )
 
 
 @contextlib.contextmanager

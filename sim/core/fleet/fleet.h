@@ -1,0 +1,79 @@
+// What the files of the fleet share; see wg_fleet.h.
+
+#ifndef WG_FLEET_PARTS_H
+#define WG_FLEET_PARTS_H
+
+#include <stdbool.h>
+
+#include "motion.h"
+#include "step.h"
+#include "wg_fleet.h"
+
+// Phases that a move of robots near each other may have. Whoever still has somewhere to go then waits for the next step.
+enum { WG_MOST_PHASES = 12 };
+
+// The corners that one move may add to a robot's path: one for each phase, a wait, and a coarser lattice.
+enum { WG_FLEET_CORNERS = WG_MOST_PHASES + 2 };
+
+// A robot within a step.
+struct WgMover {
+    WgPlace begin;       // where it was when the move began
+    WgPlace place;       // where it is
+    WgVector left;       // what is left of its displacement
+    WgPlace goal;        // where the phase is to take it
+    int64_t far;         // no point of its disc gets further than this from its place in this move
+    WgContact wall;      // its first contact with a wall in the phase
+    WgNormal normal;     // away from what it touched last in this move
+    WgNormal touch;      // away from what it touches in this phase
+    int64_t touching;    // how many things those are
+    int64_t contacts;    // phases of this move in which it touched something
+    int64_t candidate;   // which lattice point near the wanted one `goal` is
+    int64_t cluster;     // index of the first robot of its cluster, once found
+    int64_t next;        // index of the next robot of its cluster; -1
+    bool is_active;      // it has not parked, nor ended the run
+    bool is_clear;       // the path to `goal` is known to be clear of walls
+    bool is_violated;    // the path to `goal` is not clear of something
+};
+
+// Two robots that may meet in a move.
+typedef struct WgPair {
+    int64_t one;
+    int64_t other;
+    int64_t clear_sq;  // squared distance to keep
+    double time;       // of their first contact in the phase; 2 if there is none
+    int64_t next;      // index of the next pair of the cluster; -1
+} WgPair;
+
+struct WgNear {
+    WgPair *pairs;        // (pair_count,)
+    int64_t pair_count;
+    int64_t *first;       // (count,) first robot of the cluster that a robot is the root of; -1
+    int64_t *first_pair;  // (count,) same, first pair
+    int64_t *heads;       // (buckets,) first robot in each bucket of the grid; -1
+    int64_t *chain;       // (count,) next robot in the same bucket; -1
+    int64_t buckets;      // a power of two
+};
+
+// Robots of which each may meet another one, directly or through others.
+typedef struct WgCluster {
+    int64_t first;       // index of a robot; the others follow by `next`
+    int64_t first_pair;  // index of a pair; same
+} WgCluster;
+
+// When a part of a step begins and ends, 2^-32 steps.
+typedef struct WgSpan {
+    int64_t from;
+    int64_t until;
+} WgSpan;
+
+// Finds the pairs that may meet, from `place` and `far` of each mover, and links them into clusters. A robot that may meet
+// nobody has no cluster. Two robots of which none moves cannot meet.
+void wg_find_near(WgFleet *fleet);
+
+// The word of the complete state that says whether a robot has parked.
+uint64_t *wg_parked_word(const WgFleet *fleet, int64_t robot);
+
+// Moves all robots for a step by their displacements, with the events that fall into it each at its time.
+void wg_move_fleet(WgFleet *fleet, int64_t step, const WgVector *by);
+
+#endif

@@ -1,0 +1,119 @@
+// Which robots may meet in a move. Their number decides what a step costs, not the number of all pairs: a grid whose
+// buckets are as wide as two robots get towards each other finds them.
+
+#include "fleet.h"
+
+enum { FEW = 12 };  // up to so many robots, all pairs are looked at: the grid is faster from 12 robots on
+
+// The bucket of a place.
+static int64_t bucket_of(const WgNear *near, int64_t column, int64_t row)
+{
+    // Large odd numbers without a pattern spread neighbouring columns and rows over the buckets.
+    uint64_t mixed = (uint64_t)column * 0x9E3779B97F4A7C15u + (uint64_t)row * 0xC2B2AE3D27D4EB4Fu;
+    return (int64_t)((mixed >> 32) & (uint64_t)(near->buckets - 1));
+}
+
+// The root of a robot's cluster, which is a tree.
+static int64_t root_of(WgMover *movers, int64_t robot)
+{
+    while (movers[robot].cluster != robot) {
+        movers[robot].cluster = movers[movers[robot].cluster].cluster;
+        robot = movers[robot].cluster;
+    }
+    return robot;
+}
+
+// Whether a robot may move in this part of the step.
+static bool may_move(const WgFleet *fleet, int64_t robot)
+{
+    return fleet->movers[robot].far > fleet->members[robot]->settings->reach;
+}
+
+// Notes a pair that may meet.
+static void look_at(WgFleet *fleet, int64_t one, int64_t other)
+{
+    WgMover *movers = fleet->movers;
+    int64_t dx = movers[one].place.x - movers[other].place.x;
+    int64_t dy = movers[one].place.y - movers[other].place.y;
+    int64_t far = movers[one].far + movers[other].far;
+    if (dx * dx + dy * dy >= far * far || (!may_move(fleet, one) && !may_move(fleet, other))) {
+        return;
+    }
+    const WgFleetSettings *settings = fleet->settings;
+    int64_t clear_sq = settings->clear_sq[settings->kind[one] * settings->kinds + settings->kind[other]];
+    fleet->near->pairs[fleet->near->pair_count++] = (WgPair){one, other, clear_sq, 2.0, -1};
+    movers[root_of(movers, one)].cluster = root_of(movers, other);
+}
+
+static void look_at_all(WgFleet *fleet)
+{
+    for (int64_t one = 0; one < fleet->count; one++) {
+        for (int64_t other = 0; other < one; other++) {
+            look_at(fleet, one, other);
+        }
+    }
+}
+
+// Looks at the robots in the nine buckets around each one, among those that are in the grid already.
+static void look_around(WgFleet *fleet)
+{
+    WgNear *near = fleet->near;
+    int64_t furthest = 1;
+    for (int64_t k = 0; k < fleet->count; k++) {
+        furthest = wg_most(furthest, fleet->movers[k].far);
+    }
+    for (int64_t k = 0; k < near->buckets; k++) {
+        near->heads[k] = -1;
+    }
+    for (int64_t k = 0; k < fleet->count; k++) {
+        int64_t column = wg_floor_div(fleet->movers[k].place.x, 2 * furthest);
+        int64_t row = wg_floor_div(fleet->movers[k].place.y, 2 * furthest);
+        for (int64_t place = 0; place < 9; place++) {
+            int64_t around = bucket_of(near, column + place % 3 - 1, row + place / 3 - 1);
+            // Two of the nine may share a bucket, whose robots are then looked at once.
+            bool again = false;
+            for (int64_t before = 0; before < place && !again; before++) {
+                again = bucket_of(near, column + before % 3 - 1, row + before / 3 - 1) == around;
+            }
+            for (int64_t other = again ? -1 : near->heads[around]; other >= 0; other = near->chain[other]) {
+                look_at(fleet, k, other);
+            }
+        }
+        int64_t own = bucket_of(near, column, row);
+        near->chain[k] = near->heads[own];
+        near->heads[own] = k;
+    }
+}
+
+void wg_find_near(WgFleet *fleet)
+{
+    WgNear *near = fleet->near;
+    WgMover *movers = fleet->movers;
+    near->pair_count = 0;
+    for (int64_t k = 0; k < fleet->count; k++) {
+        movers[k].cluster = k;
+        movers[k].next = -1;
+        near->first[k] = -1;
+        near->first_pair[k] = -1;
+    }
+    if (fleet->count <= FEW) {
+        look_at_all(fleet);
+    } else {
+        look_around(fleet);
+    }
+
+    // Link the pairs of each cluster, and its robots; one that may meet nobody stays out.
+    for (int64_t k = 0; k < near->pair_count; k++) {
+        int64_t root = root_of(movers, near->pairs[k].one);
+        near->pairs[k].next = near->first_pair[root];
+        near->first_pair[root] = k;
+    }
+    for (int64_t k = 0; k < fleet->count; k++) {
+        int64_t root = root_of(movers, k);
+        movers[k].cluster = root;
+        if (near->first_pair[root] >= 0) {
+            movers[k].next = near->first[root];
+            near->first[root] = k;
+        }
+    }
+}

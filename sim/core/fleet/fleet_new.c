@@ -1,0 +1,200 @@
+// Makes fleets and puts their robots at their starts.
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "fleet.h"
+
+// Words of a robot in the complete state: its own, its memory, its message, and whether it has parked.
+static int64_t words_of(const WgFleet *fleet, int64_t robot)
+{
+    return WG_STATE_WORDS + fleet->members[robot]->controller.memory_size + fleet->settings->message + 1;
+}
+
+uint64_t *wg_parked_word(const WgFleet *fleet, int64_t robot)
+{
+    return (uint64_t *)fleet->members[robot]->robot.body + words_of(fleet, robot) - 1;
+}
+
+// An array of its own, all zero; NULL if there is no memory, and then for all later ones too.
+static void *array(bool *is_made, int64_t count, size_t size)
+{
+    void *made = *is_made ? calloc((size_t)wg_most(count, 1), size) : NULL;
+    *is_made = made != NULL;
+    return made;
+}
+
+static bool make_search(WgFleet *fleet, int64_t words)
+{
+    bool is_made = true;
+    WgSearch *search = &fleet->search;
+    search->words = words;
+    search->prints = array(&is_made, wg_blocks(words) + 1, sizeof(uint64_t));
+    search->known = array(&is_made, words, sizeof(uint64_t));
+    if (fleet->settings->log_steps > 0) {
+        // Not cleared: a long log takes memory only as the run progresses.
+        search->log_size = fleet->settings->log_steps + 1;
+        search->log = malloc((size_t)search->log_size * sizeof(uint64_t));
+        is_made = is_made && search->log != NULL;
+    }
+    return is_made;
+}
+
+static bool make_near(WgFleet *fleet)
+{
+    bool is_made = true;
+    int64_t count = fleet->count;
+    WgNear *near = array(&is_made, 1, sizeof *near);
+    fleet->near = near;
+    if (!is_made) {
+        return false;
+    }
+    near->buckets = 16;
+    while (near->buckets < 2 * count) {
+        near->buckets *= 2;
+    }
+    near->pairs = array(&is_made, count * (count - 1) / 2, sizeof *near->pairs);
+    near->first = array(&is_made, count, sizeof *near->first);
+    near->first_pair = array(&is_made, count, sizeof *near->first_pair);
+    near->heads = array(&is_made, near->buckets, sizeof *near->heads);
+    near->chain = array(&is_made, count, sizeof *near->chain);
+    return is_made;
+}
+
+// Makes the members, and puts their states next to each other.
+static WgStatus make_members(WgFleet *fleet, const WgArena *const *arenas, const WgSettings *const *robots,
+                             const WgController *const *controllers)
+{
+    int64_t words = 0;
+    for (int64_t k = 0; k < fleet->count; k++) {
+        WgStatus status = wg_episode_new(arenas[k], robots[k], controllers[k], 0, &fleet->members[k]);
+        if (status != WG_OK) {
+            return status;
+        }
+        words += words_of(fleet, k);
+    }
+    int64_t corners = WG_FLEET_CORNERS * (wg_most_events_of_a_step(arenas[0]) + 1);
+    bool is_made = make_search(fleet, words) && make_near(fleet);
+    fleet->state = array(&is_made, words, sizeof *fleet->state);
+    fleet->chains = array(&is_made, fleet->count * corners, sizeof *fleet->chains);
+    if (!is_made) {
+        return WG_OUT_OF_MEMORY;
+    }
+    uint64_t *body = fleet->state;
+    for (int64_t k = 0; k < fleet->count; k++) {
+        WgEpisode *member = fleet->members[k];
+        member->robot.body = (WgBody *)body;
+        member->robot.chain = fleet->chains + k * corners;
+        member->search.words = words_of(fleet, k) - 1;
+        body += words_of(fleet, k);
+    }
+    return WG_OK;
+}
+
+static bool is_in_range(const WgFleetSettings *settings, const WgArena *const *arenas, const WgSettings *const *robots,
+                        int64_t count)
+{
+    if (count < 1 || count > WG_MOST_ROBOTS || settings->message < 0 || settings->message > WG_MOST_MESSAGE
+        || settings->log_steps < 0 || settings->kinds < 1) {
+        return false;
+    }
+    for (int64_t k = 0; k < count; k++) {
+        if (arenas[k]->cells != arenas[0]->cells || arenas[k]->near != arenas[0]->near
+            || arenas[k]->events != arenas[0]->events || robots[k]->motion != settings->motion
+            || robots[k]->find_loop != WG_NO_LOOP || robots[k]->push_count > 0 || arenas[k]->wanted != NULL            || settings->kind[k] < 0 || settings->kind[k] >= settings->kinds) {
+            return false;
+        }
+    }
+    return true;
+}
+
+WgStatus wg_fleet_new(const WgFleetSettings *settings, const WgArena *const *arenas, const WgSettings *const *robots,
+                      const WgController *const *controllers, int64_t count, WgFleet **made)
+{
+    *made = NULL;
+    if (!is_in_range(settings, arenas, robots, count)) {
+        return WG_BAD_VALUE;
+    }
+    WgFleet *fleet = calloc(1, sizeof *fleet);
+    if (fleet == NULL) {
+        return WG_OUT_OF_MEMORY;
+    }
+    bool is_made = true;
+    fleet->settings = settings;
+    fleet->count = count;
+    fleet->most_blocks = 8 * count;
+    fleet->members = array(&is_made, count, sizeof *fleet->members);
+    fleet->moved = array(&is_made, count, sizeof *fleet->moved);
+    fleet->blocks = array(&is_made, fleet->most_blocks, sizeof *fleet->blocks);
+    fleet->movers = array(&is_made, count, sizeof *fleet->movers);
+    fleet->by = array(&is_made, count, sizeof *fleet->by);
+    fleet->before = array(&is_made, count, sizeof *fleet->before);
+    fleet->is_inside = array(&is_made, count, sizeof *fleet->is_inside);
+    fleet->acts = array(&is_made, count, sizeof *fleet->acts);
+    WgStatus status = is_made ? make_members(fleet, arenas, robots, controllers) : WG_OUT_OF_MEMORY;
+    if (status != WG_OK) {
+        wg_fleet_free(fleet);
+        return status;
+    }
+    *made = fleet;
+    return WG_OK;
+}
+
+void wg_fleet_free(WgFleet *fleet)
+{
+    if (fleet == NULL) {
+        return;
+    }
+    for (int64_t k = 0; fleet->members != NULL && k < fleet->count; k++) {
+        wg_episode_free(fleet->members[k]);
+    }
+    if (fleet->near != NULL) {
+        free(fleet->near->pairs);
+        free(fleet->near->first);
+        free(fleet->near->first_pair);
+        free(fleet->near->heads);
+        free(fleet->near->chain);
+    }
+    free(fleet->near);
+    free(fleet->search.prints);
+    free(fleet->search.known);
+    free(fleet->search.log);
+    free(fleet->members);
+    free(fleet->state);
+    free(fleet->chains);
+    free(fleet->moved);
+    free(fleet->blocks);
+    free(fleet->movers);
+    free(fleet->by);
+    free(fleet->before);
+    free(fleet->is_inside);
+    free(fleet->acts);
+    free(fleet);
+}
+
+WgStatus wg_fleet_begin(WgFleet *fleet)
+{
+    const WgFleetSettings *settings = fleet->settings;
+    if (settings->find_loop == WG_SEEK_LOOP && fleet->search.log_size <= settings->steps) {
+        return WG_BAD_SIZE;  // the log is shorter than the run
+    }
+    memset(fleet->state, 0, (size_t)fleet->search.words * sizeof *fleet->state);
+    memset(fleet->moved, 0, (size_t)fleet->count * sizeof *fleet->moved);
+    for (int64_t k = 0; k < fleet->count; k++) {
+        WgStatus status = wg_episode_begin(fleet->members[k]);
+        if (status != WG_OK) {
+            return status;
+        }
+    }
+    fleet->report = (WgFleetReport){.entry = -1, .robot = -1, .other = -1};
+    fleet->block_count = 0;
+    fleet->next_event = 0;
+    fleet->quiet = wg_last_event(fleet->members[0]->arena, fleet->members[0]->settings);
+    fleet->step = 0;
+    fleet->waits = 0;
+    fleet->over = 0;
+    if (settings->find_loop != WG_NO_LOOP) {
+        wg_search_begin(&fleet->search, fleet->state, fleet->quiet);
+    }
+    return WG_OK;
+}

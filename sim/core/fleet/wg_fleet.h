@@ -1,0 +1,101 @@
+// Fleets: several robots in one world, each with its own controller.
+//
+// In each step all robots move at the same time, then all sense, then all act. A robot that has reached its target parks:
+// it stands still and is asked no more, but stays an obstacle. A fleet is made of episodes, one for each robot, whose
+// states are put next to each other: together they are the complete state that a recurrence repeats.
+
+#ifndef WG_FLEET_H
+#define WG_FLEET_H
+
+#include <stdint.h>
+
+#include "wg_episode.h"
+#include "wg_parts.h"
+
+enum {
+    WG_MOST_ROBOTS = 1000,
+    WG_MOST_MESSAGE = 8,  // numbers of a message
+};
+
+// What a fleet is asked to do.
+typedef struct WgFleetSettings {
+    int64_t motion;      // WG_SWEPT or WG_ENDPOINT: the same for all robots
+    int64_t steps;       // budget
+    int64_t find_loop;   // WG_NO_LOOP, WG_SEEK_LOOP or WG_PROVE_LOOP
+    int64_t loop_entry;  // for WG_PROVE_LOOP
+    int64_t log_steps;   // longest run in which a recurrence is searched for; 0 for none
+    int64_t message;     // numbers that a robot sends in each step, WG_MOST_MESSAGE at most
+    int64_t kinds;       // sizes of discs
+    const int64_t *kind;      // (robots,) size of each robot, from 0
+    const int64_t *clear_sq;  // (kinds, kinds) squared distance that the centres of two robots keep, lattice units
+} WgFleetSettings;
+
+// What a fleet reports in addition to the reports of its robots.
+typedef struct WgFleetReport {
+    int64_t ending;  // WG_LIMIT, ...; WG_REACHED when all robots have parked; WG_LOOP: the complete state came back
+    int64_t steps;
+    int64_t period;
+    int64_t entry;   // first step from which on the states repeat, of WG_LOOP; else -1
+    int64_t robot;   // of an ending that one robot brought about: its index; else -1
+    int64_t other;   // of WG_COLLISION: the index of the other one; else -1
+    int64_t parked;  // robots that have reached their targets
+} WgFleetReport;
+
+// A robot that was stopped or bent by another one.
+typedef struct WgBlock {
+    int64_t robot;
+    int64_t by;
+} WgBlock;
+
+typedef struct WgMover WgMover;  // what a robot does within a step: fleet.h
+typedef struct WgNear WgNear;    // which robots are near each other: fleet.h
+
+typedef struct WgFleet {
+    const WgFleetSettings *settings;
+    int64_t count;
+    WgEpisode **members;    // (count,)
+    uint64_t *state;        // (search.words,) the complete state: each robot's, its memory, its message, whether it parked
+    WgSearch search;
+    WgFleetReport report;
+    int64_t *moved;         // (count,) last step in which each robot's centre moved
+    WgBlock *blocks;        // (block_count,) in the period of a loop that is proved: who was stopped by whom
+    int64_t block_count;
+    int64_t most_blocks;
+    WgMover *movers;        // (count,)
+    WgNear *near;
+    WgCorner *chains;       // corners of the robots' paths of the last step
+    WgVector *by;           // (count,) displacements of the step
+    WgVector *before;       // (count,) where the robots were before it
+    int64_t *is_inside;     // (count,) whether the centre is in the grid
+    int64_t *acts;          // (count,) 1 if the controller acts in this step
+    int64_t next_event;     // index of the first event that has not happened
+    int64_t quiet;          // step of the last event: states before it prove nothing
+    int64_t step;           // steps done
+    int64_t waits;          // 1 while controllers outside the core are to act: those of members whose `waits` is 1
+    int64_t over;           // 1 when the run has ended
+} WgFleet;
+
+// Makes a fleet, whose settings, arenas and members' settings stay the caller's. All arenas have the same cells, masks
+// and events. wg_fleet_free frees it.
+WgStatus wg_fleet_new(const WgFleetSettings *settings, const WgArena *const *arenas, const WgSettings *const *robots,
+                      const WgController *const *controllers, int64_t count, WgFleet **made);
+
+void wg_fleet_free(WgFleet *fleet);
+
+// Puts all robots at their starts. The arenas must be as they are before the first event.
+WgStatus wg_fleet_begin(WgFleet *fleet);
+
+// Runs at most so many steps: WG_GOES_ON, WG_OVER, or WG_ACTS where controllers outside the core are to act. Of those
+// members `waits` is 1; each finds what it observes in `flat`, and leaves its command and memory as in WgWorkspace before
+// the next call.
+int64_t wg_fleet_run(WgFleet *fleet, int64_t most_steps);
+
+// Ends a run as a crash of a robot's controller, in the step in which it was to act last.
+void wg_fleet_fail(WgFleet *fleet, int64_t robot, const char *error);
+
+// The parts of a step's motion, for tests: what wg_fleet_run does with displacements that are given.
+//
+// by:  (count,) displacement of each robot, lattice units.
+void wg_fleet_move(WgFleet *fleet, const WgVector *by);
+
+#endif

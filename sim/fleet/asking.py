@@ -1,0 +1,195 @@
+"""Let controllers outside the core act for the robots of a fleet."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import lib
+from sim.controllers.base import (
+    CompiledController,
+    Controller,
+    Memory,
+    Observation,
+    VectorController,
+)
+from sim.controllers.programs.process import ProcessController
+from sim.controllers.programs.program import ControllerError, WantsMemory
+from sim.controllers.vector import Asker
+from sim.fleet.core_calls import CoreFleet
+from sim.runners.controller_time import timed
+from sim.runners.core_calls import Workspace
+from sim.runners.python_act import settled
+from sim.runners.python_loop import crash_of
+from sim.runners.stopping import OutOfTime, breakable, check_time
+
+__all__ = ["FleetAskers", "own_controllers"]
+
+Floats = npt.NDArray[np.float64]
+
+# Steps between two checks of the clock.
+_CHECKED_EVERY = 16
+
+
+def own_controllers(controllers: Sequence[Controller]) -> list[Controller]:
+    """Give each robot its own copy of its controller, so that robots share nothing.
+
+    A program is started once for each robot. A vector controller acts for all of its robots in one
+    call, so it is not copied.
+    """
+    taken: set[int] = set()
+    own: list[Controller] = []
+    for controller in controllers:
+        again = id(controller) in taken
+        taken.add(id(controller))
+        if not again or isinstance(controller, CompiledController):
+            own.append(controller)
+        elif isinstance(controller, ProcessController):
+            own.append(controller.another())
+        elif isinstance(controller, VectorController):
+            own.append(controller)
+        else:
+            own.append(_copy_of(controller))
+    return own
+
+
+def _copy_of(controller: Any) -> Any:
+    try:
+        return copy.deepcopy(controller)
+    except Exception:  # noqa: BLE001 - an object that cannot be copied is shared
+        return controller
+
+
+class FleetAskers:
+    """Asks the controllers of a fleet that are not in the core, until the run is over.
+
+    Args:
+        controllers: (n,) each robot's controller.
+        memories: (n,) their memories at reset; ``None`` for controllers in the core.
+
+    Attributes:
+        faults: What controllers did wrong in the last step, by the index of their robot.
+    """
+
+    def __init__(
+        self, controllers: Sequence[Controller], memories: Sequence[Memory | None]
+    ) -> None:
+        self._controllers = controllers
+        self._memories = list(memories)
+        self.faults: dict[int, ControllerError] = {}
+
+    def run(self, fleet: CoreFleet) -> None:
+        """Run a fleet to its end.
+
+        Raises:
+            OutOfTime: If there is no more time.
+        """
+        alone, groups = self._askers(fleet)
+        for number in itertools.count():
+            state = fleet.run(_CHECKED_EVERY)
+            if state == lib.WG_OVER:
+                return
+            if number % _CHECKED_EVERY == 0:
+                check_time()
+            if state == lib.WG_ACTS:
+                self._ask(fleet, alone, groups)
+                if self.faults:
+                    # Whichever robots fail in one step, the first of them is named.
+                    first = min(self.faults)
+                    fleet.fail(first, self.faults[first].error)
+                    return
+
+    def _askers(self, fleet: CoreFleet) -> tuple[list[_One], list[_Many]]:
+        """Return what asks each robot's own controller, and each vector controller."""
+        alone: list[_One] = []
+        many: dict[int, list[int]] = {}
+        for number, controller in enumerate(self._controllers):
+            memory = self._memories[number]
+            if memory is None:
+                continue
+            if isinstance(controller, VectorController):
+                many.setdefault(id(controller), []).append(number)
+            else:
+                alone.append(_One(fleet, number, controller, memory))
+        groups = [_Many(fleet, self._controllers[one[0]], one) for one in many.values()]
+        return alone, groups
+
+    def _ask(self, fleet: CoreFleet, alone: list[_One], groups: list[_Many]) -> None:
+        """Ask all controllers whose robots wait."""
+        for one in alone:
+            if one.member.c.waits:
+                try:
+                    one.ask()
+                except ControllerError as fault:
+                    self.faults[one.number] = fault
+                except (KeyboardInterrupt, OutOfTime, WantsMemory):
+                    raise
+                except BaseException as error:  # noqa: BLE001 - anything may be raised
+                    self.faults[one.number] = crash_of(error, one.controller)
+        for group in groups:
+            waiting = [number for number in group.numbers if fleet.members[number].c.waits]
+            if not waiting:
+                continue
+            try:
+                group.ask(waiting)
+            except ControllerError as fault:
+                self.faults[waiting[0]] = fault
+            except (KeyboardInterrupt, OutOfTime):
+                raise
+            except BaseException as error:  # noqa: BLE001 - same
+                self.faults[waiting[0]] = crash_of(error, group.controller)
+
+
+class _One:
+    """A controller that acts for one robot."""
+
+    def __init__(self, fleet: CoreFleet, number: int, controller: Any, memory: Memory) -> None:
+        self.number = number
+        self.controller = controller
+        self.member = fleet.members[number]
+        self._workspace = Workspace(self.member)
+        self._memory = memory
+        # A program's time is measured where its answer is waited for.
+        is_program = isinstance(controller, ProcessController)
+        self._act = controller.act if is_program else timed(controller.act)
+
+    @breakable
+    def ask(self) -> None:
+        """Let it act, and hand its answer to the core."""
+        workspace = self._workspace
+        answer = self._act(Observation.of(workspace.observation), self._memory)
+        speed, turn_rate, used_random, *memory = settled(answer, len(self._memory))
+        workspace.command[:] = (speed, turn_rate, used_random)
+        self._memory = tuple(memory)
+        workspace.memory[:] = self._memory
+
+
+class _Many:
+    """A controller that acts for many robots at once."""
+
+    def __init__(self, fleet: CoreFleet, controller: Any, numbers: list[int]) -> None:
+        self.controller = controller
+        self.numbers = numbers
+        self._workspaces = {number: Workspace(fleet.members[number]) for number in numbers}
+        first = self._workspaces[numbers[0]]
+        self._seen = np.zeros((len(numbers), first.observation.size))
+        self._kept = np.zeros((len(numbers), first.memory.size))
+        self._command = np.zeros((len(numbers), first.command.size))
+        self._asker = Asker(controller, self._seen, self._kept, self._command)
+
+    def ask(self, waiting: list[int]) -> None:
+        """Let it act for some of its robots, and hand its answers to the core."""
+        for row, number in enumerate(waiting):
+            self._seen[row] = self._workspaces[number].observation
+            self._kept[row] = self._workspaces[number].memory
+        self._command[:] = 0.0
+        after = np.empty((len(waiting), self._kept.shape[1]))
+        self._asker.ask(len(waiting), after)
+        for row, number in enumerate(waiting):
+            self._workspaces[number].command[:] = self._command[row]
+            self._workspaces[number].memory[:] = after[row]

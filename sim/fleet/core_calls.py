@@ -1,0 +1,202 @@
+"""Build the core's fleets from packed runs; this module only converts."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import ffi, lib
+from sim.controllers.base import CompiledController
+from sim.runners.core_calls import CoreArena, Driver
+from sim.runners.lattice import LatticeRun
+from worldgen.lattice import clear_distance_sq, radius_in_cells
+from worldgen.support.ccall import check, pointer, writable
+
+__all__ = ["CoreFleet", "FleetMember", "driver_in_core"]
+
+Ints = npt.NDArray[np.int64]
+
+# Steps in the first call of a run; later calls grow until they take long enough.
+_FIRST_PORTION = 1 << 8
+
+# Least time of a call, s: short enough to notice Ctrl-C, long enough to cost nothing.
+_PORTION_TIME = 0.05
+
+
+class FleetMember:
+    """One robot of a fleet; its ``c`` is a WgEpisode.
+
+    Args:
+        fleet: Its fleet, which it keeps alive.
+        number: Its index.
+    """
+
+    entry = -1
+
+    def __init__(self, fleet: CoreFleet, number: int) -> None:
+        self._fleet = fleet
+        self._recording: tuple[Ints, Ints] | None = None
+        self.c: Any = fleet.c.members[number]
+
+    @property
+    def report(self) -> Any:
+        """The WgReport of the run so far."""
+        return self.c.robot.report
+
+    @property
+    def state(self) -> Any:
+        """The robot's WgState."""
+        return self.c.robot.body.state
+
+    @property
+    def words(self) -> int:
+        """Words of the robot's state, with its memory and its message."""
+        return int(self.c.search.words)
+
+    def state_words(self) -> Ints:
+        """Return (words,) int64, the robot's state."""
+        return np.frombuffer(ffi.buffer(self.c.robot.body, 8 * self.words), np.int64).copy()
+
+    def record(self, rows: Ints, path: Ints) -> None:
+        """Write the steps of the run into arrays, from its start on.
+
+        Args:
+            rows: (n, 1 + words) int64, one for each step: whether something was touched, then the
+                state.
+            path: (points, 4) int64, WgPathPoint.
+        """
+        self._recording = (rows, path)
+        points = ffi.cast("WgPathPoint *", writable(ffi, path, np.int64))
+        check(
+            lib.wg_episode_record(
+                self.c, writable(ffi, rows, np.int64), len(rows), points, len(path)
+            )
+        )
+
+
+class CoreFleet:
+    """A fleet of the core, at its start.
+
+    Args:
+        runs: One run for each robot, in worlds that differ in nothing but the robot.
+        drivers: (n,) each robot's controller, in the form in which the core calls it.
+        steps: Budget.
+        find_loop: ``WG_NO_LOOP``, ``WG_SEEK_LOOP`` or ``WG_PROVE_LOOP``.
+        loop_entry: For ``WG_PROVE_LOOP``.
+
+    Raises:
+        MemoryError: If there is not enough memory.
+    """
+
+    def __init__(
+        self,
+        runs: Sequence[LatticeRun],
+        drivers: Sequence[Driver],
+        steps: int,
+        find_loop: int,
+        loop_entry: int = 0,
+    ) -> None:
+        # All robots share the cells, which the timeline changes for all of them at once.
+        first = runs[0].arena()
+        arenas = [first, *(_in_the_same_cells(run, first) for run in runs[1:])]
+        kinds, clear_sq = _distances(runs)
+        settings = ffi.new("WgFleetSettings *")
+        settings.motion = runs[0].settings.motion
+        settings.steps = steps
+        settings.find_loop = find_loop
+        settings.loop_entry = loop_entry
+        settings.log_steps = steps if find_loop == lib.WG_SEEK_LOOP else 0
+        settings.kinds = len(clear_sq)
+        settings.kind = pointer(ffi, kinds, np.int64)
+        settings.clear_sq = pointer(ffi, clear_sq, np.int64)
+        for run in runs:
+            run.settings.steps = steps
+            run.settings.find_loop = lib.WG_NO_LOOP
+        made = ffi.new("WgFleet **")
+        check(
+            lib.wg_fleet_new(
+                settings,
+                ffi.new("WgArena *[]", [arena.c for arena in arenas]),
+                ffi.new("WgSettings *[]", [run.settings for run in runs]),
+                ffi.new("WgController *[]", [driver.c for driver in drivers]),
+                len(runs),
+                made,
+            )
+        )
+        self.c: Any = ffi.gc(made[0], lib.wg_fleet_free)
+        self._held = (arenas, settings, kinds, clear_sq, runs, drivers)
+        self._errors: list[Any] = []
+        self.members = tuple(FleetMember(self, number) for number in range(len(runs)))
+        check(lib.wg_fleet_begin(self.c))
+
+    @property
+    def report(self) -> Any:
+        """The WgFleetReport of the run so far."""
+        return self.c.report
+
+    def moved(self) -> list[int]:
+        """Return the last step in which each robot's centre moved; 0 if it never did."""
+        return [int(self.c.moved[number]) for number in range(len(self.members))]
+
+    def blocks(self) -> list[tuple[int, int]]:
+        """Return which robots drove into which others while a loop was proved, by their indices."""
+        found = (self.c.blocks[k] for k in range(int(self.c.block_count)))
+        return sorted((int(block.robot), int(block.by)) for block in found)
+
+    def known_words(self) -> npt.NDArray[np.uint64]:
+        """Return the joint state at the entry of a loop that was proved."""
+        count = int(self.c.search.words)
+        return np.frombuffer(ffi.buffer(self.c.search.known, 8 * count), np.uint64).copy()
+
+    def fail(self, number: int, error: str) -> None:
+        """End the run as a crash of one robot's controller."""
+        text = ffi.new("char[]", error.encode())
+        self._errors.append(text)
+        lib.wg_fleet_fail(self.c, number, text)
+
+    def run(self, steps: int) -> int:
+        """Run at most this many steps.
+
+        Returns:
+            ``WG_GOES_ON``, ``WG_OVER``, or ``WG_ACTS`` if controllers outside the core must act.
+        """
+        return int(lib.wg_fleet_run(self.c, steps))
+
+    def run_to_the_end(self) -> None:
+        """Run in portions, so that Ctrl-C is noticed between them; all controllers are compiled."""
+        portion = _FIRST_PORTION
+        began = time.monotonic()
+        while self.run(portion) == lib.WG_GOES_ON:
+            now = time.monotonic()
+            if now - began < _PORTION_TIME:
+                portion *= 2
+            began = now
+
+
+def driver_in_core(run: LatticeRun) -> Driver | None:
+    """Return the driver of a compiled controller; ``None`` for one that acts outside the core."""
+    controller = run.controller
+    return (
+        Driver(controller, controller.memory)
+        if isinstance(controller, CompiledController)
+        else None
+    )
+
+
+def _in_the_same_cells(run: LatticeRun, first: CoreArena) -> CoreArena:
+    own = run.arena()
+    return CoreArena(first.cells, first.near, own.clearance, first.events, own.visited, own.beams)
+
+
+def _distances(runs: Sequence[LatticeRun]) -> tuple[Ints, Ints]:
+    """Return each robot's size by number, and the squared distances that two sizes keep."""
+    radii = [radius_in_cells(run.world) for run in runs]
+    sizes: list[Fraction] = sorted(set(radii))
+    kinds = np.array([sizes.index(radius) for radius in radii], np.int64)
+    clear_sq = [[clear_distance_sq(one + other) for other in sizes] for one in sizes]
+    return kinds, np.array(clear_sq, np.int64)

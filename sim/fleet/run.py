@@ -1,0 +1,394 @@
+"""Pack a world of several robots for the core, run it, and read the results."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import ffi, lib
+from sim.controllers.base import CompiledController, Controller
+from sim.controllers.core_act import controller_error_of
+from sim.controllers.programs.process import ProcessController
+from sim.controllers.programs.program import ControllerError
+from sim.fleet.asking import FleetAskers, own_controllers
+from sim.fleet.core_calls import CoreFleet, driver_in_core
+from sim.options.run import MAX_RECORDED, RunOptions, check_recordable
+from sim.outcome import ENDINGS, LIMIT, Ending, Outcome
+from sim.runners.core_calls import Driver
+from sim.runners.lattice import LatticeRun
+from sim.runners.python_loop import crash_of, hidden_state, memory_at_start, plans
+from sim.runners.stopping import OutOfTime
+from sim.trace import Words
+from sim.verdict import Verdict
+from worldgen.errors import InvalidWorld
+from worldgen.lattice import clear_distance_sq, metres_to_lattice, radius_in_cells
+from worldgen.world import World
+
+__all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed", "world_of_robot"]
+
+Ints = npt.NDArray[np.int64]
+Recordings = list[tuple[Ints, Ints]]
+
+_MASK = (1 << 64) - 1
+
+
+@dataclass(frozen=True)
+class FleetOutcome:
+    """The core's claims about a run of several robots.
+
+    Args:
+        ending: ``limit``, ``reached`` if all robots have, ``loop`` if the joint state came back, or
+            an ending that one robot brought about.
+        steps: Steps simulated.
+        period: Length of the recurrence, steps; for ``loop``.
+        entry: Step where it begins, for ``loop``; else -1.
+        robot: Index of the robot that ended the run; -1 if none did.
+        other: Of a collision, the index of the other robot; else -1.
+        members: Each robot's own outcome; one that has parked ends as ``reached``.
+        complete: Whether the recorded states alone decide the future.
+    """
+
+    ending: Ending
+    steps: int
+    period: int
+    entry: int
+    robot: int
+    other: int
+    members: tuple[Outcome, ...]
+    complete: bool
+
+
+@dataclass(frozen=True)
+class JointProof:
+    """A proved recurrence of the joint state.
+
+    Args:
+        outcome: The run up to the end of the first period.
+        state: The joint state at its entry.
+        waiting: Indices of the robots that have not parked.
+        moving: Indices of those whose centres move within the period.
+        blocked: Pairs of indices: a robot that drives into another one, and that one.
+    """
+
+    outcome: FleetOutcome
+    state: Words
+    waiting: tuple[int, ...]
+    moving: tuple[int, ...]
+    blocked: tuple[tuple[int, int], ...]
+
+
+class FleetRun:
+    """A world of several robots with their controllers, ready to run any number of times.
+
+    Args:
+        world: The world to drive in.
+        controllers: (n,) each robot's controller.
+        options: (n,) each robot's options, which differ in ``robot`` only.
+
+    Raises:
+        InvalidWorld: If a start is not clear of walls, or two robots overlap there.
+        InvalidParameter: If a controller does not compile.
+    """
+
+    def __init__(
+        self, world: World, controllers: Sequence[Controller], options: Sequence[RunOptions]
+    ) -> None:
+        self.world = world
+        self.controllers = own_controllers(controllers)
+        self.runs = [
+            LatticeRun(
+                world_of_robot(world, number),
+                controller,
+                replace(one, seed=robot_seed(world, number, one.seed)),
+            )
+            for number, (controller, one) in enumerate(zip(self.controllers, options, strict=True))
+        ]
+        self._place_robots()
+
+    def _place_robots(self) -> None:
+        """Put each robot on the nearest lattice point that is clear of walls and other robots.
+
+        Robots come in the order of their places, so that their numbers do not matter.
+        """
+        robots = self.world.robots
+        order = sorted(range(len(robots)), key=lambda k: (robots[k].start.x, robots[k].start.y))
+        placed: list[int] = []
+        for number in order:
+            run = self.runs[number]
+            for x, y, _ in run.starts_near(robots[number].start):
+                run.settings.start_x = x
+                run.settings.start_y = y
+                if all(self._gap_sq(number, other) >= 0 for other in placed):
+                    break
+            else:
+                inside = next(other for other in placed if self._gap_sq(number, other) < 0)
+                raise _robots_overlap(*sorted((number, inside)))
+            placed.append(number)
+
+    def _gap_sq(self, one: int, other: int) -> int:
+        """Return by how much the squared distance of two robots exceeds what they must keep."""
+        first = self.runs[one].settings
+        second = self.runs[other].settings
+        dx = int(first.start_x) - int(second.start_x)
+        dy = int(first.start_y) - int(second.start_y)
+        together = radius_in_cells(self.runs[one].world) + radius_in_cells(self.runs[other].world)
+        return dx * dx + dy * dy - clear_distance_sq(together)
+
+    @property
+    def can_loop(self) -> bool:
+        """True if a joint state can recur and be seen: no clock, no fresh noise, no program."""
+        programs = any(isinstance(one, ProcessController) for one in self.controllers)
+        return not programs and all(run.can_loop for run in self.runs)
+
+    @property
+    def _is_compiled(self) -> bool:
+        return all(isinstance(one, CompiledController) for one in self.controllers)
+
+    def run(self, steps: int, *, find_loop: bool, record: bool) -> FleetOutcome:
+        """Simulate up to ``steps`` steps from the start.
+
+        Args:
+            steps: Budget.
+            find_loop: Whether a recurrence of the joint state ends the run as soon as it is
+                noticed.
+            record: Whether to keep every state; the run is then done twice, the second time with
+                room for just its steps.
+        """
+        seek = lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
+        outcome = self._run(steps, seek)[0]
+        if not record:
+            return outcome
+        check_recordable(sum(one.steps for one in outcome.members))
+        return self._run(outcome.steps, lib.WG_NO_LOOP, sizes=outcome.members, like=outcome)[0]
+
+    def prove(self, entry: int, period: int, *, record: bool) -> JointProof | None:
+        """Simulate a loop's first period, and compare the joint states at both of its ends.
+
+        A controller that is not compiled may have state that we cannot see, so then a second
+        period must repeat the first one, step by step.
+
+        Returns:
+            The proof; ``None`` if the state does not recur.
+        """
+        if not self._is_compiled and not self._repeats(entry, period):
+            return None
+        outcome, fleet = self._run(entry + period, lib.WG_PROVE_LOOP, entry=entry)
+        if outcome.ending != Verdict.LOOP or fleet is None:
+            return None
+        moved = fleet.moved()
+        waiting = tuple(number for number, one in enumerate(outcome.members) if one.ending == LIMIT)
+        proof = JointProof(
+            outcome,
+            fleet.known_words(),
+            waiting,
+            tuple(number for number in waiting if moved[number] > entry),
+            tuple(fleet.blocks()),
+        )
+        if not record:
+            return proof
+        check_recordable(sum(one.steps for one in outcome.members))
+        recorded = self._run(entry + period, lib.WG_NO_LOOP, sizes=outcome.members, like=outcome)[0]
+        return replace(proof, outcome=recorded)
+
+    def _repeats(self, entry: int, period: int) -> bool:
+        """Return True if two whole periods are equal, robot by robot and step by step."""
+        steps = entry + 2 * period
+        if steps * len(self.runs) > MAX_RECORDED:
+            return False
+        whole = self.run(steps, find_loop=False, record=True)
+        if not whole.complete or whole.steps < steps:
+            return False
+        for one in whole.members:
+            if one.ending == Verdict.REACHED and one.steps <= entry:
+                continue
+            if one.trace is None or one.trace.steps < steps:
+                return False
+            states = one.trace.states
+            if not np.array_equal(states[entry : entry + period + 1], states[entry + period :]):
+                return False
+        return True
+
+    def _run(
+        self,
+        steps: int,
+        find_loop: int,
+        *,
+        entry: int = 0,
+        sizes: Sequence[Outcome] | None = None,
+        like: FleetOutcome | None = None,
+    ) -> tuple[FleetOutcome, CoreFleet | None]:
+        """Run once.
+
+        Args:
+            steps: Budget.
+            find_loop: WgFleetSettings.find_loop.
+            entry: WgFleetSettings.loop_entry.
+            sizes: To record the run: the outcomes of the same run, which say how long it is.
+            like: The same run, whose ending the recorded one keeps.
+        """
+        for run in self.runs:
+            run.settings.digest = 1
+        hidden = [self._hidden(one) for one in self.controllers]
+        with contextlib.redirect_stdout(sys.stderr):
+            memories, faults = self._reset()
+            if faults:
+                return self._failed_in_reset(faults), None
+            fleet = CoreFleet(self.runs, self._drivers(memories), steps, find_loop, entry)
+            recordings = [] if sizes is None else self._recordings(fleet, sizes)
+            askers = FleetAskers(self.controllers, memories)
+            if self._is_compiled:
+                fleet.run_to_the_end()
+            else:
+                askers.run(fleet)
+        complete = all(
+            before is not None and self._hidden(one) == before
+            for one, before in zip(self.controllers, hidden, strict=True)
+        )
+        outcome = self._outcome(fleet, complete, askers.faults, recordings)
+        if like is not None:
+            outcome = replace(outcome, ending=like.ending, period=like.period, entry=like.entry)
+        return outcome, fleet
+
+    @staticmethod
+    def _hidden(controller: Controller) -> bytes | None:
+        """Return the state outside a controller's memory that can be seen; ``None`` if not all can."""
+        if isinstance(controller, CompiledController):
+            return b""
+        return None if isinstance(controller, ProcessController) else hidden_state(controller)
+
+    def _reset(self) -> tuple[list[Any], dict[int, ControllerError]]:
+        """Return the memories of the controllers outside the core, and their faults in ``reset``."""
+        memories: list[Any] = []
+        faults: dict[int, ControllerError] = {}
+        for number, controller in enumerate(self.controllers):
+            memories.append(None)
+            if isinstance(controller, CompiledController):
+                continue
+            if isinstance(controller, ProcessController):
+                controller.start()
+            world = self.runs[number].world if plans(controller) else None
+            try:
+                memories[-1] = memory_at_start(controller, world)
+            except ControllerError as fault:
+                faults[number] = fault
+            except (KeyboardInterrupt, OutOfTime):
+                raise
+            except BaseException as error:  # noqa: BLE001 - anything may be raised; it is the finding
+                faults[number] = crash_of(error, controller)
+        return memories, faults
+
+    def _drivers(self, memories: Sequence[Any]) -> list[Driver]:
+        return [
+            driver_in_core(run) or Driver(None, memory or ())
+            for run, memory in zip(self.runs, memories, strict=True)
+        ]
+
+    def _recordings(self, fleet: CoreFleet, sizes: Sequence[Outcome]) -> Recordings:
+        found = []
+        for member, size in zip(fleet.members, sizes, strict=True):
+            rows = np.zeros((size.steps + 1, 1 + member.words), np.int64)
+            path = np.zeros((size.points, 4), np.int64)
+            rows[0, 1:] = member.state_words()
+            member.record(rows[1:], path)
+            found.append((rows, path))
+        return found
+
+    def _outcome(
+        self,
+        fleet: CoreFleet,
+        complete: bool,
+        faults: dict[int, ControllerError],
+        recordings: Recordings,
+    ) -> FleetOutcome:
+        report = fleet.report
+        ending: Ending = ENDINGS[int(report.ending)]
+        robot = int(report.robot)
+        if ending == Verdict.CRASH and robot not in faults:
+            text = fleet.members[robot].report.error
+            faults = {robot: controller_error_of(ffi.string(text).decode("utf-8", "replace"))}
+        if ending == Verdict.CRASH:
+            ending = faults[robot].verdict
+        members = []
+        for number, member in enumerate(fleet.members):
+            fault = faults.get(number) if number == robot else None
+            recording = recordings[number] if recordings else None
+            if recording is not None:
+                recording = _written(recording, int(member.report.steps), fault is not None)
+            members.append(self.runs[number].outcome_of(member, recording, complete, fault))
+        return FleetOutcome(
+            ending=ending,
+            steps=int(report.steps),
+            period=int(report.period),
+            entry=int(report.entry),
+            robot=robot,
+            other=int(report.other),
+            members=tuple(members),
+            complete=complete,
+        )
+
+    def _failed_in_reset(self, faults: dict[int, ControllerError]) -> FleetOutcome:
+        first = min(faults)
+        members = tuple(
+            run.outcome_of(None, None, True, faults[first] if number == first else None)
+            for number, run in enumerate(self.runs)
+        )
+        return FleetOutcome(faults[first].verdict, 0, 0, -1, first, -1, members, complete=True)
+
+
+def world_of_robot(world: World, number: int) -> World:
+    """Return a world as if one of its robots were alone there, without proof or provenance."""
+    robot = world.robots[number]
+    return replace(
+        world,
+        start=robot.start,
+        target=robot.target,
+        robot_radius=robot.radius,
+        robot_speed=robot.speed,
+        certificate=None,
+        provenance=None,
+        failure=None,
+        others=(),
+    )
+
+
+def robot_seed(world: World, number: int, seed: int) -> int:
+    """Return the seed of one robot's random numbers.
+
+    It depends on where the robot starts, not on its number, so that two robots draw different
+    numbers and renumbering changes nothing.
+    """
+    start = world.robots[number].start
+    mixed = seed
+    for place in (start.x, start.y):
+        mixed ^= metres_to_lattice(place, world.cell_size) & _MASK
+        # One round of SplitMix64: Steele, Lea and Flood, "Fast splittable pseudorandom number
+        # generators" (2014).
+        mixed = (mixed + 0x9E3779B97F4A7C15) & _MASK
+        mixed = ((mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9) & _MASK
+        mixed = ((mixed ^ (mixed >> 27)) * 0x94D049BB133111EB) & _MASK
+        mixed ^= mixed >> 31
+    return mixed
+
+
+def _robots_overlap(one: int, other: int) -> InvalidWorld:
+    """Return the error for two robots, given by their indices, that have no clear lattice points."""
+    return InvalidWorld(
+        "robots-overlap",
+        "robots {one} and {other} overlap at the start, where walls keep them from the nearest points "
+        "of the pose lattice",
+        "move one of them by a hundredth of a cell",
+        one=one + 1,
+        other=other + 1,
+    )
+
+
+def _written(recording: tuple[Ints, Ints], steps: int, has_failed: bool) -> tuple[Ints, Ints]:
+    """Return the part of a recording that was written; a step in which a controller fails is not."""
+    rows, path = recording
+    return rows[: max(steps - has_failed, 0) + 1], path[path[:, 0] > 0]

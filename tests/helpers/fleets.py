@@ -1,0 +1,103 @@
+"""Worlds of several robots, and how close the robots of a run got to each other."""
+
+import math
+
+import numpy as np
+
+from sim.controllers import Command
+from worldgen.world import Pose, Robot, Target, World
+
+EAST = 0.0
+WEST = math.pi
+
+
+def hall(width=40, height=20):
+    """Return walls around an empty hall, (height, width) bool."""
+    walls = np.ones((height, width), bool)
+    walls[1:-1, 1:-1] = False
+    return walls
+
+
+def fleet_world(walls, *robots, **fields):
+    """Return a world of some robots."""
+    first, *others = robots
+    return World(
+        walls,
+        first.start,
+        first.target,
+        robot_radius=first.radius,
+        robot_speed=first.speed,
+        others=tuple(others),
+        **fields,
+    )
+
+
+def passage():
+    """Return a passage too narrow for two robots, which start at its ends and want to swap."""
+    walls = np.ones((4, 30), bool)
+    walls[1:3, 1:-1] = False
+    return fleet_world(
+        walls,
+        Robot(Pose(0.3, 0.2, EAST), Target(2.7, 0.2, 0.05)),
+        Robot(Pose(2.7, 0.2, WEST), Target(0.3, 0.2, 0.05)),
+    )
+
+
+class Ahead:
+    """Turns to its target and drives straight at it."""
+
+    def reset(self):
+        return ()
+
+    def act(self, seen, memory):
+        turn = math.remainder(seen.target_heading - seen.heading, math.tau)
+        return Command(seen.top_speed, turn / seen.time_step), memory
+
+
+class Counting(Ahead):
+    """The same, with a counter in its memory that only grows, as priorities do."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, seen, memory):
+        return super().act(seen, ())[0], (memory[0] + 1.0,)
+
+
+def crowd(rng, most=8):
+    """Return a small hall with some cells filled and up to ``most`` robots of several sizes and speeds."""
+    width, height = rng.integers(10, 18, 2)
+    walls = hall(width, height) | (rng.random((height, width)) < 0.06)
+    rows, columns = np.nonzero(walls)
+    robots = []
+    for _ in range(200):
+        if len(robots) == rng.integers(2, most + 1):
+            break
+        radius = float(rng.choice([0.05, 0.07, 0.12]))
+        x, y = rng.uniform(0.15, [width * 0.1 - 0.15, height * 0.1 - 0.15]).round(3).tolist()
+        wide = np.maximum(np.maximum(columns * 0.1 - x, x - columns * 0.1 - 0.1), 0.0)
+        high = np.maximum(np.maximum(rows * 0.1 - y, y - rows * 0.1 - 0.1), 0.0)
+        free = all(
+            math.hypot(x - one.start.x, y - one.start.y) > radius + one.radius for one in robots
+        )
+        if free and np.hypot(wide, high).min() > radius + 0.001:
+            start = Pose(x, y, float(rng.uniform(-3.0, 3.0)))
+            speed = float(rng.choice([0.5, 2.0, 7.0]))
+            target = Target(*rng.uniform(0.15, [width * 0.1 - 0.15, 0.3]).round(3).tolist(), 0.3)
+            robots.append(Robot(start, target, radius, speed))
+    return fleet_world(walls, *robots)
+
+
+def closest(one, other):
+    """Return the least distance of two robots' centres in a run, m, from their traces."""
+    own = np.maximum(one.path_step - 1 + one.path_share, 0.0)
+    theirs = np.maximum(other.path_step - 1 + other.path_share, 0.0)
+    times = np.union1d(own, theirs)
+    x = np.interp(times, own, one.path_x) - np.interp(times, theirs, other.path_x)
+    y = np.interp(times, own, one.path_y) - np.interp(times, theirs, other.path_y)
+    dx = np.diff(x)
+    dy = np.diff(y)
+    length_sq = np.where((dx == 0.0) & (dy == 0.0), 1.0, dx * dx + dy * dy)
+    share = np.clip(-(x[:-1] * dx + y[:-1] * dy) / length_sq, 0.0, 1.0)
+    between = np.hypot(x[:-1] + share * dx, y[:-1] + share * dy)
+    return float(min(between.min(initial=np.inf), np.hypot(x, y).min()))

@@ -1,0 +1,212 @@
+"""Several robots in one world: how they move, and what proves that they never arrive."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from sim import simulate
+from sim.controllers import controller_of
+from sim.fleet import FleetRun
+from sim.fleet.run import robot_seed, world_of_robot
+from sim.options.run import options_of
+from sim.verdict import Verdict
+from tests.helpers.fleets import (
+    EAST,
+    WEST,
+    Ahead,
+    Counting,
+    closest,
+    crowd,
+    fleet_world,
+    hall,
+    passage,
+)
+from worldgen.errors import InvalidParameter
+from worldgen.world import Pose, Robot, Target
+
+
+def far_apart():
+    """Return a hall in which two robots drive along walls that are far from each other."""
+    walls = hall(60, 30)
+    walls[14:16] = True
+    return fleet_world(
+        walls,
+        Robot(Pose(0.5, 0.5, EAST), Target(5.5, 0.9, 0.05)),
+        Robot(Pose(5.5, 2.5, WEST), Target(0.5, 2.2, 0.05)),
+    )
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+@pytest.mark.parametrize("controller", ["turn-right", "bug2", "random-walk", "vfh"])
+def test_a_robot_far_from_others_drives_as_alone(motion, controller):
+    world = far_apart()
+    fleet = simulate(world, controller, motion=motion, steps=700)
+    for number, together in enumerate(fleet.robots):
+        seed = robot_seed(world, number, 0)
+        alone = simulate(
+            world_of_robot(world, number),
+            controller,
+            motion=motion,
+            steps=together.steps,
+            seed=seed,
+        )
+        assert together.steps > 100
+        assert together.trace_digest == alone.trace_digest
+        assert (together.path_length, together.collisions) == (alone.path_length, alone.collisions)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_two_robots_ever_overlap(seed):
+    world = crowd(np.random.default_rng(seed))
+    controller = ["turn-right", "random-walk", "bug2", Ahead][seed % 4]
+    episode = simulate(world, controller, steps=300, seed=seed, record=True)
+    assert episode.collisions > 0
+    for number, robot in enumerate(world.robots):
+        for other in range(number):
+            far = robot.radius + world.robots[other].radius
+            own = episode.robots[number].trace
+            assert closest(own, episode.robots[other].trace) >= far - 1e-12
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_renumbering_the_robots_changes_only_their_numbers(seed):
+    rng = np.random.default_rng(100 + seed)
+    world = crowd(rng)
+    order = rng.permutation(len(world.robots))
+    renumbered = fleet_world(world.walls, *(world.robots[number] for number in order))
+    for controller in ("turn-right", "random-walk", Ahead):
+        one = simulate(world, controller, steps=200, seed=seed)
+        two = simulate(renumbered, controller, steps=200, seed=seed)
+        assert (one.verdict, one.steps) == (two.verdict, two.steps)
+        digests = [one.robots[number].trace_digest for number in order]
+        assert digests == [robot.trace_digest for robot in two.robots]
+
+
+def test_two_robots_that_meet_in_a_narrow_passage_are_a_proved_deadlock():
+    world = passage()
+    episode = simulate(world, Ahead, steps=2_000, record=True)
+    assert episode.verdict == Verdict.DEADLOCK
+    evidence = episode.evidence
+    assert (evidence.waiting, evidence.moving, evidence.parked) == ((1, 2), (), ())
+    assert evidence.blocked == ((1, 2), (2, 1))
+    assert episode.steps == evidence.entry + evidence.period
+    assert [one.verdict for one in episode.robots] == [Verdict.DEADLOCK] * 2
+    gap = closest(episode.robots[0].trace, episode.robots[1].trace)
+    assert 0.14 <= gap < 0.1402
+
+
+def test_robots_that_go_back_and_forth_are_a_proved_livelock():
+    episode = simulate(passage(), "turn-right", steps=4_000)
+    assert episode.verdict == Verdict.LIVELOCK
+    assert episode.evidence.moving == (1, 2)
+
+
+def test_a_robot_that_a_parked_one_shuts_out_is_starved():
+    world = passage()
+    first, second = world.robots
+    world = fleet_world(
+        world.walls, dataclasses.replace(first, target=Target(1.0, 0.2, 0.05)), second
+    )
+    episode = simulate(world, Ahead, steps=4_000)
+    assert episode.verdict == Verdict.STARVED
+    assert episode.evidence.waiting == (2,)
+    assert episode.evidence.parked == ((1, episode.robots[0].steps),)
+    assert [one.verdict for one in episode.robots] == [Verdict.REACHED, Verdict.STARVED]
+
+
+def test_a_counter_that_only_grows_is_never_a_proof():
+    episode = simulate(passage(), Counting, steps=4_000)
+    assert episode.verdict == Verdict.STALLED
+
+
+class Hidden(Ahead):
+    """Keeps its counter where no state shows it."""
+
+    def __init__(self):
+        self.steps = 0
+
+    def act(self, seen, memory):
+        self.steps += 1
+        command, memory = super().act(seen, memory)
+        return (command if self.steps < 3_000 else command._replace(speed=-1.0)), memory
+
+
+def test_robots_that_hide_their_memory_are_not_proved_to_be_stuck():
+    assert simulate(passage(), Hidden, steps=4_000).verdict in (Verdict.STALLED, Verdict.TIMEOUT)
+
+
+@pytest.mark.parametrize("controller", [Ahead, "turn-right"])
+def test_a_joint_loop_repeats_for_two_periods(controller):
+    world = passage()
+    episode = simulate(world, controller, steps=4_000)
+    entry = episode.evidence.entry
+    period = episode.evidence.period
+    options = options_of(world, {"steps": entry + 2 * period})
+    run = FleetRun(world, [controller_of(controller)] * 2, [options] * 2)
+    whole = run.run(entry + 2 * period, find_loop=False, record=True)
+    for one in whole.members:
+        states = one.trace.states
+        assert np.array_equal(states[entry : entry + period + 1], states[entry + period :])
+
+
+def test_all_robots_that_arrive_are_reached():
+    world = far_apart()
+    episode = simulate(world, Ahead, steps=2_000)
+    assert episode.verdict == Verdict.REACHED
+    assert episode.steps == max(one.steps for one in episode.robots)
+    assert all(one.verdict == Verdict.REACHED for one in episode.robots)
+
+
+def test_a_parked_robot_stays_an_obstacle():
+    walls = hall()
+    world = fleet_world(
+        walls,
+        Robot(Pose(1.0, 1.0, EAST), Target(1.3, 1.0, 0.05)),
+        Robot(Pose(0.3, 1.0, EAST), Target(2.0, 1.0, 0.05)),
+    )
+    episode = simulate(world, Ahead, steps=2_000, record=True)
+    assert episode.verdict == Verdict.STARVED
+    assert closest(episode.robots[0].trace, episode.robots[1].trace) >= 0.14
+
+
+def test_robots_that_jump_through_each_other_collide_under_endpoint():
+    fast = {"radius": 0.05, "speed": 20.0}
+    world = fleet_world(
+        hall(),
+        Robot(Pose(1.0, 1.0, EAST), Target(3.0, 1.0, 0.05), **fast),
+        Robot(Pose(1.4, 1.0, WEST), Target(0.3, 1.0, 0.05), **fast),
+    )
+    assert simulate(world, Ahead, steps=100).verdict != Verdict.COLLISION
+    episode = simulate(world, Ahead, motion="endpoint", steps=100)
+    assert episode.verdict == Verdict.COLLISION
+    assert episode.evidence.robots == (1, 2)
+
+
+def test_of_several_controllers_each_drives_its_robot():
+    world = far_apart()
+    mixed = simulate(world, {1: "bug2", 2: Ahead}, steps=2_000)
+    alike = simulate(world, "bug2", steps=2_000)
+    other = simulate(world, Ahead, steps=2_000)
+    assert mixed.robots[0].trace_digest == alike.robots[0].trace_digest
+    assert mixed.robots[1].trace_digest == other.robots[1].trace_digest
+
+
+@pytest.mark.parametrize(
+    ("controllers", "code"),
+    [
+        ({1: "bug2"}, "robot-without-controller"),
+        ({1: "bug2", 2: "bug2", 3: "bug2"}, "no-such-robot"),
+        ({0: "bug2", 2: "bug2"}, "no-such-robot"),
+    ],
+)
+def test_robots_and_controllers_must_fit_each_other(controllers, code):
+    with pytest.raises(InvalidParameter) as caught:
+        simulate(far_apart(), controllers)
+    assert caught.value.code == code
+
+
+def test_the_thesis_motion_is_for_one_robot():
+    with pytest.raises(InvalidParameter) as caught:
+        simulate(far_apart(), "turn-right", motion="stepped")
+    assert caught.value.code == "motion-for-one-robot"
