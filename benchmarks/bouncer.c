@@ -1,5 +1,5 @@
-// The controller of benchmarks/simulator.py in C: ahead, and after a bump on the spot for 5 to 24
-// steps.
+// The controller of benchmarks/simulator.py in C: straight ahead, and after a bump on the spot for
+// 5 to 24 steps.
 
 #include <math.h>
 
@@ -22,7 +22,7 @@ static void bouncer(const WgObservation *seen, double *memory, WgCommand *comman
     }
 }
 
-// The same with range beams, which it does not look at.
+// The same with range beams, which it ignores.
 static void eyes(const WgObservation *seen, double *memory, WgCommand *command)
 {
     bouncer(seen, memory, command);

@@ -1,12 +1,11 @@
-"""What campaigns cost, and what a billion worlds would.
+"""Measure what campaigns cost, and what a billion worlds would cost.
 
-``python -m benchmarks.campaigns``, ``--json`` for one object. For each strategy worlds and steps a
-second and core, with proof and classification of what fails. For a whole campaign bytes a unit on
-disk, and what remembering a unit and shrinking a failure take. With the extra ``[dask]``: what
-        a piece
-of work costs client and scheduler together. ``--units`` is the number of units of each strategy
-(default 3). Times are the processor's, so other work on the machine counts little; before the clock
-starts, kernels are loaded.
+``python -m benchmarks.campaigns``; ``--json`` prints one object. For each strategy it measures
+worlds and steps per second and core, including proof and classification of failures. For a whole
+campaign it measures bytes per unit on disk, and the time to store a unit and to shrink a failure.
+With the extra ``[dask]`` it also measures what a piece of work costs client and scheduler together.
+``--units`` is the number of units of each strategy (default 3). Times are processor times, so other
+work on the machine matters little; kernels are loaded before the clock starts.
 """
 
 from __future__ import annotations
@@ -34,9 +33,12 @@ from sim.scenario import Scenario
 __all__ = ["measure", "model"]
 
 WORLDS = 1_000_000_000
-_WARM = 4  # units that are done first: by then every kernel is loaded
-_TASKS = 300  # pieces of no work for the cluster
-_SHRUNK = 10  # failures
+# Units done first: after them every kernel is loaded.
+_WARM = 4
+# Empty pieces of work for the cluster.
+_TASKS = 300
+# Number of failures.
+_SHRUNK = 10
 
 
 def strategies(config: CampaignConfig, units: int, memory: SearchState) -> Iterator[dict[str, Any]]:
@@ -66,11 +68,11 @@ def _do_units(
 
 
 def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, float]]:
-    """Return a campaign with its folder: what it leaves, and what parts of it take.
+    """Measure a campaign with its folder: its files, and the time of its parts.
 
     Returns:
         Its state, and ``worlds_per_unit``, ``bytes_per_unit`` and ``files_per_unit`` (upper bounds,
-        for the first units leave most), ``save_s`` for a unit and ``shrink_s`` for a failure.
+        because the first units write most), ``save_s`` for a unit and ``shrink_s`` for a failure.
     """
     with tempfile.TemporaryDirectory() as place:
         campaign_run = begin(config, Path(place) / "out", Budget(units=units))
@@ -96,7 +98,7 @@ def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, 
 def scheduler(config: CampaignConfig) -> float | None:
     """Return the seconds of client and scheduler, in one process here, for a piece of work.
 
-    ``None`` without the extra.
+    It is ``None`` without the extra.
     """
     try:
         from distributed import LocalCluster  # noqa: PLC0415 - an extra
@@ -120,7 +122,7 @@ def scheduler(config: CampaignConfig) -> float | None:
 def model(
     rates: list[dict[str, Any]], costs: dict[str, float], task_s: float | None
 ) -> list[dict[str, float | str]]:
-    """Return a billion worlds of each strategy.
+    """Return the cost of a billion worlds of each strategy.
 
     Returns:
         ``strategy``, ``core_hours``, ``units``, ``gigabytes`` and ``scheduler_hours``.

@@ -1,12 +1,12 @@
-"""The table of docs/howto/census.md: worlds of other people's generators and collections, judged.
+"""Make the table of docs/howto/census.md: a census of other projects' generators and collections.
 
 ``python -m benchmarks.census --barn FOLDER --movingai FOLDER --arena FOLDER`` prints a Markdown
-table and under it the command of each row, with ``--json`` one object. What is not installed, or
-not given, is skipped, and said so on stderr. Not all generators go into one environment; ``--add``
-takes the rows of an earlier run elsewhere, from its ``--json``.
+table followed by the command of each row; ``--json`` prints one object. Sources that are not
+installed or not given are skipped and reported on stderr. Not all generators fit into one
+environment; ``--add`` adds the rows of an earlier run elsewhere, from its ``--json``.
 
-- Generators are those of examples/census, each with the version that its file names; another
-  version is said loudly.
+- Generators are those of examples/census, each in the version that its file names; another version
+  is reported.
 - ``--barn`` is jackal_helper/worlds/BARN of github.com/Daffan/the-barn-challenge,
 - ``--movingai`` a folder with ``maps`` and ``scenarios`` of github.com/nathansttt/hog2,
 - ``--arena`` is ``worlds`` of github.com/Arena-Rosnav/arena-simulation-setup.
@@ -52,17 +52,17 @@ SEED = 1
 
 @dataclass(frozen=True)
 class Row:
-    """A source and what is asked of it.
+    """A source, and the questions about it.
 
     Args:
-        name: In the table.
+        name: Name in the table.
         adapter: File of examples/census, for a generator.
-        package: What pip installs for it, and the version that the table is of.
-        options: Keywords of the generator; ``{barn}`` stands for a folder that was given.
-        folders: Folders, for a collection; ``{movingai}`` likewise.
-        radii: As ``--radius`` takes them.
-        pairs: Starts and targets a map.
-        clear_ends: As the option.
+        package: Package that pip installs for it, and the version used for the table.
+        options: Keywords of the generator; ``{barn}`` stands for a given folder.
+        folders: Folders of a collection; ``{movingai}`` stands for a given folder.
+        radii: Radii as ``--radius`` takes them.
+        pairs: Starts and targets per map.
+        clear_ends: Value of the option of this name.
     """
 
     name: str
@@ -129,7 +129,8 @@ def _collections() -> Iterator[Row]:
         "0.375",
         "0.376",
         "0.45",
-    )  # its generator keeps 0.375 m free, so 0.376 is the first to matter
+        # Its generator keeps 0.375 m free, so 0.376 is the first radius that matters.
+    )
     yield Row("BARN, posts as squares", folders=("{barn}",), radii=metres)
     for name in ("mazes", "random", "rooms", "dao"):
         folders = (f"{{movingai}}/maps/{name}", f"{{movingai}}/scenarios/{name}")
@@ -163,7 +164,8 @@ def measure(row: Row, count: int, given: dict[str, str]) -> dict[str, Any]:
         place = f"{EXAMPLES / row.adapter}.py:maps"
         try:
             maps = generated_maps(place, count=count, seed=SEED, options=keywords)
-        except InvalidParameter as error:  # installed, and does not load
+        # Installed, but it does not load.
+        except InvalidParameter as error:
             return {"name": row.name, "skipped": str(error)}
     inflated = Inflated()
     census = take_census(maps, options, each=inflated.compare)
@@ -183,7 +185,7 @@ def measure(row: Row, count: int, given: dict[str, str]) -> dict[str, Any]:
 
 
 class Inflated:
-    """Counts where planners on inflated walls are wrong about the disc."""
+    """Counts of maps on which planners on inflated walls are wrong about the disc."""
 
     def __init__(self) -> None:
         self.wrong = Counter[tuple[Radius, str]]()
@@ -218,7 +220,7 @@ def _figures(one: Tally, wrong: Counter[tuple[Radius, str]]) -> dict[str, Any]:
 
 
 def _missing(row: Row, given: dict[str, str]) -> str:
-    """Return why a row cannot be made, if so."""
+    """Return why a row cannot be made, if it cannot."""
     for word in (*row.folders, *(value for _, value in row.options)):
         name = word.removeprefix("{").partition("}")[0]
         if "{" in word and name not in given:
@@ -250,7 +252,7 @@ COLUMNS = (
 
 
 def table(results: Sequence[dict[str, Any]]) -> str:
-    """Return Markdown: a line a source and radius; then the commands."""
+    """Return Markdown: a line per source and radius, then the commands."""
     heads = ["source", "maps", "side", "radius", "questions", *COLUMNS]
     lines = [f"| {' | '.join(heads)} |", f"| --- | {' | '.join(['---:'] * (len(heads) - 1))} |"]
     for result in results:
@@ -291,7 +293,7 @@ def _cells(one: dict[str, Any]) -> list[str]:
 def main(
     count: int, only: tuple[str, ...], add: tuple[Path, ...], as_json: bool, **folders: str | None
 ) -> None:
-    """Judge every source that is there."""
+    """Judge every available source."""
     given = {name: folder for name, folder in folders.items() if folder is not None}
     added = {row["name"]: row for file in add for row in json.loads(file.read_text())["rows"]}
     results = []

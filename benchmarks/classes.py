@@ -1,17 +1,14 @@
-"""How many worlds a campaign tries a second against controllers that users bring.
+"""Measure how many worlds per second a campaign tries against controllers that users bring.
 
-Classes, and programs. ``python -m benchmarks.classes`` prints a table, with ``--json`` one object;
-``--document docs/explanation/search.md`` writes it to that page, too. Rates are per second of one core's
-processor time, without compilation. For a program they are per second of wall time, because most of
-its time is spent in another process.
+These are classes and programs. ``python -m benchmarks.classes`` prints a table; ``--json`` prints
+one object; ``--document docs/explanation/search.md`` also writes it to that page. Rates are per
+second of one core's processor time, without compilation. For a program they are per second of wall
+time, because most of its time is spent in another process.
 
-``short``: first looks at runs of at most 60 steps. ``looks``: first looks with their own budgets.
-    ``strategy``: whole units
-of the strategy ``native``, with the proofs of what they report. ``features``: the strategy in which
-    Hypothesis draws worlds,
-which was all that such controllers had before. ``user``: the share of the time of ``looks`` that
-    passes in the
-controller's own code.
+``short``: screening runs of at most 60 steps. ``looks``: screening runs with their own budgets.
+    ``strategy``: whole units of the strategy ``native``, including the proofs of their failures.
+    ``features``: the strategy in which Hypothesis draws worlds, formerly the only one for such
+    controllers. ``user``: the share of the time of ``looks`` spent in the controller's own code.
 """
 
 from __future__ import annotations
@@ -43,14 +40,16 @@ from worldgen.random_streams import RandomStream
 
 __all__ = ["CASES", "Row", "measure"]
 
-SHORT = 60  # steps
+# Steps.
+SHORT = 60
 BEAMS = 36
 PROGRAM = f"cmd:{sys.executable} {Path(__file__).parents[1] / 'sim' / 'examples' / 'process.py'}"
 MARKS = (
     "<!-- table: python -m benchmarks.classes --document docs/explanation/search.md -->",
     "<!-- end of table -->",
 )
-_FOR = 0.5  # s that a rate is measured for, at least
+# Least seconds over which a rate is measured.
+_FOR = 0.5
 _MOST_SCENES = 20_000
 
 
@@ -62,13 +61,13 @@ class Widest:
     needs = RobotOptions(beams=BEAMS)
 
     def reset(self) -> tuple[float, ...]:
-        """It remembers nothing."""
+        """Return an empty memory."""
         return ()
 
     def act(
         self, observation: Observation, memory: tuple[float, ...]
     ) -> tuple[Command, tuple[float, ...]]:
-        """Score each beam by its length and by how far it leads off."""
+        """Score each beam by its length and by its angle from the target's direction."""
         bearings = np.linspace(0.0, 2 * np.pi, BEAMS, endpoint=False)
         off = np.cos(bearings - (observation.target_heading - observation.heading))
         best = bearings[int(np.argmax(np.minimum(observation.beams, 0.5) + 0.3 * off))]
@@ -105,12 +104,12 @@ def __getattr__(name: str) -> Any:
 
 @dataclass(frozen=True)
 class Row:
-    """What one controller took; rates are per second of processor time.
+    """The rates of one controller, per second of processor time.
 
     Args:
         controller: Name.
-        short: Worlds of first looks at 60 steps.
-        looks: Worlds of first looks.
+        short: Worlds of screening runs of 60 steps.
+        looks: Worlds of screening runs.
         steps: Steps of these.
         user: Share of their time in the controller's own code.
         strategy: Worlds of units of the strategy ``native``.
@@ -127,7 +126,7 @@ class Row:
 
     @property
     def gain(self) -> float:
-        """Worlds of ``strategy`` for one of ``features``."""
+        """Worlds of ``strategy`` for each world of ``features``."""
         return self.strategy / self.features
 
 
@@ -150,7 +149,7 @@ def measure(name: str, controller: str, seconds: float) -> Row:
 def _looks(
     scenario: Scenario, budget: int | None, clock: Callable[[], float]
 ) -> tuple[float, float]:
-    """Return worlds and steps a second of first looks."""
+    """Return worlds and steps per second of screening runs."""
     _look(scenario, 20, budget)
     count = 100
     while True:
@@ -169,7 +168,7 @@ def _look(scenario: Scenario, count: int, budget: int | None) -> Screening:
 
 
 def _units(scenario: Scenario, strategy: str, seconds: float, clock: Callable[[], float]) -> float:
-    """Return worlds a second of whole units; what compiles does not count."""
+    """Return worlds per second of whole units, without compilation."""
     config = CampaignConfig(scenario, seed=3, families=(strategy,))
     run_unit(CampaignConfig(scenario, seed=3, families=(strategy,), examples=8), 0)
     worlds = 0

@@ -1,11 +1,11 @@
-"""Which metrics of a world predict that a controller fails in it, and how well ``difficulty`` does.
+"""Find which metrics of a world predict that a controller fails, and how well ``difficulty`` does.
 
-``python -m benchmarks.difficulty`` makes worlds of every family whose worlds stand still, with
-parameters drawn at random, runs the library's controllers in them, and prints the tables of
-``docs/howto/difficulty.md``: Spearman's rank correlation of every metric with failure, with bootstrap
-intervals, and the weights that ``worldgen/difficulty/model.py`` holds. With ``--json`` it prints
-one object, with ``--barn FOLDER`` also the correlations with the outcomes that the BARN challenge
-publishes, from a copy of its repository. Takes ten minutes.
+``python -m benchmarks.difficulty`` makes worlds of every family with static worlds, with parameters
+drawn at random, runs the library's controllers in them, and prints the tables of
+``docs/howto/difficulty.md``: Spearman's rank correlation of every metric with failure, with
+bootstrap intervals, and the weights in ``worldgen/difficulty/model.py``. ``--json`` prints one
+object; ``--barn FOLDER`` adds the correlations with the published outcomes of the BARN challenge,
+from a copy of its repository. It takes ten minutes.
 """
 
 from __future__ import annotations
@@ -37,30 +37,38 @@ from worldgen.world import Pose, Target, World
 __all__ = ["barn_worlds", "fitted", "spearman", "worlds_of"]
 
 FAMILIES_AT_REST = ("cave", "corridor", "forest", "maze", "rooms", "rubble", "trap")
-WORLDS = 110  # of each family
-STEPS = 10_000  # two and a half minutes of 15 ms: time for 300 m in worlds of some 3 m
-SKIPPED = ("thesis-1", "thesis-2", "thesis-3")  # other names of controllers that are run anyway
+# Worlds of each family.
+WORLDS = 110
+# Two and a half minutes in steps of 15 ms: time for 300 m in worlds of about 3 m.
+STEPS = 10_000
+# Other names of controllers that are run anyway.
+SKIPPED = ("thesis-1", "thesis-2", "thesis-3")
 CANDIDATES = (
     "concavity",
     "detour",
-)  # with retreat, turning, decisions and visibility too, no more is told apart
-OFTEN = (0.1, 0.9)  # shares of failed runs between which a controller tells worlds apart
+    # Adding retreat, turning, decisions and visibility does not improve the prediction.
+)
+# Shares of failed runs between which a controller discriminates worlds.
+OFTEN = (0.1, 0.9)
 LED_AWAY = (
     "wall-left",
     "wall-right",
-)  # do not look where the target is: they fail where a wall leads around an island
+    # They ignore the target's direction: they fail if a wall leads around an island.
+)
 BOOTSTRAP = 1000
 
 Floats = npt.NDArray[np.float64]
 
 
 def worlds_of(name: str, count: int, seed: int) -> Iterator[World]:
-    """Yield the worlds of a family, each with parameters of its own."""
+    """Yield the worlds of a family, each with different parameters."""
     rng = RandomStream(seed).child("difficulty", name)
     family = FAMILIES.get(name)
     free = free_parameters(
-        family, ("size", "cell_size")
-    )  # all are 30 x 30 cells of 0.1 m, or as the family has them
+        family,
+        ("size", "cell_size"),
+        # All are 30 x 30 cells of 0.1 m, or as the family sets them.
+    )
     made = 0
     while made < count:
         try:
@@ -71,7 +79,7 @@ def worlds_of(name: str, count: int, seed: int) -> Iterator[World]:
 
 
 def ranks(values: Floats) -> Floats:
-    """Return the ranks from 1 on; equal values share the mean of theirs."""
+    """Return ranks from 1; equal values share the mean of their ranks."""
     _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
     last = np.cumsum(counts)
     shared: Floats = (last - (counts - 1) / 2.0)[place]
@@ -79,7 +87,7 @@ def ranks(values: Floats) -> Floats:
 
 
 def spearman(one: Floats, other: Floats) -> float:
-    """Return Spearman's rank correlation; nan where one of them is constant."""
+    """Return Spearman's rank correlation; NaN if one of them is constant."""
     a = ranks(one)
     b = ranks(other)
     a = a - a.mean()
@@ -89,7 +97,7 @@ def spearman(one: Floats, other: Floats) -> float:
 
 
 def interval(one: Floats, other: Floats, rng: np.random.Generator) -> tuple[float, float]:
-    """Return the middle 95 % of the correlations of worlds drawn with replacement."""
+    """Return the middle 95 % of the correlations of worlds resampled with replacement."""
     drawn_again = rng.integers(0, len(one), (BOOTSTRAP, len(one)))
     found = [spearman(one[rows], other[rows]) for rows in drawn_again]
     low, high = np.nanpercentile(found, [2.5, 97.5])
@@ -97,7 +105,7 @@ def interval(one: Floats, other: Floats, rng: np.random.Generator) -> tuple[floa
 
 
 def auc(score: Floats, failed: npt.NDArray[np.bool_]) -> float:
-    """Return chance that a failed run's score is higher than that of one that arrived."""
+    """Return the probability that a failed run's score is higher than an arriving run's."""
     lost = int(failed.sum())
     won = int((~failed).sum())
     return (
@@ -109,13 +117,13 @@ def auc(score: Floats, failed: npt.NDArray[np.bool_]) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Campaign:
-    """What was measured and what became of the runs.
+    """The measurements, and the outcomes of the runs.
 
     Args:
-        families: (n,) of each world.
-        metrics: n tables.
-        radius: (n,) of the robot, m.
-        failed: By controller, (n,) bool.
+        families: (n,) family of each world.
+        metrics: n tables of metrics.
+        radius: (n,) radius of the robot, m.
+        failed: For each controller, (n,) bool.
     """
 
     families: npt.NDArray[np.str_]
@@ -124,12 +132,12 @@ class Campaign:
     failed: Mapping[str, npt.NDArray[np.bool_]]
 
     def column(self, name: str) -> Floats:
-        """(n,) one metric; nan where it is empty."""
+        """Return a (n,) array of one metric; NaN where it is empty."""
         return np.array([table.get(name, np.nan) for table in self.metrics])
 
     @property
     def telling(self) -> list[str]:
-        """Controllers that go for the target, and fail neither hardly ever nor nearly always."""
+        """Controllers that head for the target, and fail neither hardly ever nor nearly always."""
         low, high = OFTEN
         return [
             name
@@ -139,13 +147,13 @@ class Campaign:
 
     @property
     def share(self) -> Floats:
-        """(n,) share of the telling controllers that fail."""
+        """Share of those controllers that fail, (n,)."""
         found: Floats = np.mean([self.failed[name] for name in self.telling], axis=0)
         return found
 
 
 def run_campaign(count: int, seed: int, names: Sequence[str]) -> Campaign:
-    """Make, measure and runs."""
+    """Make worlds, measure them, and run the controllers."""
     worlds = [world for name in FAMILIES_AT_REST for world in worlds_of(name, count, seed)]
     families = np.repeat(FAMILIES_AT_REST, count)
     failed = {
@@ -181,9 +189,9 @@ def _with_interval(one: Floats, other: Floats, rng: np.random.Generator) -> dict
 def fitted(
     campaign: Campaign, rows: npt.NDArray[np.bool_]
 ) -> tuple[dict[str, tuple[float, float]], float]:
-    """Return scales and weights, none of the wrong sign, and the offset.
+    """Return scales and weights of the right signs, and the offset.
 
-    Least squares by projected gradient steps.
+    They are fitted by least squares with projected gradient steps.
     """
     scales = {}
     columns = []
@@ -213,9 +221,9 @@ def fitted(
 
 
 def judged(campaign: Campaign, score: Floats, rows: npt.NDArray[np.bool_]) -> dict[str, float]:
-    """Return how well a score tells failed runs from others.
+    """Return how well a score separates failed runs from the others.
 
-    The area under the curve, over all runs and by controller.
+    It is the area under the curve, over all runs and by controller.
     """
     lost = {name: campaign.failed[name][rows] for name in campaign.telling}
     found = {
@@ -225,7 +233,7 @@ def judged(campaign: Campaign, score: Floats, rows: npt.NDArray[np.bool_]) -> di
 
 
 def scored(campaign: Campaign, weights: Mapping[str, tuple[float, float]], offset: float) -> Floats:
-    """(n,) the model's value for each world; what is empty counts as 0."""
+    """Return a (n,) array: the model's value for each world; empty metrics count as 0."""
     rows = zip(campaign.metrics, campaign.radius.tolist(), strict=True)
     full = [(dict.fromkeys(weights, 0.0) | dict(table), radius) for table, radius in rows]
     return np.array([difficulty(table, radius, weights, offset) for table, radius in full])
@@ -243,8 +251,10 @@ def barn_worlds(folder: Path) -> Iterator[tuple[int, World, float]]:
     for number, lost in sorted(outcomes.items()):
         text = (folder / "jackal_helper" / "worlds" / "BARN" / f"world_{number}.world").read_text()
         walls = np.zeros(
-            (92, 32), np.bool_
-        )  # x from -4.65 m, y from -0.15 m; obstacles are as wide as a cell, 0.15 m
+            (92, 32),
+            np.bool_,
+            # x from -4.65 m, y from -0.15 m; obstacles are one cell wide, 0.15 m.
+        )
         for x, y in pose.findall(text):
             ix = round((float(x) + 4.65) / 0.15 - 0.5)
             iy = round((float(y) + 0.15) / 0.15 - 0.5)
@@ -311,7 +321,7 @@ def main() -> None:
 
 
 def report(campaign: Campaign) -> dict[str, Any]:
-    """Return everything that is printed of a campaign."""
+    """Return all printed figures of a campaign."""
     every = np.ones(len(campaign.families), np.bool_)
     even = np.arange(len(every)) % 2 == 0
     weights, offset = fitted(campaign, every)

@@ -1,9 +1,9 @@
-"""How many worlds a guided search makes until one fits, beside drawing seed after seed, in one run.
+"""Compare how many worlds a guided search makes until one fits with drawing seed after seed.
 
-``python -m benchmarks.difficulty_search`` prints the table of ``docs/howto/difficulty.md``, with
-``--json`` one object. Each wish is searched for with several seeds; a search that finds nothing
-within ``--tries`` counts with that number, so what drawing needs is then a lower bound. Drawing
-comes in two kinds: with the family's defaults, and with parameters drawn at random.
+``python -m benchmarks.difficulty_search`` prints the table of ``docs/howto/difficulty.md``;
+``--json`` prints one object. Each constraint is searched for with several seeds; a search that
+finds nothing within ``--tries`` counts with that number, so the cost of drawing is then a lower
+bound. Drawing comes in two kinds: with the family's defaults, and with parameters drawn at random.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ KINDS = {
 
 
 def tries_of(family: str, where: str, seed: int, tries: int, **how: bool) -> int:
-    """Return worlds made until one fits, at most ``tries``."""
+    """Return the number of worlds made until one fits, at most ``tries``."""
     search = Search(FAMILIES.get(family), constraint_for(where), seed, {}, **how)
     while search.tried < tries and search.asked < 5 * tries:
         found = search.step()

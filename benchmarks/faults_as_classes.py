@@ -1,11 +1,11 @@
-"""How soon a campaign finds the seeded faults, compiled and as Python classes.
+"""Measure how soon a campaign finds the seeded faults, compiled and as Python classes.
 
-``python -m benchmarks.faults_as_classes`` runs a campaign, its own plan and without shrinking,
-against each fault of :mod:`fuzz.faults` until it finds a failure that tells the fault: with the
+``python -m benchmarks.faults_as_classes`` runs a campaign, with its own plan and without shrinking,
+against each fault of :mod:`fuzz.faults` until it finds a failure that reveals the fault: with the
 verdict expected of it, confirmed by replay, in a world in which the controller without the fault
-arrives. It prints the CPU seconds of one core that this took; with ``--json`` one object.
+arrives. It prints the CPU seconds of one core that this took; ``--json`` prints one object.
 ``class``: the fault as a class whose ``act`` calls the compiled function. ``interpreted``: the same
-    with the function's own Python, as a user would have written it.
+with the function's own Python, as a user would have written it.
 """
 
 from __future__ import annotations
@@ -31,9 +31,10 @@ WAYS = {
     "class": "fuzz.faults.as_classes:",
     "interpreted": "tests.reference.fuzz.as_classes:",
 }
-"""How a fault's controller is brought, and how its name begins then."""
+"""How a fault's controller is supplied, and the prefix of its name."""
 
-_COMPILES = 1 << 40  # a seed whose units are done before the clock runs
+# A seed whose units are done before the clock starts.
+_COMPILES = 1 << 40
 
 
 @dataclass(frozen=True)
@@ -42,10 +43,10 @@ class Row:
 
     Args:
         fault: Name of the fault.
-        way: How its controller was brought.
-        found: Whether a failure told it.
-        seconds: CPU seconds until then, or in all.
-        worlds: Run until then, or in all.
+        way: How its controller was supplied.
+        found: Whether a failure revealed it.
+        seconds: CPU seconds until then, or in total.
+        worlds: Worlds run until then, or in total.
     """
 
     fault: str
@@ -56,11 +57,12 @@ class Row:
 
 
 def look_for(fault: str, way: str, seconds: float, seed: int = 1) -> Row:
-    """Run a campaign until a failure tells a fault, or its time is over."""
+    """Run a campaign until a failure reveals a fault, or its time is over."""
     controller = FAULTS[fault]
     scenario = Scenario.parse(f"{WAYS[way]}{fault.replace('-', '_')}{controller.variations}")
     config = CampaignConfig(scenario, seed=seed, time_steps=(scenario.run.time_step,))
-    for strategy in ("native", "archive", "features"):  # compiles what they need
+    # Compiles what they need.
+    for strategy in ("native", "archive", "features"):
         next(strategies(strategy)(replace(config, seed=_COMPILES, examples=1)))
     worlds = 0
     begun = time.process_time()

@@ -1,13 +1,13 @@
-"""How well failures are found.
+"""Measure how well failures are found.
 
-Over the seeded faults, by each strategy, the whole plan, and what one would do without.
-``python -m benchmarks.finding`` gives every searcher (:mod:`benchmarks.searchers`) as many
-simulated steps against each fault of :mod:`fuzz.faults`, shrinks what it finds, and prints the
-tables of ``docs/explanation/search.md``; with ``--json`` one object. With ``--out DIR`` each cell of the table
-is a file: what is there already is not done again, and several processes may work at the same
-    table. ``--quick`` takes minutes, ``--full`` a day.
+It compares, on the seeded faults, each strategy, the whole plan, and what one would do without
+them. ``python -m benchmarks.finding`` gives every searcher (:mod:`benchmarks.searchers`) the same
+number of simulated steps against each fault of :mod:`fuzz.faults`, shrinks what it finds, and
+prints the tables of ``docs/explanation/search.md``; ``--json`` prints one object. With ``--out
+DIR`` each cell of the table is a file: existing ones are not computed again, and several processes
+can work on the same table. ``--quick`` takes minutes, ``--full`` a day.
 
-A fault counts as found by a failure with the verdict expected of it, that replay confirms, in a
+A fault counts as found by a failure with the verdict expected of it, confirmed by replay, in a
 world in which the controller without the fault arrives.
 """
 
@@ -58,23 +58,30 @@ __all__ = [
     "tells",
 ]
 
-EXAMPLES = 1  # of a unit, so that it is known which world it was
+# Worlds of a unit, so that it is known which world it was.
+EXAMPLES = 1
 _FAILURES_ALONE = (
     "native",
     "archive",
     "boundary",
-)  # strategies that ask no oracle about a run that arrives
-_FLOOR_SECONDS = (
-    60.0  # by the clock and on two cores; what is found in as many CPU seconds was found by then
+    # Strategies that do not ask oracles about runs that arrive.
 )
-_SHRINK_SECONDS = 60.0  # by the clock; slow controllers may not be done by then
-_IDLE = 100  # units without a world, after which a searcher has no more to try
-_OTHER_SEED = 1 << 40  # of what is done before the clock runs, so that kernels are compiled
+_FLOOR_SECONDS = (
+    # Wall seconds on two cores; anything found in as many CPU seconds is found by then.
+    60.0
+)
+# Wall seconds; slow controllers may not be done by then.
+_SHRINK_SECONDS = 60.0
+# Units without a world, after which a searcher has nothing left to try.
+_IDLE = 100
+# Seed of the units done before the clock starts, so that kernels are compiled.
+_OTHER_SEED = 1 << 40
 COMPLETE = (
     "bug1",
     "bug2",
     "mapper",
-)  # docs/reference/library.md: those that arrive wherever the world stands still
+    # From docs/reference/library.md: those that arrive in every static world.
+)
 ORACLES = (
     "repeat",
     "turn",
@@ -84,15 +91,16 @@ ORACLES = (
     "finer",
     "wall",
     "block",
-)  # that hold for who arrives
+    # Oracles that hold for controllers that arrive.
+)
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Where a search ends without a find.
+    """The limits of a search without a find.
 
     Args:
-        steps: Simulated at first look.
+        steps: Steps simulated in screening.
         seconds: CPU seconds of one core.
     """
 
@@ -113,23 +121,23 @@ class Row:
     """One search for one fault.
 
     Args:
-        fault: Its name.
-        searcher: Its name.
-        seed: Of the search.
-        limits: Of the search.
-        found: Whether a failure tells the fault from the controller without it.
-        worlds: Simulated until that failure, or in all.
-        steps: Same as above.
-        seconds: CPU seconds, likewise.
-        wall_seconds: By the clock.
+        fault: Name of the fault.
+        searcher: Name of the searcher.
+        seed: Seed of the search.
+        limits: Limits of the search.
+        found: Whether a failure distinguishes the fault from the controller without it.
+        worlds: Worlds simulated until that failure, or in total.
+        steps: Steps simulated until that failure, or in total.
+        seconds: CPU seconds until that failure, or in total.
+        wall_seconds: Wall seconds.
         kind: Class of that failure, shrunk.
-        solid_cells: Of its world as found, and shrunk.
-        cells: Same as above.
-        shrink_seconds: CPU seconds.
-        one_minimal: Whether the shrinker says so.
-        removable: Solid cells of the shrunk world that a check of our own could take away, one at a
+        solid_cells: Solid cells of its world as found, and shrunk.
+        cells: Cells of its world as found, and shrunk.
+        shrink_seconds: CPU seconds of shrinking.
+        one_minimal: Whether the shrinker reports it as 1-minimal.
+        removable: Solid cells of the shrunk world that an independent check could remove, one at a
             time.
-        shrunk_tells: Whether the controller without the fault arrives in the shrunk world, too.
+        shrunk_tells: Whether the controller without the fault also arrives in the shrunk world.
     """
 
     fault: str
@@ -151,7 +159,7 @@ class Row:
 
 
 def controller_name(fault: Fault) -> str:
-    """Return the name under which a command takes the fault, with the variations of its run."""
+    """Return the name under which a command takes the fault, with the options of its run."""
     return f"fuzz.faults:{fault.name.replace('-', '_')}{fault.variations}"
 
 
@@ -163,7 +171,7 @@ def tells(fault: Fault, failure: Failure) -> bool:
 
 
 def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Row, Failure | None]:
-    """Return one search for one fault, and the failure that tells, shrunk."""
+    """Do one search for one fault; return the failure that reveals it, shrunk."""
     scenario = Scenario.parse(controller_name(fault))
     config = CampaignConfig(
         scenario, seed=seed, time_steps=(scenario.run.time_step,), examples=EXAMPLES
@@ -171,7 +179,8 @@ def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Ro
     _compile(searcher)
     next(
         SEARCHERS["features"](replace(config, seed=seed + _OTHER_SEED, examples=4))
-    )  # compiles the fault
+        # Compiles the fault.
+    )
     cpu = time.process_time()
     wall = time.monotonic()
     worlds = 0
@@ -202,9 +211,9 @@ def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Ro
 
 @functools.cache
 def _compile(searcher: str) -> None:
-    """Do a unit against a quick controller.
+    """Do a unit against a fast controller.
 
-    So that no kernel is compiled while the clock runs.
+    No kernel is then compiled while the clock runs.
     """
     next(SEARCHERS[searcher](CampaignConfig(Scenario("turn-right"), seed=_OTHER_SEED, examples=4)))
 
@@ -220,12 +229,12 @@ def _units(searcher: str, config: CampaignConfig) -> Iterator[UnitResult]:
 
 
 def shows(fault: Fault, failure: Failure) -> bool:
-    """Return whether a failure shows the fault, and comes again."""
+    """Return True if a failure shows the fault, and recurs."""
     return failure.verdict == fault.expected and tells(fault, failure) and replay(failure).confirmed
 
 
 def _shrunk(row: Row, fault: Fault, found: Failure) -> tuple[Row, Failure]:
-    """Return the row and the world of a find after shrinking; as it was found where that fails."""
+    """Return the row and the world of a find after shrinking, or as found if that fails."""
     begun = time.process_time()
     try:
         small = shrink(found, seconds=_SHRINK_SECONDS).failure
@@ -249,9 +258,9 @@ def _shrunk(row: Row, fault: Fault, found: Failure) -> tuple[Row, Failure]:
 
 
 def removable_cells(failure: Failure) -> int:
-    """Return how many of a failure's solid cells can go, each by itself, by brute force.
+    """Return how many of a failure's solid cells can be removed one at a time, by brute force.
 
-    Shares no code with the shrinker.
+    It shares no code with the shrinker.
     """
     found = 0
     for iy, ix in np.argwhere(failure.world.walls):
@@ -264,7 +273,7 @@ def removable_cells(failure: Failure) -> int:
 
 
 def _fails_likewise(failure: Failure, candidate: World) -> bool:
-    """Return True if a reachable world fails in the manner that shrinking kept."""
+    """Return True if a reachable world fails in the way that shrinking preserved."""
     record = failure.record
     options = failure.options
     proved = certified(candidate)
@@ -284,16 +293,16 @@ def _fails_likewise(failure: Failure, candidate: World) -> bool:
 
 @dataclass(frozen=True)
 class Alarm:
-    """What one searcher found against a controller that is known to arrive.
+    """The results of one searcher against a controller that is known to arrive.
 
-    Anything is a false alarm.
+    Any failure is a false alarm.
 
     Args:
-        controller: Its name.
-        searcher: Its name.
-        worlds: Simulated.
-        asked: Those of them about which the oracles were asked, too.
-        failures: Met, by class.
+        controller: Name of the controller.
+        searcher: Name of the searcher.
+        worlds: Worlds simulated.
+        asked: Those of them that the oracles judged, too.
+        failures: Failures found, by class.
     """
 
     controller: str
@@ -304,7 +313,7 @@ class Alarm:
 
 
 def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = None) -> Alarm:
-    """Look for failures of a controller that has none; keep what it finds in a folder."""
+    """Search for failures of a correct controller; keep what is found in a folder."""
     met = Counter[str]()
     looked = []
     for oracles, most in (
@@ -328,7 +337,7 @@ def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = No
 def floors() -> dict[str, float]:
     """Return median CPU seconds to the first proved loop of ``turn-right``.
 
-    Speeds are for :mod:`benchmarks.native`.
+    Speeds are measured by :mod:`benchmarks.native`.
     """
     seconds = []
     for seed in range(10):
@@ -340,7 +349,8 @@ def floors() -> dict[str, float]:
             if any(kind.startswith("loop") for kind in result.failures)
         )
         seconds.append(time.process_time() - begun)
-    return {"first_loop_seconds": round(median(seconds[1:]), 4)}  # the first also compiles
+    # The first one also compiles.
+    return {"first_loop_seconds": round(median(seconds[1:]), 4)}
 
 
 # --- a table in files
@@ -369,7 +379,7 @@ def _rows(
 ) -> Iterator[dict[str, Any]]:
     """Yield every cell of the table.
 
-    Of a fault all that belongs to it, for its kernels are compiled once a process.
+    Everything about one fault comes together, because its kernels are compiled once per process.
     """
     for name, seed, searcher in product(given.fault or FAULTS, seeds, given.searcher or SEARCHERS):
         file = given.out / "rows" / f"{searcher}.{name}.{seed}.json" if given.out else None
@@ -425,9 +435,9 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _quartiles(values: Sequence[float]) -> list[float | None]:
-    """Lower quartile, median, upper quartile, each one of the values.
+    """Return lower quartile, median and upper quartile, each one of the values.
 
-    ``None`` for what is endless or not there.
+    They are ``None`` if endless or missing.
     """
     ranked = sorted(values)
     picked = (
@@ -490,9 +500,9 @@ def _searchers(rows: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def _cell(rows: Sequence[dict[str, Any]]) -> str:
-    """Return median worlds to the find; how many searches found it where not all did.
+    """Return the median worlds to the find, and how many searches found it if not all did.
 
-    Nothing where none was done.
+    The text is empty if none was done.
     """
     hits = [row["worlds"] for row in rows if row["found"]]
     if not hits:

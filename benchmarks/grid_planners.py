@@ -1,4 +1,4 @@
-"""What planners say that inflate walls by the robot's radius and then search the grid.
+"""Planners that inflate walls by the robot's radius and then search the grid.
 
 The table of docs/howto/census.md compares them with the proved answer.
 """
@@ -52,7 +52,7 @@ class InflationPlanners:
         self._inflated: dict[Fraction, tuple[Labels, Labels]] = {}
 
     def answers(self, world: World) -> InflatedAnswers:
-        """Return what each planner says of a world with these walls."""
+        """Return each planner's answer for a world with these walls."""
         ends = [
             cell_at(self._walls, world.cell_size, place.x, place.y)
             for place in (world.start, world.target)

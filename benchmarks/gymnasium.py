@@ -1,11 +1,10 @@
-"""Steps a second of the Gymnasium environments, next to other libraries of environments.
+"""Measure steps per second of the Gymnasium environments and of other libraries of environments.
 
-``python -m benchmarks.gymnasium`` prints a table, with ``--json`` one object: for each case its
-rate and its ratio to each peer, all from one run. Every case and peer runs in a process of its own,
-and they take turns in every round, so that other work on the machine hits all alike; the best of
-all rounds counts. A peer runs in the interpreter that its option names, ``--envpool``,
-``--minigrid``, ``--navix``, else in this one; one that is not installed there is if omitted, and
-named.
+``python -m benchmarks.gymnasium`` prints a table; ``--json`` prints one object. It has each case's
+rate and its ratio to each peer, all from one run. Every case and peer runs in its own process, and
+they take turns in every round, so that other work on the machine affects all alike; the best of all
+rounds counts. A peer runs in the interpreter that its option names, ``--envpool``, ``--minigrid``
+or ``--navix``, otherwise in this one; a peer that is not installed is skipped and named.
 
 Rates are steps of one robot per second of the process's CPU time, of all its threads, over calls of
 ``step`` only: actions are drawn before, or, of a policy, outside the clock. All that ``step`` does
@@ -17,9 +16,8 @@ begin.
 - ``turns away``: ahead, and after a bump on the spot for 5 to 24 steps; walls are touched in one
   step of twenty.
 
-What peers do is not the same: MiniGrid, NAVIX and FrozenLake move on grids, CartPole is a formula;
-    envpool's PointMaze
-moves a ball among walls by MuJoCo.
+Peers do different things: MiniGrid, NAVIX and FrozenLake move on grids, CartPole is a formula;
+    envpool's PointMaze moves a ball among walls with MuJoCo.
 """
 
 from __future__ import annotations
@@ -43,7 +41,8 @@ import worldgen.gym
 
 __all__ = ["CASES", "PEERS", "measure"]
 
-SECONDS = 1.5  # of a measurement
+# Seconds of a measurement.
+SECONDS = 1.5
 ROBOTS = 4096
 PLAIN = ("target_direction", "target_distance", "bump")
 MAZE = {"family": "maze", "params": {"size": 30}, "actions": "discrete", "turn_rate": 12.0}
@@ -73,9 +72,9 @@ def _turns_away(robots: int) -> Policy:
 def _many(
     policy: Callable[[int], Policy], sensors: tuple[str, ...] = PLAIN, **options: Any
 ) -> float:
-    """Return steps a second of the vector environment.
+    """Return steps per second of the vector environment.
 
-    The kernels are compiled, and the robots under way, before.
+    The kernels have been compiled and the robots are moving by then.
     """
     name = worldgen.gym.ENVIRONMENT
     limit = 1000
@@ -127,7 +126,7 @@ CASES: dict[str, Callable[[], float]] = {
 
 
 def _case(name: str) -> float:
-    """Return a case's rate, measured in a process of its own."""
+    """Return a case's rate, measured in its own process."""
     code = f"from benchmarks.gymnasium import CASES; print(CASES[{name!r}]())"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     return float(done.stdout)
@@ -146,7 +145,7 @@ def _peer(name: str, python: str) -> dict[str, Any] | None:
 
 
 def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
-    """Return best rates of all rounds, steps a second, and the load meanwhile."""
+    """Return the best rates of all rounds, steps per second, and the load meanwhile."""
     ours = dict.fromkeys(CASES, 0.0)
     theirs = {}
     versions = {}

@@ -1,12 +1,12 @@
-"""How often each registered controller arrives.
+"""Measure how often each registered controller arrives.
 
-Over ``corpora/thesis``, and over many worlds of every family. ``python -m benchmarks.library``
-prints how each run ended, table by table, and then the two tables of ``docs/reference/library.md``; with
-``--json`` one object. With 500 worlds of each family it takes half an hour, most of it the dynamic
-window's.
+The worlds are ``corpora/thesis``, and many worlds of every family. ``python -m benchmarks.library``
+prints how the runs ended, table by table, and then the two tables of ``docs/reference/library.md``;
+``--json`` prints one object. With 500 worlds of each family it takes half an hour, most of it for
+the dynamic window.
 
-Worlds are made here, each from its own seed, so they are the same on every machine, and so is every
-run. All controllers run under ``swept``, the thesis's three, too, each with the sensors that it
+Worlds are made here, each from its own seed, so they and all runs are the same on every machine.
+All controllers, including the thesis's three, run under ``swept``, each with the sensors that it
 needs.
 """
 
@@ -33,20 +33,22 @@ from worldgen.world import Witness, World
 
 __all__ = ["Row", "controllers", "family_worlds", "rows_of", "tables"]
 
-WORLDS = 500  # of each family
-STEPS = 20_000  # five minutes of 15 ms, in which a robot can drive 600 m; the worlds are 3 m wide
+# Worlds of each family.
+WORLDS = 500
+# Five minutes in steps of 15 ms, in which a robot can drive 600 m; the worlds are 3 m wide.
+STEPS = 20_000
 VERDICTS = (Verdict.REACHED, *UNENDED, Verdict.TUNNEL, Verdict.BURNED)
 
 
 @dataclass(frozen=True)
 class Row:
-    """What became of one controller in the worlds of one table.
+    """The outcomes of one controller in the worlds of one table.
 
     Args:
-        controller: Its name.
+        controller: Name of the controller.
         verdicts: Runs by verdict, those of ``VERDICTS`` and ``other``.
-        detour: Median, over the runs that arrived, of the driven way over the witness's; nan
-            without any.
+        detour: Median, over the runs that arrived, of the driven path divided by the witness's; NaN
+            if none arrived.
     """
 
     controller: str
@@ -63,7 +65,7 @@ def controllers() -> list[str]:
 def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[str, list[World]]]:
     """Yield each table's name and its worlds.
 
-    The corpus, then a number of each family with seeds from ``seed`` on.
+    They are the corpus, then worlds of each family with seeds from ``seed`` on.
     """
     files = sorted(
         (file for file in (importlib.resources.files("corpora") / "thesis").iterdir()), key=str
@@ -74,9 +76,9 @@ def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[st
 
 
 def family_worlds(family: str, count: int, seed: int) -> list[World]:
-    """Return the worlds of rising seeds, their words (shapes, algorithms, masks) in turn.
+    """Return the worlds of consecutive seeds, cycling through choices (shapes, algorithms, masks).
 
-    As far as they go together.
+    Combinations that a family refuses are skipped.
     """
     words = {
         parameter.name: parameter.choices

@@ -1,9 +1,9 @@
-"""What a campaign finds against each controller of the library, family by family.
+"""Measure what a campaign finds against each controller of the library, by family.
 
 ``python -m benchmarks.library_campaigns`` gives each controller the same units of feature layouts
-and of every family and prints the table of ``docs/reference/library.md``, with ``--json`` one object. What a
-unit draws depends on the seed alone, so the figures are the same on every machine. Failures are
-proved and classified; they are not shrunk.
+and of every family and prints the table of ``docs/reference/library.md``; ``--json`` prints one
+object. A unit's draws depend only on the seed, so the figures are the same on every machine.
+Failures are proved and classified, but not shrunk.
 """
 
 from __future__ import annotations
@@ -25,20 +25,21 @@ from worldgen.family import FAMILIES
 
 __all__ = ["Found", "search"]
 
-UNITS = 1  # of each strategy
+# Units of each strategy.
+UNITS = 1
 FEATURES = "features"
 
 
 @dataclass(frozen=True)
 class Found:
-    """What one controller's units of one strategy found.
+    """The results of one controller's units of one strategy.
 
     Args:
-        controller: Its name.
+        controller: Name of the controller.
         strategy: A family, or feature layouts.
         worlds: Worlds tried.
-        failed: Proved failures that were classified, by class; of one verdict and cause at most 24
-            a unit.
+        failed: Proved and classified failures by class; at most 24 of one verdict and cause per
+            unit.
     """
 
     controller: str

@@ -1,20 +1,19 @@
-"""How fast mazes are made, next to other libraries, and how much memory a large one takes.
+"""Measure how fast mazes are made, here and by other libraries, and the memory of a large one.
 
-``python -m benchmarks.mazes`` prints tables, with ``--json`` one object. Rates are million cells a
-second of processor time on one core, the best of ``--rounds``; the cells are those of the square
-that comes out, with passages and walls one cell wide. ``tree`` is the maze alone, as links between
-chambers; ``grid`` is maze and solid cells; ``world`` is a whole World, without its proof. ``fill``
-is what writing one byte a cell takes.
+``python -m benchmarks.mazes`` prints tables; ``--json`` prints one object. Rates are million cells
+per second of processor time on one core, the best of ``--rounds``; cells are those of the resulting
+square, with passages and walls one cell wide. ``tree`` is only the maze, as links between chambers;
+``grid`` is maze and solid cells; ``world`` is a whole World, without its proof. ``fill`` is the
+cost of writing one byte a cell.
 
-Peers run once at each side of ``--sizes``, and at 60, as far as a run is foreseen to take
-``--peer-seconds`` at most; the ratio is that of ``grid`` at the peer's largest side. A peer that is
-not installed is named. What is not the same: labmaze and tcod have none of these algorithms
-    (labmaze: a maze between rooms, here without rooms; tcod: a
-binary space partition), and the Python peers hand over grids or lattices of their own kind.
+Peers run once at each side of ``--sizes``, and at 60, as long as a run is expected to take at most
+``--peer-seconds``; the ratio is that of ``grid`` at the peer's largest side. A peer that is not
+installed is named. The peers differ: labmaze and tcod have none of these algorithms (labmaze: a
+maze between rooms, here without rooms; tcod: a binary space partition), and the Python peers return
+grids or lattices of their own kind.
 
-``python -m benchmarks.mazes --memory`` makes one maze for each algorithm that has room for it, each
-in a process of its own, at the largest of ``--sizes``, and says how much memory it took at most
-beyond the grid that it hands over.
+``python -m benchmarks.mazes --memory`` makes one maze with each algorithm that fits, each in its
+own process, at the largest of ``--sizes``, and reports its peak memory beyond the resulting grid.
 """
 
 from __future__ import annotations
@@ -51,7 +50,8 @@ LARGE = (
 )
 FIRST_PEER_SIDE = 60
 
-Maker = Callable[[int], Any]  # of the chambers a side
+# Share of the chambers a side.
+Maker = Callable[[int], Any]
 
 
 def _mazelib(name: str) -> Maker:
@@ -89,7 +89,7 @@ def _tcod() -> Maker:
     return make
 
 
-# Peer: our algorithm that it is set beside, and how to get it.
+# Peer: our algorithm that it is compared with, and how to get it.
 PEERS: dict[str, tuple[str, Callable[[], Maker]]] = {
     "mazelib BacktrackingGenerator": ("backtracker", lambda: _mazelib("BacktrackingGenerator")),
     "mazelib Wilsons": ("wilson", lambda: _mazelib("Wilsons")),
@@ -129,7 +129,7 @@ def _seconds(make: Callable[[], Any]) -> float:
 
 
 def _cases(side: int, seed: int) -> Iterator[tuple[str, str, Callable[[], Any]]]:
-    """Yield algorithm, case and what to time."""
+    """Yield algorithm, case and function to time."""
     chambers = (side - 1) // 2
     full = np.ones((chambers, chambers), np.bool_)
     yield "fill", "fill", partial(np.ones, (2 * chambers + 1) ** 2, np.bool_)
@@ -140,14 +140,14 @@ def _cases(side: int, seed: int) -> Iterator[tuple[str, str, Callable[[], Any]]]
 
 
 def _rate(side: int, seconds: float) -> float:
-    """Return million cells a second."""
+    """Return million cells per second."""
     return (2 * ((side - 1) // 2) + 1) ** 2 / max(seconds, 1e-9) / 1e6
 
 
 def measure(sizes: list[int], rounds: int) -> dict[str, dict[int, dict[str, float]]]:
-    """Return million cells a second: of each algorithm, side and case.
+    """Return million cells per second of each algorithm, side and case.
 
-    Under ``fill``, of writing memory alone.
+    ``fill`` only writes memory.
     """
     best: dict[str, dict[int, dict[str, float]]] = {}
     for turn in range(rounds + 1):
@@ -157,14 +157,15 @@ def measure(sizes: list[int], rounds: int) -> dict[str, dict[int, dict[str, floa
                 rates = best.setdefault(name, {}).setdefault(side, {})
                 rates[case] = (
                     max(rate, rates.get(case, 0.0)) if turn > 0 else 0.0
-                )  # the first only warms up
+                    # The first one only warms up.
+                )
     return best
 
 
 def measure_peers(sizes: list[int], limit: float) -> tuple[dict[str, dict[str, Any]], list[str]]:
-    """Return million cells a second of each peer at each side that it could do in time.
+    """Return million cells per second of each peer at each side that fits into the time.
 
-    And what is missing, and why.
+    Also return which peers are missing, and why.
     """
     rates: dict[str, dict[str, Any]] = {}
     absent = []
@@ -198,7 +199,8 @@ def _climb(make: Maker, sides: list[int], limit: float) -> dict[int, float]:
     for side in sides:
         if (
             seconds * (side / before) ** 3 > limit
-        ):  # some take time with the square of the cells, or more
+            # The time of some grows with the square of the cells, or faster.
+        ):
             break
         seconds = _seconds(partial(make, (side - 1) // 2))
         before = side
@@ -207,9 +209,9 @@ def _climb(make: Maker, sides: list[int], limit: float) -> dict[int, float]:
 
 
 def peak_memory(name: str, side: int) -> dict[str, float]:
-    """Return what one large grid takes in a new process.
+    """Return the cost of one large grid in a new process.
 
-    Seconds, and bytes a cell beyond the grid itself.
+    It is given in seconds, and in bytes per cell beyond the grid itself.
     """
     code = f"from benchmarks.mazes import _take; _take({name!r}, {side})"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
@@ -217,7 +219,8 @@ def peak_memory(name: str, side: int) -> dict[str, float]:
 
 
 def _take(name: str, side: int) -> None:
-    _grid(name, 40, 1)  # what is loaded at first use does not count
+    # Modules loaded at first use do not count.
+    _grid(name, 40, 1)
     before = _status("VmRSS")
     begin = time.process_time()
     grid = _grid(name, (side - 1) // 2, 1)

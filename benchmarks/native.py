@@ -1,20 +1,17 @@
-"""What native search costs.
+"""Measure the cost of native search.
 
-Robot steps and worlds a second, next to the bare simulator and the Hypothesis strategy. ``python -m
-benchmarks.native`` prints a table, with ``--json`` one object; ``--document
-docs/explanation/search.md`` also puts it into that document. All rates are per second of one core's
-processor time, compilation left out.
+It measures robot steps and worlds per second, against the bare simulator and the Hypothesis
+strategy. ``python -m benchmarks.native`` prints a table; ``--json`` prints one object; ``--document
+docs/explanation/search.md`` also writes it to that page. All rates are per second of one core's
+processor time, without compilation.
 
-``strategy``: units of the strategy ``native`` as a campaign does them: scenes drawn, simulated, looked at;
-    what it reports
-proved, judged by its oracle and classified. ``looks``: the same without the proofs. ``bare``: the
-    simulator's step in
-the worlds of the same scenes, with everything ready before the clock starts: what the strategy could be
-    at most.
-``alone``: one long run in the maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of
-    the same scenes
-through the library. ``features``: the strategy in which Hypothesis draws feature layouts, one example a
-    world.
+``strategy``: units of the strategy ``native`` as a campaign does them: scenes are drawn, simulated
+    and screened; failures are proved, judged by its oracle and classified. ``looks``: the same
+    without the proofs. ``bare``: the simulator's step in the worlds of the same scenes, with
+    everything prepared before the clock starts: an upper bound for the strategy. ``alone``: one
+    long run in the maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of the same
+    scenes through the library. ``features``: the strategy in which Hypothesis draws feature
+    layouts, one example a world.
 """
 
 from __future__ import annotations
@@ -51,8 +48,10 @@ __all__ = ["NAMES", "Row", "measure"]
 
 NAMES = ("benchmarks.simulator:BOUNCER", "turn-right", "turn-left", "wall-left", "vfh")
 ALONE_STEPS = 300_000
-LOOKS = 4_000  # scenes
-SAME_WORLDS = 300  # of simulate_many
+# Scenes.
+LOOKS = 4_000
+# Worlds of simulate_many.
+SAME_WORLDS = 300
 MARKS = (
     "<!-- table: python -m benchmarks.native --document docs/explanation/search.md -->",
     "<!-- end of table -->",
@@ -61,22 +60,22 @@ MARKS = (
 
 @dataclass(frozen=True)
 class Row:
-    """What one controller took; rates are per second of processor time.
+    """The rates of one controller, per second of processor time.
 
     Args:
         controller: Name.
         alone: Steps of the simulator alone.
-        bare: Steps of the simulator alone, in the worlds of the first looks.
-        looks_steps: Steps of first looks.
-        looks_worlds: Their worlds.
+        bare: Steps of the simulator alone, in the worlds of the screening runs.
+        looks_steps: Steps of screening runs.
+        looks_worlds: Worlds of screening runs.
         strategy_steps: Steps of whole units of the strategy ``native``.
-        strategy_worlds: Their worlds.
+        strategy_worlds: Worlds of whole units of the strategy ``native``.
         strategy_classes: Classes of proved failures in all of these units.
         many_steps: Steps of ``simulate_many`` in the same worlds.
-        many_worlds: Its worlds.
+        many_worlds: Worlds of ``simulate_many``.
         features_steps: Steps of whole units of the strategy ``features``.
-        features_worlds: Their worlds.
-        features_classes: Classes of proved failures in as many seconds of such units.
+        features_worlds: Worlds of whole units of the strategy ``features``.
+        features_classes: Classes of proved failures in the same time of such units.
     """
 
     controller: str
@@ -95,7 +94,7 @@ class Row:
 
     @property
     def shares(self) -> dict[str, float]:
-        """The rates of first looks and of whole units, as shares of the bare step's."""
+        """The rates of screening and of whole units, as shares of the bare step's."""
         return {
             "looks_share": self.looks_steps / self.bare,
             "strategy_share": self.strategy_steps / self.bare,
@@ -108,9 +107,9 @@ def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def _units(scenario: Scenario, strategy: str, budget: float) -> tuple[float, float, int]:
-    """Return steps and worlds a second of whole units, and all classes that they find.
+    """Return steps and worlds per second of whole units, and all classes that they find.
 
-    What compiles does not count.
+    Compilation does not count.
     """
     config = CampaignConfig(scenario, seed=3, families=(strategy,))
     run_unit(config, 0)
@@ -129,7 +128,7 @@ def _units(scenario: Scenario, strategy: str, budget: float) -> tuple[float, flo
 
 
 def _alone(scenario: Scenario, rounds: int) -> float:
-    """Return steps a second of one long run that nothing ends."""
+    """Return steps per second of one long, endless run."""
     run = prepare(maze(), scenario.controller, RunOptions("swept", ALONE_STEPS))
     run.run(10, find_loop=False, record=False, digest=False)
     taken = [
@@ -140,9 +139,9 @@ def _alone(scenario: Scenario, rounds: int) -> float:
 
 
 def _bare(scenario: Scenario, looks: Screening) -> float:
-    """Return steps a second of the runs of first looks.
+    """Return steps per second of the screening runs.
 
-    Nothing but the step and its search for recurrences.
+    This is only the step and its search for recurrences.
     """
     controller = CONTROLLERS.get(scenario.controller)
     assert isinstance(controller, CompiledController)

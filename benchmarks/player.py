@@ -1,10 +1,12 @@
-"""What a frame of the player costs, drawn by the processor alone, in worlds of 2000 x 2000 cells.
+"""Measure the cost of a frame of the player, drawn by the processor.
+
+The worlds have 2000 x 2000 cells.
 
     python -m benchmarks.player
 
-Each frame is drawn whole and read back, so that nothing is put off; a frame of 60 a second has 16.7
-ms. One world changes 6,000 times a second, in the other a robot's way has 30,000 corners, as many
-as the studio's page holds; all of them are in sight, also where the robot is followed.
+Each frame is drawn completely and read back, so that nothing is deferred; a frame at 60 a second
+has 16.7 ms. One world changes 6,000 times a second; in the other a robot's path has 30,000 corners,
+as many as the studio's page can hold. All of them are in view, even when the robot is followed.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""A foreign referee for swept moves: shapely is asked about every piece of the way of many discs.
+"""Check swept moves against a foreign referee: shapely tests every piece of the path of many discs.
 
-``python -m benchmarks.referee`` reports how many moves were tried and how many cut a wall, with
-``--json`` as one object; ``--moves`` says how many (default 100,000). Rooms are random, from sparse
-to dense, some with walls one cell thick and diagonal gaps; radii go from 0.05 to 6 cells, moves
-from a lattice unit to 300 cells.
+``python -m benchmarks.referee`` reports how many moves were tried and how many cut a wall;
+``--json`` prints one object, and ``--moves`` sets their number (default 100,000). Rooms are random,
+from sparse to dense, some with walls one cell thick and diagonal gaps; radii range from 0.05 to 6
+cells, moves from a lattice unit to 300 cells.
 
 Coordinates are lattice units, whole numbers below 2**20, so that shapely's own rounding stays below
-a millionth of a unit: that is the tolerance, a nanometre where a cell is a metre.
+a millionth of a unit. That is the tolerance: a nanometre if a cell is a metre.
 """
 
 from __future__ import annotations
@@ -30,23 +30,26 @@ from worldgen.timeline import CellState
 __all__ = ["Report", "referee"]
 
 SOLID = int(CellState.SOLID)
-TOLERANCE = 1e-6  # lattice units
+# Lattice units.
+TOLERANCE = 1e-6
 MOVES_A_ROOM = 200
-RADII = tuple(Fraction(k, 20) for k in (1, 5, 9, 10, 13, 14, 15, 20, 27, 40, 70, 120))  # cells
-LENGTHS = (1, 30, 300, 700, 1024, 3000, 20_000, 300 * UNIT)  # lattice units
+# Cells.
+RADII = tuple(Fraction(k, 20) for k in (1, 5, 9, 10, 13, 14, 15, 20, 27, 40, 70, 120))
+# Lattice units.
+LENGTHS = (1, 30, 300, 700, 1024, 3000, 20_000, 300 * UNIT)
 
 
 @dataclass
 class Report:
-    """What the referee saw.
+    """The referee's findings.
 
     Args:
         moves: Moves tried.
-        pieces: Straight pieces of their ways.
+        pieces: Straight pieces of their paths.
         contacts: Moves that a wall stopped or bent.
         cuts: Pieces that came nearer to a wall than the radius, by more than the tolerance.
         deepest: How much nearer the worst piece came, lattice units; below 0 it stayed away.
-        seconds: What it took.
+        seconds: Duration.
     """
 
     moves: int = 0
@@ -88,11 +91,11 @@ def _place(
 
 
 def referee(moves: int, seed: int) -> Report:
-    """Tries so many moves.
+    """Try random moves and return the findings.
 
     Args:
-        moves: At least so many.
-        seed: Of all chance.
+        moves: Least number of moves.
+        seed: Seed of all randomness.
     """
     stream = RandomStream(seed)
     report = Report()
@@ -119,7 +122,7 @@ def _drive(
     chain: np.ndarray,
     report: Report,
 ) -> None:
-    """Some moves from a place, all asked about at once."""
+    """Check some moves from a place, all together."""
     pieces: list[list[tuple[int, int]]] = []
     x, y = place
     for _ in range(MOVES_A_ROOM):
@@ -150,7 +153,7 @@ def _drive(
 
 
 def main() -> None:
-    """Ask the referee and print the report."""
+    """Run the referee and print the report."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

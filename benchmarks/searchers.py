@@ -1,19 +1,20 @@
-"""Ways to look for a controller's failures, for ``benchmarks.finding`` to compare.
+"""Searchers for a controller's failures, compared by ``benchmarks.finding``.
 
-All hand them to triage. A searcher makes of a campaign's configuration one unit's result
-after another, without end, each of as many worlds as the configuration says. The strategies are those of
-the product; the two others are what one would do without it:
+All of them hand failures to triage. Given a campaign's configuration, a searcher yields one unit's
+result after another, endlessly, each with as many worlds as configured. The strategies are the
+product's; the two others are what one would do without it:
 
 - ``random``: uniformly random cells. Arena, density, start, heading and target are drawn, too,
   until a witness shows that the target can be reached.
 - ``genetic``: a genetic algorithm over the bytes of a feature layout. The more time a robot takes
-  beyond the straight way, the fitter the layout; who fails has been found, and has no children.
+  beyond the straight path, the fitter the layout; a layout in which it fails counts as found, and
+  has no children.
 
 Source: Dmytro Humeniuk, Foutse Khomh and Giuliano Antoniol, "A search-based framework for automatic
-    generation of
-testing environments for cyber-physical systems", Information and Software Technology 149 (2022),
-for the robot's way as fitness, one-point crossover and mutation of an environment's elements;
-Darrell Whitley, "The GENITOR algorithm and selection pressure", ICGA 1989, for one child at a time.
+    generation of testing environments for cyber-physical systems", Information and Software
+    Technology 149 (2022), for the robot's path as fitness, one-point crossover and mutation of an
+    environment's elements; Darrell Whitley, "The GENITOR algorithm and selection pressure", ICGA
+    1989, for one child at a time.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ __all__ = ["SEARCHERS", "STILL_FAMILIES", "Searcher", "genetic", "random_cells",
 Searcher = Callable[[CampaignConfig], Iterator[UnitResult]]
 
 STILL_FAMILIES = ("trap", "maze", "corridor", "rooms", "forest", "cave", "rubble")
-"""Families whose worlds do not change: in those that do, no controller arrives everywhere."""
+"""Families of static worlds: in worlds that change, no controller arrives everywhere."""
 
 _DENSITIES = (
     0.05,
@@ -59,20 +60,23 @@ _DENSITIES = (
     0.2,
     0.25,
     0.3,
-)  # beyond, hardly any way is left for a robot wider than a cell
-_SIDES = (8, 28)  # cells, as feature layouts have them
+    # At higher densities, hardly any path is left for a robot wider than a cell.
+)
+# Cells, as in feature layouts.
+_SIDES = (8, 28)
 _POPULATION = 50
 _CROSSOVER = 0.9
-_MUTATION = 2.0 / LAYOUT_BYTES  # of each byte
+# Probability for each byte.
+_MUTATION = 2.0 / LAYOUT_BYTES
 _WORDS = LAYOUT_BYTES // 8
 
 
 def strategies(*names: str) -> Searcher:
-    """Return the strategies of these names; without any, the campaign's own plan."""
+    """Return the strategies of these names, or the campaign's own plan if there are none."""
 
     def units(config: CampaignConfig) -> Iterator[UnitResult]:
         config = replace(config, families=names)
-        # by epoch, as in a campaign
+        # States by epoch, as in a campaign.
         memory = SearchState()
         known = [SearchState(), SearchState()]
         for unit in count():
@@ -86,7 +90,7 @@ def strategies(*names: str) -> Searcher:
 
 
 def random_cells(config: CampaignConfig) -> Iterator[UnitResult]:
-    """Uniformly random cells at several densities, reachable."""
+    """Yield uniformly random cells at several densities, with reachable targets."""
     stream = RandomStream(config.seed).child("random cells")
     while True:
         door = Triage(config, UnitResult(strategy="random"))
@@ -101,7 +105,7 @@ def random_cells(config: CampaignConfig) -> Iterator[UnitResult]:
 def genetic(config: CampaignConfig) -> Iterator[UnitResult]:
     """Yield a genetic algorithm over feature layouts, one child at a time.
 
-    It takes the place of one that is less fit.
+    Each child replaces a less fit layout.
     """
     stream = RandomStream(config.seed).child("genetic")
     population: list[tuple[float, bytes]] = []
@@ -121,7 +125,7 @@ def genetic(config: CampaignConfig) -> Iterator[UnitResult]:
 
 
 def _child(population: list[tuple[float, bytes]], stream: RandomStream) -> bytes:
-    """Return two parents by tournaments of two, one point of crossover, mutation."""
+    """Return a child: two parents by tournaments of two, one point of crossover, mutation."""
     mother, father = (
         population[max(_two(stream), key=lambda k: population[k][0])][1] for _ in range(2)
     )
@@ -138,9 +142,9 @@ def _two(stream: RandomStream) -> tuple[int, int]:
 
 
 def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStream) -> float:
-    """Return runs a reachable world.
+    """Run a reachable world and return its fitness.
 
-    The time that the robot takes over that of the straight way, 0 if it does not arrive.
+    It is the robot's time divided by that of the straight path, 0 if the robot does not arrive.
     """
     scenario = config.scenario.with_run(seed=stream.below(1 << 32))
     budget = step_budget(world, scenario.run.time_step)
@@ -156,9 +160,9 @@ def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStre
 
 
 def _random_world(stream: RandomStream) -> World:
-    """Return cells that are solid or not, each by itself.
+    """Return random cells, each solid or free independently.
 
-    Those round start and target are free, the border is solid.
+    Those around start and target are free, the border is solid.
     """
     height, width = (stream.between(*_SIDES) for _ in range(2))
     walls = stream.floats(height * width).reshape(height, width) < stream.choice(_DENSITIES)
@@ -192,7 +196,7 @@ SEARCHERS: dict[str, Searcher] = {
     "random": random_cells,
     "genetic": genetic,
 }
-"""By name, in the order of the table.
+"""The searchers by name, in table order.
 
-``plan`` is the campaign as it is, with strategies that share by its own plan.
+``plan`` is the campaign as it is, with its own plan for sharing among strategies.
 """

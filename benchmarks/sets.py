@@ -1,10 +1,10 @@
-"""How fast sets are made, on one core.
+"""Measure how fast sets are made, on one core.
 
-``python -m benchmarks.sets``, with ``--json`` as one object. For each family worlds a second: made
-and thrown away (``stream``), written as a folder and as archives, and measured as well. The ratio
-is to ``stream`` in the same run; it says what writing and measuring cost. ``--count`` is the number
-of worlds of each case (default 2,000). Times are the processor's, so other work on the machine
-counts little; before the clock starts, kernels are loaded.
+``python -m benchmarks.sets``; ``--json`` prints one object. For each family it measures worlds per
+second: made and discarded (``stream``), written as a folder and as archives, and measured as well.
+The ratio is to ``stream`` in the same run; it shows what writing and measuring cost. ``--count`` is
+the number of worlds of each case (default 2,000). Times are processor times, so other work on the
+machine matters little; kernels are loaded before the clock starts.
 """
 
 from __future__ import annotations
@@ -33,14 +33,15 @@ CASES: dict[str, dict[str, Any]] = {
     "tar.bz2": {"name": "set.tar.bz2", "metrics": False},
     "folder, metrics": {"name": "set", "metrics": True},
 }
-WARM = 1_000  # worlds that are made first: by then compiled code has paid and is loaded
+# Worlds made first: after them compiled code is loaded.
+WARM = 1_000
 
 
 def measure(count: int) -> Iterator[dict[str, Any]]:
     """Time every case.
 
     Args:
-        count: Worlds of each.
+        count: Worlds of each case.
 
     Returns:
         ``family``, ``case``, ``worlds``, ``rate`` (worlds a second) and ``ratio`` (to ``stream``).

@@ -1,14 +1,13 @@
-"""How quick and how good shrinking is, beside Hypothesis on the same failures.
+"""Measure how fast and how good shrinking is, against Hypothesis on the same failures.
 
 ``python -m benchmarks.shrinking`` finds failures of several controllers under each motion model
-with fixed seeds, shrinks each, and prints the table of ``docs/howto/keep-failures.md``; with ``--json`` one
-object. ``--each N`` says how many failures a case contributes at most (default 6),
-``--hypothesis N`` how many Hypothesis shrinks too (default 1). Times are CPU milliseconds.
+with fixed seeds, shrinks each, and prints the table of ``docs/howto/keep-failures.md``; ``--json``
+prints one object. ``--each N`` is the most failures of a case (default 6), ``--hypothesis N`` the
+most that Hypothesis shrinks too (default 1). Times are CPU milliseconds.
 
 Hypothesis shrinks the bytes of the feature layout (:mod:`fuzz.search.features`) that the failure
-was drawn from, through public calls only: its property fails where the layout's world fails with
-    the same
-verdict. So it never leaves the layouts.
+was drawn from, through public calls only: its property fails if the layout's world fails with the
+same verdict. So it never leaves the layouts.
 """
 
 from __future__ import annotations
@@ -53,7 +52,7 @@ _PROOF_STEPS = 20_000
 
 @dataclass(frozen=True)
 class Found:
-    """A failure and the layout that it was drawn from."""
+    """A failure, and the layout that it was drawn from."""
 
     data: bytes
     failure: Failure
@@ -62,13 +61,13 @@ class Found:
 
 @dataclass(frozen=True)
 class Row:
-    """What one way of shrinking made of one case's failures.
+    """The results of one method of shrinking on one case's failures.
 
     Args:
         milliseconds: CPU time of each.
         solid: Solid cells of each result.
         cells: Cells of each result's grid.
-        minimal: How many are 1-minimal.
+        minimal: How many results are 1-minimal.
     """
 
     milliseconds: list[float]
@@ -118,7 +117,7 @@ def _failure(data: bytes, scenario: Scenario) -> Failure | None:
 
 
 def measure(found: list[Found], reduce: Callable[[Found], Failure]) -> Row:
-    """Shrink each failure and looks, apart from the clock, whether the result is 1-minimal."""
+    """Shrink each failure and check, outside the clock, whether the result is 1-minimal."""
     row = Row([], [], [], 0)
     minimal = 0
     for one in found:
@@ -132,12 +131,12 @@ def measure(found: list[Found], reduce: Callable[[Found], Failure]) -> Row:
 
 
 def by_passes(found: Found) -> Failure:
-    """Return the shrinker of this program."""
+    """Return this program's shrinker."""
     return shrink(found.failure).failure
 
 
 def by_hypothesis(found: Found) -> Failure:
-    """Return what Hypothesis makes of the layout's bytes, with the same exact judge."""
+    """Return Hypothesis's result for the layout's bytes, with the same exact judge."""
     still_fails = StillFails.of(found.failure)
     best = found.data
 
@@ -171,7 +170,7 @@ class _Fails(Exception):
 
 
 def tables(each: int, hypothesis: int) -> dict[str, Any]:
-    """Return every case by every way, and all cases together."""
+    """Return every case with every method, and all cases together."""
     ways: dict[str, Callable[[Found], Failure]] = {"passes": by_passes}
     if hypothesis:
         ways["hypothesis"] = by_hypothesis
@@ -180,7 +179,8 @@ def tables(each: int, hypothesis: int) -> dict[str, Any]:
     for case in CASES:
         found = failures_of(*case, each)
         for one in found[:1]:
-            by_passes(one)  # compiled before the clock runs
+            # Compiled before the clock starts.
+            by_passes(one)
         for way, reduce in ways.items():
             row = measure(found if reduce is by_passes else found[:hypothesis], reduce)
             whole[way].append(row)

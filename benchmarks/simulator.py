@@ -1,19 +1,18 @@
-"""Steps a second of the simulator, next to other engines that drive a disc through the same maze.
+"""Measure steps per second of the simulator and of other engines that drive a disc through a maze.
 
-``python -m benchmarks.simulator`` prints a table, with ``--json`` one object: for each case its
-rate and its ratio to each peer, all from one run. Peers that are not installed are if omitted, and
+``python -m benchmarks.simulator`` prints a table; ``--json`` prints one object. It has each case's
+rate and its ratio to each peer, all from one run. Peers that are not installed are skipped and
 named: pymunk and mujoco come with pip.
 
-The maze has 60 x 60 cells, the disc a radius of 0.7 cells, a step is 0.3 cells long. The controller
-is a simple reactive one: ahead, and after a bump turn on the spot for 5 to 24 steps. Rates are
-    steps per second of processor
-time, but for those of several threads or processes, which are per second of wall time; the best of
-all rounds counts. Cases and
-peers take turns in every round, so that other work on the machine hits all alike.
+The maze has 60 x 60 cells, the disc a radius of 0.7 cells, and a step is 0.3 cells long. The
+controller is a simple reactive one: straight ahead, and after a bump on the spot for 5 to 24 steps.
+Rates are steps per second of processor time, except for several threads or processes, where they
+are per second of wall time; the best of all rounds counts. Cases and peers take turns in every
+round, so that other work on the machine affects all alike.
 
-Two peers are C of our own (``peers/plain_disc.c``): a disc that drives through the
-maze without a lattice, a verdict or a search for loops. ``plain C`` is always under way, which is
-what a simulator is measured by; ``plain C, bouncer`` turns on the spot as the cases do.
+Two peers are our own C (``peers/plain_disc.c``): a disc that drives through the maze without a
+lattice, a verdict or a search for loops. ``plain C`` is always moving, which is the usual way to
+measure a simulator; ``plain C, bouncer`` turns on the spot like the cases do.
 """
 
 from __future__ import annotations
@@ -57,9 +56,12 @@ from worldgen.world import Pose, Target, World
 
 __all__ = ["CASES", "PEERS", "measure"]
 
-STEP = 0.015  # s
-RATE = 12.0  # rad/s while it turns
-Rate = tuple[float, float]  # steps, seconds
+# Seconds.
+STEP = 0.015
+# Turn rate, rad/s.
+RATE = 12.0
+# Steps, seconds.
+Rate = tuple[float, float]
 
 
 def _act(observation: Any, memory: Any, command: Any) -> None:
@@ -81,7 +83,7 @@ BOUNCER = CompiledController(
 
 @functools.cache
 def _built() -> tempfile.TemporaryDirectory[str]:
-    """Return a folder with the C of the benchmark, compiled; it goes with the process."""
+    """Return a folder with the benchmark's C, compiled; it is deleted with the process."""
     here = Path(__file__).parent
     folder = tempfile.TemporaryDirectory()
     for source in (here / "bouncer.c", here / "peers" / "plain_disc.c"):
@@ -107,7 +109,7 @@ class Bouncer:
         return (0.0,)
 
     def act(self, observation: Any, memory: tuple[float, ...]) -> tuple[Command, tuple[float, ...]]:
-        """Ahead, or on with the turn."""
+        """Drive ahead, or continue the turn."""
         rest = 5.0 + math.floor(observation.random * 20.0) if observation.bump else memory[0]
         if rest > 0.0:
             return Command(0.0, RATE, observation.bump), (rest - 1.0,)
@@ -125,7 +127,7 @@ class BouncerOfMany:
         return (0.0,)
 
     def act_many(self, observation: Any, memory: Any) -> tuple[Commands, Any]:
-        """Ahead, or on with the turn."""
+        """Drive ahead, or continue the turn."""
         rest = np.where(observation.bump, 5.0 + np.floor(observation.random * 20.0), memory[:, 0])
         turns = rest > 0.0
         command = Commands(np.where(turns, 0.0, 2.0), np.where(turns, RATE, 0.0), observation.bump)
@@ -133,7 +135,7 @@ class BouncerOfMany:
 
 
 def maze(size: int = 60) -> World:
-    """Return the maze, its target out of everybody's way."""
+    """Return the maze, with its target out of reach."""
     world = generate("maze", seed=3, size=size)
     return replace(world, target=replace(world.target, radius=1e-6), certificate=None)
 
@@ -174,7 +176,7 @@ def _many(workers: int) -> Callable[[], Rate]:
 
 
 def _program() -> Callable[[], Rate]:
-    """Return a program: the Python class, served by a process of its own, whose time counts too."""
+    """Return a program: the Python class, served by another process, whose time counts too."""
     program = ProcessController([sys.executable, "-m", "sim.host", "benchmarks.simulator:Bouncer"])
     run = prepare(maze(), program, RunOptions("swept", 20_000, STEP, 5))
 
@@ -237,7 +239,7 @@ def _boxes(world: World) -> list[tuple[float, float, float, float]]:
 
 
 def _plain(name: str) -> Callable[[], Rate]:
-    """Return a function of the plain disc, in the maze of the cases; lengths are cells."""
+    """Return a function that runs the plain disc in the maze of the cases; lengths are cells."""
     world = maze()
     steps = 2_000_000
     side = world.cell_size

@@ -1,10 +1,9 @@
-"""What strategies bring, alone and together: classes of failures for equal CPU seconds of one core.
+"""Compare strategies, alone and together: classes of failures for equal CPU seconds of one core.
 
-``python -m benchmarks.strategies`` gives every way of sharing a campaign's budget the same CPU seconds
-for each controller: the campaign's own plan, all its strategies in turn, and some strategies alone. It prints
-    how many classes each finds, and how
-large their smallest worlds are before shrinking; with ``--json`` one object. Kernels are compiled
-before that.
+``python -m benchmarks.strategies`` gives every way of sharing a campaign's budget the same CPU
+seconds for each controller: the campaign's own plan, all its strategies in turn, and some
+strategies alone. It prints how many classes each finds, and how large their smallest worlds are
+before shrinking; ``--json`` prints one object. Kernels are compiled before that.
 """
 
 from __future__ import annotations
@@ -32,8 +31,10 @@ CASES = (
 """Controllers and motion models of the table."""
 
 _ALONE = ("native", "archive", "features", "boundary")
-_EXAMPLES = 100  # of a unit: a quarter of a campaign's, so that a strategy's share can be told in few seconds
-_COMPILES = 10**6  # a unit that is far from all others
+# Size of a unit: a quarter of a campaign's, so that a strategy's share shows within a few seconds.
+_EXAMPLES = 100
+# A unit that is far from all others.
+_COMPILES = 10**6
 
 
 @dataclass(frozen=True)
@@ -41,16 +42,16 @@ class Row:
     """One way of sharing the budget, for one controller and one seed.
 
     Args:
-        controller: Its name.
+        controller: Name of the controller.
         motion: Motion model.
         way: ``plan``, ``in turn``, or a strategy's name.
-        seed: Of the campaign.
-        units: Done.
-        worlds: Simulated.
-        steps: Same as above.
-        proved: Failures.
+        seed: Seed of the campaign.
+        units: Units done.
+        worlds: Worlds simulated.
+        steps: Steps simulated.
+        proved: Number of proved failures.
         classes: Their classes, sorted.
-        solid_cells: Of the smallest world of each class, in all.
+        solid_cells: Total solid cells of the smallest world of each class.
     """
 
     controller: str
@@ -66,7 +67,7 @@ class Row:
 
 
 def strategies_at(way: str, config: CampaignConfig) -> Callable[[int], tuple[str, ...]]:
-    """Return which strategies a unit may be of."""
+    """Return the strategies that a unit may use."""
     if way == "plan":
         return lambda unit: ()
     names = strategies_for(config, SearchState()) if way == "in turn" else (way,)

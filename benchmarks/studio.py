@@ -1,10 +1,10 @@
-"""How smooth the studio is.
+"""Measure how smooth the studio is.
 
-Times of frames in headless Chromium, in a world of 2000 x 2000 cells and a long run. python -m
-benchmarks.studio
+It measures frame times in headless Chromium, in a world of 2000 x 2000 cells and a long run. Run it
+as ``python -m benchmarks.studio``.
 
-The board is zoomed and drawn on in each frame, the player plays a million steps, with the whole
-world in view and with the robot followed. A frame of 60 a second has 16.7 ms; headless Chromium
+The board is zoomed and drawn on in each frame; the player plays a million steps, with the whole
+world in view and with the robot followed. A frame at 60 a second has 16.7 ms; headless Chromium
 draws without a graphics card.
 """
 
@@ -22,7 +22,8 @@ from tests.helpers.studio_page import drag, opened
 from worldgen import generate
 from worldgen.files.grid import write_world
 
-SIDE = 2_000  # cells
+# Cells.
+SIDE = 2_000
 STEPS = 1_000_000
 _FRAMES = """async (act) => {
   const times = [];

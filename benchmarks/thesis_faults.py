@@ -1,8 +1,8 @@
-"""How often the thesis's robots enter walls.
+"""Measure how often the thesis's robots enter walls.
 
-Scattered worlds and U traps, by rule, cause and repair. ``python -m benchmarks.thesis_faults``
-prints the figures of ``docs/explanation/thesis.md``, with ``--json`` as one object. It takes some four
-minutes.
+It uses scattered worlds and U traps, by rule, cause and repair. ``python -m
+benchmarks.thesis_faults`` prints the figures of ``docs/explanation/thesis.md``; ``--json`` prints
+one object. It takes about four minutes.
 """
 
 from __future__ import annotations
@@ -29,18 +29,23 @@ from worldgen.world import Pose, Target, World
 
 __all__ = ["KINDS", "draw_worlds", "tally"]
 
-SIDE = 30  # cells
-STEPS = 20_000  # five minutes at the thesis's 15 ms
-_HEADING = -1.3584073464102069  # rad: the thesis's 4.5 on its screen, as a world's heading
-_START = (3, SIDE - 4)  # the thesis's default, (35, 35) px from the upper left
-_TARGETS = ((SIDE // 2, SIDE // 2 - 1), (SIDE - 3, 2))  # near the centre, or in the far corner
+# Cells.
+SIDE = 30
+# Five minutes at the thesis's 15 ms.
+STEPS = 20_000
+# Heading, rad: the thesis's 4.5 on its screen, in the world's frame.
+_HEADING = -1.3584073464102069
+# The thesis's default start, (35, 35) px from the upper left.
+_START = (3, SIDE - 4)
+# Near the centre, or in the far corner.
+_TARGETS = ((SIDE // 2, SIDE // 2 - 1), (SIDE - 3, 2))
 _REPAIRS = ("repair_slide", "repair_back_off", "repair_corner")
 
 Walls = npt.NDArray[np.bool_]
 
 
 def scattered(stream: RandomStream) -> Walls:
-    """10 to 30 blocks of 1 to 3 by 1 to 3 cells, anywhere in a hall with a border."""
+    """Place 10 to 30 blocks of 1 to 3 by 1 to 3 cells anywhere in a hall with a border."""
     walls = _hall()
     for _ in range(stream.between(10, 30)):
         width = stream.between(1, 3)
@@ -52,9 +57,9 @@ def scattered(stream: RandomStream) -> Walls:
 
 
 def u_traps(stream: RandomStream, count: int) -> Walls:
-    """Us of 5 to 12 by 4 to 12 cells, walls one or two cells thick, open to any side.
+    """Place Us of 5 to 12 by 4 to 12 cells, walls one or two cells thick, open to any side.
 
-    They may cut each other.
+    They may overlap.
     """
     walls = _hall()
     for _ in range(count):
@@ -78,7 +83,7 @@ KINDS: dict[str, Callable[[RandomStream], Walls]] = {
 
 
 def draw_worlds(kind: str, count: int, seed: int) -> Iterator[World]:
-    """Yield the worlds of a kind whose target can be reached; others are drawn again."""
+    """Yield the worlds of a kind with reachable targets; others are drawn again."""
     stream = RandomStream(seed).child(kind)
     while count:
         walls = KINDS[kind](stream)

@@ -1,7 +1,7 @@
-"""Trains the library's Q-learning robot and writes its table.
+"""Train the library's Q-learning robot and write its table.
 
-The same table each time, bit for bit. ``python -m benchmarks.train_q_learning`` takes a minute or
-two. With ``--check`` it compares instead of writing.
+The table is the same each time, bit for bit. ``python -m benchmarks.train_q_learning`` takes a
+minute or two. With ``--check`` it compares instead of writing.
 """
 
 from __future__ import annotations
@@ -28,36 +28,40 @@ __all__ = ["TABLE", "Learner", "as_c", "train"]
 TABLE = Path(__file__).parent.parent / "sim" / "core" / "controllers" / "q_table.c"
 
 EPISODES = 12_000
-_ON_A_LINE = 2  # situations in a line of the file
-_BUDGET = 800  # steps of an episode
+# Situations per line of the file.
+_ON_A_LINE = 2
+# Steps of an episode.
+_BUDGET = 800
 _SEED = 1
-_WORLDS = 150  # of each kind
-_DISCOUNT = 0.98  # of the worth of what comes after a decision
-# share of the surprise that is learnt, at first and at last
+# Worlds of each kind.
+_WORLDS = 150
+# Discount of the value of what follows a decision.
+_DISCOUNT = 0.98
+# Learning rate, at first and at last
 _LEARN = 0.3
 _LEARN_LEAST = 0.02
-# share of decisions that are drawn, likewise
+# Share of random decisions, at first and at last
 _EXPLORE = 0.4
 _EXPLORE_LEAST = 0.05
-# rewards
+# Rewards.
 _ARRIVED = 30.0
 _BUMP = -1.0
 _DECISION = -0.2
-_TRACE = 0.8  # share of a surprise that the decision before gets, and so on
-_PER_METRE = 5.0  # reward for coming nearer
+# Share of an error that is passed to the previous decision, and so on.
+_TRACE = 0.8
+# Reward for coming nearer.
+_PER_METRE = 5.0
 
 
 class Learner:
     """Drives by a table, and learns it: ``act`` changes the table.
 
     Args:
-        stream: Of what is drawn.
+        stream: Source of all randomness.
 
     Source: Watkins and Dayan (1992), equation 1. Coming nearer is rewarded as a potential, which
-        leaves the best policy
-    what it was: Andrew Y. Ng, Daishi Harada and Stuart Russell, "Policy invariance under reward
-        transformations"
-    (1999).
+        leaves the best policy unchanged: Andrew Y. Ng, Daishi Harada and Stuart Russell, "Policy
+        invariance under reward transformations" (1999).
     """
 
     senses = (*SENSES, "target_distance")
@@ -78,9 +82,9 @@ class Learner:
         return AT_RESET
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
-        """Decide if it is time to.
+        """Make a decision if it is time to.
 
-        As the robot does, and learns from what came of the decision before.
+        It acts like the robot, and learns from the result of the previous decision.
         """
         wait, turned = memory
         turn = 0
@@ -111,7 +115,7 @@ class Learner:
         self._credit(before, choice, worth - self.table[before, choice])
 
     def _credit(self, now: int, choice: int, surprise: float) -> None:
-        """Spread a surprise over the decisions that led to it."""
+        """Spread an error over the decisions that led to it."""
         self._traces[now, choice] = 1.0
         for (situation_before, choice_before), share in list(self._traces.items()):
             self.table[situation_before, choice_before] += self.learn * share * surprise
@@ -126,12 +130,13 @@ class Learner:
             return best
         choice = self._stream.below(len(TURNS))
         if choice != best:
-            self._traces.clear()  # what comes of it is no merit of what was done before
+            # Its result says nothing about earlier decisions.
+            self._traces.clear()
         return choice
 
 
 def train(episodes: int = EPISODES, seed: int = _SEED) -> npt.NDArray[np.int64]:
-    """Return the table after so many episodes, in thousandths."""
+    """Return the table after this many episodes, in thousandths."""
     stream = RandomStream(seed)
     learner = Learner(stream.child("decisions"))
     choose = stream.child("worlds")
@@ -168,7 +173,7 @@ def as_c(table: npt.NDArray[np.int64]) -> str:
 
 
 def main() -> None:
-    """Write the table, or say whether it is the one that is there."""
+    """Write the table, or report whether it equals the existing one."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="compare with the table that is there")
     given = parser.parse_args()

@@ -1,11 +1,11 @@
 """Measure how fast worlds are made, proved, checked, written and read, against other programs.
 
-``python -m benchmarks.worlds`` prints tables, with ``--json`` one object;
-``--document docs/explanation/search.md`` also puts the tables into a document, between its marks. Times are of
-one core's processor, the best of ``--rounds``; compilation is not counted. Start-up is what the
-clock on the wall shows, compilation not counted either.
+``python -m benchmarks.worlds`` prints tables; ``--json`` prints one object; ``--document
+docs/explanation/search.md`` also writes the tables to that page, between its marks. Times are those
+of one core's processor, the best of ``--rounds``, without compilation. Start-up is wall time, also
+without compilation.
 
-- ``worlds``: million cells a second of a layout alone, and of ``generate``: layout, proof and
+- ``worlds``: million cells per second of only a layout, and of ``generate``: layout, proof and
   world.
 - ``proofs``: seconds to decide one world of the largest of ``--sizes``, and to check the
   certificate.
@@ -14,12 +14,11 @@ clock on the wall shows, compilation not counted either.
 - ``files``: seconds to write and read a world of the largest size.
 - ``start``: seconds from the command line.
 
-Peers of the proof look at whole cells: walls are widened by the radius (scipy's exact distance
-    transform, from cell to
-cell), and what is left is labelled (scipy) or searched (tcod). That is quicker, and not the same
-question: the robot stands in the middle of a cell, so a passage of two cells stops a disc of 1.4.
-    ``agrees`` says whether the peer's
-answer was the true one. A peer that is not installed is named.
+Peers of the proof look at whole cells: walls are inflated by the radius (scipy's exact distance
+    transform, from cell to cell), and the rest is labelled (scipy) or searched (tcod). That is
+    faster, but a different question: the robot is in the middle of a cell, so a passage of two
+    cells stops a disc of 1.4. ``agrees`` says whether the peer's answer was the true one. A peer
+    that is not installed is named.
 """
 
 from __future__ import annotations
@@ -63,7 +62,7 @@ def _layout(name: str, size: int, seed: int = 1, **params: Any) -> World:
 
 
 def _best(work: Callable[[], Any], rounds: int) -> float:
-    """Return least seconds of processor time; the first run only compiles and loads."""
+    """Return the least seconds of processor time; the first run only compiles and loads."""
     work()
     best = float("inf")
     for _ in range(rounds):
@@ -105,7 +104,7 @@ def _scattered(side: int, radius: float, *, blocked: bool) -> World:
 
 
 def _asked(side: int) -> Iterator[tuple[str, World]]:
-    """Yield what is proved: worlds of every kind, and discs of many widths."""
+    """Yield the cases of the proof: worlds of every kind, and discs of many widths."""
     for name in STILL:
         yield name, _layout(name, side)
     yield "maze, backtracker", _layout("maze", side, algorithm="backtracker")
@@ -253,7 +252,7 @@ def _files(side: int, rounds: int) -> dict[str, Any]:
 
 
 def _start(rounds: int) -> dict[str, float]:
-    """Return seconds on the wall of whole commands."""
+    """Return wall seconds of whole commands."""
     commands = {
         "worldgen --help": ["--help"],
         "worldgen maze": ["maze", "--seed", "1"],
@@ -274,7 +273,7 @@ def _start(rounds: int) -> dict[str, float]:
 
 
 def measure(sizes: list[int], rounds: int) -> dict[str, Any]:
-    """Return all of it, as one object."""
+    """Return all results as one object."""
     absent: set[str] = set()
     side = sizes[-1]
     return {

@@ -1,4 +1,4 @@
-"""The build backend: setuptools, and a C compiler from a wheel where the machine has none.
+"""The build backend: setuptools, with a C compiler from a wheel if the machine has none.
 
 pip reads ``get_requires_for_build_wheel`` before it builds, so the 90 MB of ``ziglang`` are fetched
 only if needed.

@@ -19,8 +19,8 @@ class Target:
     """A system.
 
     Args:
-        name: As ``WORLDGEN_TARGET`` names it.
-        triple: As zig names it, with the oldest version of the system's library that is supported.
+        name: Value of ``WORLDGEN_TARGET``.
+        triple: Zig's name for it, with the oldest supported version of the system's library.
         platform: Platform tag of its wheels.
     """
 
@@ -30,7 +30,7 @@ class Target:
 
     @property
     def is_windows(self) -> bool:
-        """Whether modules end in ``.pyd`` and name the library that they import from."""
+        """True if modules end in ``.pyd`` and name the library that they import from."""
         return "windows" in self.triple
 
     @property

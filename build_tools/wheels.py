@@ -23,7 +23,7 @@ ROOT = Path(__file__).parent.parent
 def build_wheel(target: Target, out: Path) -> Path:
     """Build the wheel of one system.
 
-    setuptools builds in the source tree, so that a copy is built: what one system leaves is not
+    setuptools builds in the source tree, so a copy is built: files left by one system are not
         packed for another.
 
     Args:
@@ -34,7 +34,8 @@ def build_wheel(target: Target, out: Path) -> Path:
         The wheel.
 
     Raises:
-        subprocess.CalledProcessError: If something does not compile; the compiler has said what.
+        subprocess.CalledProcessError: If something does not compile; the compiler has printed the
+            reason.
     """
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "source"
@@ -64,7 +65,7 @@ def build_wheel(target: Target, out: Path) -> Path:
 
 
 def main() -> None:
-    """Build what the command line asks for."""
+    """Build the wheels that the command line asks for."""
     names = [target.name for target in TARGETS]
     parser = argparse.ArgumentParser(prog="python -m build_tools.wheels", description=__doc__)
     parser.add_argument("--out", type=Path, default=ROOT / "dist", help="folder for the wheels")

@@ -1,8 +1,8 @@
-"""Steps a second of a peer's environments.
+"""Measure steps per second of a peer's environments.
 
-``PYTHON benchmarks/peers/environments.py LIBRARY`` prints a JSON object. It runs in an environment
-of the peer's own, so it uses the standard library, NumPy and the peer only. Rates are per second of
-the process's CPU time, of all its threads, with actions that were drawn beforehand.
+``PYTHON benchmarks/peers/environments.py LIBRARY`` prints a JSON object. It runs in the peer's own
+environment, so it uses only the standard library, NumPy and the peer. Rates are per second of the
+process's CPU time, of all its threads, with actions drawn beforehand.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from typing import Any
 
 import numpy as np
 
-SECONDS = 1.5  # of a measurement
+# Seconds of a measurement.
+SECONDS = 1.5
 Step = Callable[[int], Any]
 
 
 def _rate(step: Step, robots: int) -> float:
-    """Return steps a second of CPU time, after some calls that compile and fill caches."""
+    """Return steps per second of CPU time, after some calls that compile and fill caches."""
     for k in range(20):
         step(k)
     begin = time.process_time()
@@ -45,7 +46,7 @@ def _actions(space: Any, robots: int) -> list[Any]:
 
 
 def _envpool() -> Iterator[tuple[str, float]]:
-    """Yield several batch sizes, the best counts: one worker thread next to the caller's."""
+    """Yield several batch sizes, of which the best counts: one worker plus the caller's thread."""
     library: Any = importlib.import_module("envpool")
     for name in ("CartPole-v1", "FrozenLake8x8-v1", "MiniGrid-FourRooms-v0", "PointMaze_Large-v3"):
         best = 0.0

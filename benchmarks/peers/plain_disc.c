@@ -1,8 +1,8 @@
-// A disc that drives through a grid of cells, as plainly as C can have it: floating point alone, no
-// lattice, no verdict, no search for loops. What the simulator costs more than this is the price of
-// its promises.
+// A disc that drives through a grid of cells, in the plainest possible C: only floating point, no
+// lattice, no verdict, no search for loops. The simulator's extra cost is the price of its
+// guarantees.
 //
-// Lengths are cells, x runs right, y up; cells are stored row by row, not 0 where they are solid.
+// Lengths are cells, x runs right, y up; cells are stored row by row, nonzero where solid.
 
 #include <math.h>
 #include <stdint.h>
@@ -41,7 +41,7 @@ static double clamp(double value, double low, double high)
     return value > high ? high : value;
 }
 
-// Narrows [enter, leave] to where a coordinate is between two bounds; 0 if it never is.
+// Narrows [enter, leave] to the part where a coordinate is between two bounds; 0 if there is none.
 static int clip(double place, double way, double low, double high, double *enter, double *leave)
 {
     if (way == 0.0) {
@@ -131,7 +131,7 @@ static double sweep(Grid grid, Disc disc, Move move)
     return best;
 }
 
-// Moves the disc by one step; whether it met a wall, before which it then stops.
+// Moves the disc by one step; returns whether it hit a wall, where it then stops.
 static int drive(Grid grid, Disc *disc, Move move)
 {
     double time = sweep(grid, *disc, move);
@@ -146,8 +146,8 @@ static int drive(Grid grid, Disc *disc, Move move)
     return 1;
 }
 
-// Drives ahead, and after a bump turns on the spot for 5 to 24 steps. Returns where the disc ends, so that the compiler
-// cannot drop the work.
+// Drives straight ahead, and after a bump turns on the spot for 5 to 24 steps. Returns where the
+// disc ends, so that the compiler cannot drop the work.
 double bounce(const uint8_t *cells, int64_t width, int64_t height, double x, double y,
               double radius, double step, double turn, uint64_t seed, int64_t steps)
 {
@@ -168,10 +168,9 @@ double bounce(const uint8_t *cells, int64_t width, int64_t height, double x, dou
     return disc.x + disc.y;
 }
 
-// Always under way: the heading leans towards the mark of the moment, and turns by a right angle at
-// walls.
+// Always moving: the heading leans towards the current mark, and turns by a right angle at walls.
 //
-// marks: (mark_count, 2) places, one of which is drawn whenever the last one is reached.
+// marks: (mark_count, 2) places; a random one is next whenever the last one is reached.
 double wander(const uint8_t *cells, int64_t width, int64_t height, double x, double y,
               double radius, double step, const double *marks, int64_t mark_count, uint64_t seed,
               int64_t steps)

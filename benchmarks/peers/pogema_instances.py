@@ -1,7 +1,7 @@
 """Print the instances of POGEMA's Puzzles benchmark, as pogema places the agents.
 
-``PYTHON benchmarks/peers/pogema_instances.py MAPS.yaml`` prints one JSON list. It runs in an
-environment of its own with ``pogema==1.4.0`` and PyYAML, because pogema pins old versions of NumPy
+``PYTHON benchmarks/peers/pogema_instances.py MAPS.yaml`` prints one JSON list. It runs in a
+separate environment with ``pogema==1.4.0`` and PyYAML, because pogema pins old versions of NumPy
 and pydantic. Positions are (row, column), and row 0 is the top one.
 """
 

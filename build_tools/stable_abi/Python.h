@@ -1,8 +1,8 @@
 // The part of Python's stable ABI that cffi's bindings and the cores use, from Python 3.11 on.
 //
-// CPython promises that these functions keep their names, arguments and meaning in every later Python 3, so the cores
-// need no headers of the Python that they are built with. Many machines lack them, and those of another system can't be
-// had when a wheel for it is built.
+// CPython guarantees that these functions keep their names, arguments and meaning in every later
+// Python 3, so the cores need no headers of the Python that they are built with. Many machines lack
+// them, and those of another system are unavailable when a wheel for it is built.
 //
 // Source: Python documentation, "C API Stability", contents of the limited API.
 

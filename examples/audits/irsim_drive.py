@@ -2,9 +2,9 @@
 
 python irsim_drive.py wall.yaml --speed 12 --out recorded.csv
 
-Needs ir-sim alone. The robot turns to the next place of its way, then drives there; the way ends at
-the world's target. Prints one JSON object: versions, samples, and how often IR-SIM said that the
-robot collides.
+It only needs ir-sim. The robot turns to the next point of its path, then drives there; the path
+ends at the world's target. It prints one JSON object: versions, samples, and how many times IR-SIM
+reported a collision.
 """
 
 import argparse
@@ -23,9 +23,9 @@ import numpy as np
 
 
 def drive(file, via, speed, steps):
-    """Return the trajectory as rows t, x, y, heading; in how many steps IR-SIM saw a collision.
+    """Return the trajectory as rows t, x, y, heading, and the steps with a collision.
 
-    Whether it arrived.
+    Also return whether the robot arrived.
     """
     env = irsim.make(str(file), display=False, save_ani=False, log_level="ERROR")
     step = env.step_time
@@ -53,7 +53,7 @@ def drive(file, via, speed, steps):
 
 
 def main():
-    """Drive, write, reports."""
+    """Drive, write, and report."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("world", help="what `worldgen export --to irsim` wrote")
     parser.add_argument(

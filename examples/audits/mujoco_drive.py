@@ -2,11 +2,10 @@
 
 python mujoco_drive.py wall.xml --speed 20 --out recorded.csv
 
-Needs mujoco alone. Start, target and the ball's radius are the file's. The ball weighs 1 kg, floats
-just above the floor, and is pushed towards the next place of its way by a force that makes its
-velocity the one wanted. Prints one JSON object: versions, samples, and in how many steps MuJoCo had
-    a contact between the ball
-and anything else.
+It only needs mujoco. Start, target and the ball's radius come from the file. The ball weighs 1 kg,
+floats just above the floor, and is pushed towards the next point of its path by a force that
+corrects its velocity. It prints one JSON object: versions, samples, and in how many steps MuJoCo
+had a contact between the ball and anything else.
 """
 
 import argparse
@@ -18,8 +17,10 @@ from pathlib import Path
 
 import mujoco
 
-GAIN = 200.0  # N s/m: of the force that corrects the velocity
-MOST_FORCE = 200.0  # N
+# Gain of the force that corrects the velocity, N s/m.
+GAIN = 200.0
+# Largest force, N.
+MOST_FORCE = 200.0
 
 
 def with_ball(file, radius, start, time_step):
@@ -35,9 +36,9 @@ def with_ball(file, radius, start, time_step):
 
 
 def drive(model, way, speed, seconds):
-    """Return the trajectory as rows t, x, y; in how many steps the ball touched something.
+    """Return the trajectory as rows t, x, y, and the steps in which the ball touched something.
 
-    Whether it arrived.
+    Also return whether the ball arrived.
     """
     data = mujoco.MjData(model)
     rows = []
@@ -67,7 +68,7 @@ def _direction(here, there):
 
 
 def main():
-    """Drive, write, reports."""
+    """Drive, write, and report."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("world", help="what `worldgen export --to mjcf` wrote")
     parser.add_argument(

@@ -1,7 +1,7 @@
 """Rooms and mazes of labmaze (Apache licence 2.0; 1.0.6): ``pip install labmaze==1.0.6``.
 
-The first spawn point is the start, the first object the target: what an agent in such a maze is
-    sent for.
+The first spawn point is the start, the first object the target: the task of an agent in such a
+    maze.
 """
 
 from collections.abc import Iterator
@@ -15,9 +15,9 @@ import numpy as np
 def maps(
     seed: int, *, side: int = 31, rooms: int = 6, extra: float = 0.0
 ) -> Iterator[tuple[Any, ...]]:
-    """Yield the mazes of ``side`` x ``side`` cells (odd) with up to so many rooms.
+    """Yield mazes of ``side`` x ``side`` cells (odd) with up to ``rooms`` rooms.
 
-    ``extra`` links open with that chance.
+    ``extra`` is the probability that a link is opened.
     """
     for number in count():
         maze = labmaze.RandomMaze(

@@ -1,7 +1,7 @@
 """Mazes of maze-dataset (its repository says MIT; 1.4.2).
 
 ``pip install maze-dataset==1.4.2 "muutils<0.9"``. The library's own tasks run between two cells of
-its lattice; here from the first corner to the last.
+its lattice; here they run from the first corner to the last.
 """
 
 import random
@@ -25,7 +25,8 @@ def maps(
         maze = make(np.array([side, side]), **options)
         walls = np.ones((2 * side + 1, 2 * side + 1), np.bool_)
         walls[1::2, 1::2] = False
-        down, across = maze.connection_list  # links to the cell below, to the cell on the right
+        # Links to the cell below, and to the cell on the right.
+        down, across = maze.connection_list
         walls[2::2, 1::2] = ~down
         walls[1::2, 2::2] = ~across
         yield f"{generator}-{number}", walls, (1, 1), (2 * side - 1, 2 * side - 1)

@@ -27,7 +27,7 @@ def maps(seed: int, *, generator: str = "Prims", side: int = 20) -> Iterator[tup
 
 
 def _inside(cell: tuple[int, int], walls: Any) -> tuple[int, int]:
-    """Return the cell of the maze next to one in its outer wall."""
+    """Return the cell of the maze next to a cell in its outer wall."""
     row, column = (
         min(max(index, 1), side - 2) for index, side in zip(cell, walls.shape, strict=True)
     )

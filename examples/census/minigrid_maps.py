@@ -21,7 +21,8 @@ def maps(
     """Yield one map for each reset of an environment."""
     world: Any = gymnasium.make(
         f"{minigrid.__name__}:{environment}"
-    ).unwrapped  # imports it, so that it registers
+        # The import registers it.
+    ).unwrapped
     for number in count():
         world.reset(seed=(seed + number) % 2**31)
         kinds = [None if thing is None else thing.type for thing in world.grid.grid]

@@ -1,26 +1,30 @@
-"""A small robot: heads for its target, and follows by touch the wall that is in its way."""
+"""A small robot that heads for its target, and follows any wall on its path by touch."""
 
 import math
 
 from sim import Command
 
-AWAY = 0.1  # rad: where it touches the wall, it turns this much further than along it
-BACK = 0.5  # rad a step: where it does not, it turns back to it
-FAR = 1e6  # m
+# rad: where it touches the wall, it turns this much more than along it.
+AWAY = 0.1
+# rad per step: where it does not touch the wall, it turns back to it.
+BACK = 0.5
+# Metres.
+FAR = 1e6
 
 
 class Robot:
-    """Follows a wall on its left until it is nearer to the target than it has ever met one."""
+    """Follows a wall on its left until it is nearer to the target than at any wall before."""
 
     def reset(self):
         """Return the memory to start with."""
         return (
             0.0,
             FAR,
-        )  # whether it follows a wall; the least distance from the target at which it met one, m
+            # Whether it follows a wall; the least distance from the target at which it hit one, m.
+        )
 
     def act(self, seen, memory):
-        """Return what to do in a step, and what to keep in mind."""
+        """Return the command of a step, and the new memory."""
         follows, nearest = memory
         if follows and not seen.bump and seen.target_distance < nearest - seen.radius:
             follows = 0.0

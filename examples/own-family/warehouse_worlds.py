@@ -32,12 +32,12 @@ def warehouse(
     From one end of an aisle the other looks the same, and a pallet turns an aisle into a dead end.
 
     Args:
-        rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 16 to 500.
-        layout: Racks in straight rows, or in two halves set off against each other.
+        rng: The only source of randomness; equal state gives an equal world.
+        size: Cells per side, including the solid border; 16 to 500.
+        layout: Racks in straight rows, or in two halves offset against each other.
         aisle: Width of the aisles, cells; at least the robot's.
         rack: Depth of a rack, cells, 1 to 20.
-        pallets: Share of the places between two racks on which a pallet stands, 0 to 1.
+        pallets: Share of the places between two racks with a pallet, 0 to 1.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
@@ -89,7 +89,8 @@ def _put_racks(
 ) -> None:
     """Make racks solid in two halves, and pallets next to them."""
     size = len(walls)
-    across = size // 2 - aisle // 2  # first row of the aisle that crosses the others
+    # First row of the aisle that crosses the others.
+    across = size // 2 - aisle // 2
     lower = (1 + aisle, across)
     upper = (across + aisle, size - 1 - aisle)
     set_off = (rack + aisle) // 2 if layout == "fishbone" else 0

@@ -1,6 +1,6 @@
-"""Draws the stored failures next to each other.
+"""Draw the stored failures next to each other.
 
-``python examples/third-party/draw.py``, with the packages installed.
+Run ``python examples/third-party/draw.py`` with the packages installed.
 """
 
 from pathlib import Path

@@ -1,7 +1,7 @@
 """The dynamic window approach of ``dynamic-window-approach`` (C with Python bindings, MIT licence).
 
 Its author is goktug97. ``pip install dynamic-window-approach``; README.md next to this file has the
-whole.
+details.
 """
 
 import math
@@ -16,25 +16,33 @@ from scipy.sparse.csgraph import dijkstra
 
 from sim import Command, RobotOptions
 
-FIELD = 2.0 * math.pi / 36  # rad between two beams
+# Angle between two beams, rad.
+FIELD = 2.0 * math.pi / 36
 
 
 @dataclass(frozen=True)
 class DynamicWindow:
-    """Drives with the (speed, turn rate) that costs least over the next second and a half."""
+    """Drives with the (speed, turn rate) of least cost over the next second and a half."""
 
     needs: ClassVar = RobotOptions(beams=36)
-    pace: float = 6.0  # top speed, robot radii a second
-    approach: float = 1.0  # top speed near the target, 1/s, so that the robot can still turn to it
-    look_ahead: float = 1.0  # s
-    heading: float = 0.05  # weights: of an error of 1 rad,
-    velocity: float = 1.0  # of standing still,
+    # Top speed, robot radii per second.
+    pace: float = 6.0
+    # Top speed near the target, 1/s, so that the robot can still turn to it.
+    approach: float = 1.0
+    # Seconds.
+    look_ahead: float = 1.0
+    # Weights of an error of 1 rad,
+    heading: float = 0.05
+    # of standing still,
+    velocity: float = 1.0
     clearance: float = (
-        0.1  # and of a robot radius from the nearest point; below 1 / radius, see README.md
+        # and of a robot radius from the nearest point; below 1 / radius, see README.md.
+        0.1
     )
 
     def reset(self):
-        return (0.0, 0.0)  # speed, turn rate
+        # Speed, turn rate.
+        return (0.0, 0.0)
 
     def act(self, seen, memory):
         r = seen.radius
@@ -68,12 +76,13 @@ class DynamicWindow:
 
 @dataclass(frozen=True)
 class PlannedWindow(DynamicWindow):
-    """The same behind a planner, as Nav2 has it.
+    """The same behind a planner, as in Nav2.
 
     It is sent to a point of the planned path a little way ahead.
     """
 
-    ahead: float = 6.0  # robot radii along the path
+    # Robot radii along the path.
+    ahead: float = 6.0
 
     def reset(self, world):
         return (0.0, 0.0, *np.ravel(plan(world)).tolist())
@@ -87,13 +96,14 @@ class PlannedWindow(DynamicWindow):
 
 
 def plan(world):
-    """Return a shortest way over cells whose centre is clear of walls by the radius, to the target.
+    """Return a shortest path to the target over cells whose centre is clear by the radius.
 
-    Places (n, 2), m.
+    The result has places (n, 2), m.
     """
     room = (
         distance_transform_edt(np.pad(~world.walls, 1))[1:-1, 1:-1] - 0.5
-    )  # cells from a centre to the nearest wall
+        # Cells from a centre to the nearest wall.
+    )
     clear = room * world.cell_size >= world.robot_radius
     number = np.arange(world.walls.size).reshape(world.walls.shape)
     edges = []

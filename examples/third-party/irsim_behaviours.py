@@ -1,6 +1,6 @@
 """Behaviours of ``ir-sim`` (Python, MIT licence): velocity obstacles and the social force model.
 
-Its author: Ruihua Han. ``pip install ir-sim``; README.md next to this file has the whole.
+Its author is Ruihua Han. ``pip install ir-sim``; README.md next to this file has the details.
 """
 
 import math
@@ -12,7 +12,8 @@ from irsim.util.util import vel_world2diff
 
 from sim import Command, RobotOptions
 
-FIELD = 2.0 * math.pi / 72  # rad between two beams
+# Angle between two beams, rad.
+FIELD = 2.0 * math.pi / 72
 
 
 @dataclass(frozen=True)
@@ -20,10 +21,12 @@ class VelocityObstacles:
     """``rvo`` for a differential robot among walls, which are line segments here."""
 
     needs: ClassVar = RobotOptions(beams=72)
-    pace: float = 6.0  # top speed, robot radii a second
+    # Top speed, robot radii per second.
+    pace: float = 6.0
 
     def reset(self):
-        return (0.0, 0.0)  # speed, heading of the velocity
+        # Speed, heading of the velocity.
+        return (0.0, 0.0)
 
     def act(self, seen, memory):
         top = min(seen.top_speed, self.pace * seen.radius)
@@ -44,10 +47,11 @@ class VelocityObstacles:
 class SocialForce(VelocityObstacles):
     """``sfm`` for a differential robot.
 
-    The reach of the walls' force in robot radii, for it is meant for people.
+    The reach of the walls' force is in robot radii, because the original is meant for people.
     """
 
-    reach: float = 0.5  # robot radii in which the walls' force falls to 1/e
+    # Robot radii over which the walls' force falls to 1/e.
+    reach: float = 0.5
 
     def act(self, seen, memory):
         top = min(seen.top_speed, self.pace * seen.radius)
@@ -102,7 +106,7 @@ def _walls(seen, radii):
 
 
 def _turn(wall, x, y):
-    """Return angle, rad, between a segment and the way from its end to a point."""
+    """Return the angle, rad, between a segment and the direction from its end to a point."""
     there = (wall[2] - wall[0], wall[3] - wall[1])
     on = (x - wall[2], y - wall[3])
     return abs(math.atan2(there[0] * on[1] - there[1] * on[0], there[0] * on[0] + there[1] * on[1]))

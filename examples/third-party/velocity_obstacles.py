@@ -1,7 +1,7 @@
 """ORCA, HRVO and human-like navigation of ``navground`` (C++ with Python bindings, MIT licence).
 
-Its author: Jérôme Guzzi, IDSIA. ``pip install navground``; README.md next to this file has the
-    whole.
+Its author is Jérôme Guzzi, IDSIA. ``pip install navground``; README.md next to this file has the
+    details.
 """
 
 import math
@@ -13,23 +13,26 @@ from navground.core import behaviors, kinematics
 
 from sim import Command, RobotOptions
 
-FIELD = 2.0 * math.pi / 72  # rad between two beams
+# Angle between two beams, rad.
+FIELD = 2.0 * math.pi / 72
 
 
 @dataclass(frozen=True)
 class _Navground:
-    """Asks one of navground's behaviours, made again in each step.
+    """Asks one of navground's behaviours, which is created again in each step.
 
-    Its state is what the robot sees.
+    Its only state is what the robot sees.
     """
 
     needs: ClassVar = RobotOptions(beams=72)
     behaviour: ClassVar[Any] = None
     settings: ClassVar[dict[str, float]] = {}
-    pace: float = 6.0  # top speed, robot radii a second
+    # Top speed, robot radii per second.
+    pace: float = 6.0
 
     def reset(self):
-        return (0.0, 0.0)  # speed, turn rate
+        # Speed, turn rate.
+        return (0.0, 0.0)
 
     def act(self, seen, memory):
         top = min(seen.top_speed, self.pace * seen.radius)
@@ -64,7 +67,8 @@ class Orca(_Navground):
     behaviour = behaviors.ORCABehavior
     settings: ClassVar = {
         "static_time_horizon": 1.0
-    }  # s; with the default of 10 s it creeps, in an empty room too
+        # Seconds; with the default of 10 s it creeps, even in an empty room.
+    }
 
 
 class Hrvo(_Navground):
@@ -74,7 +78,7 @@ class Hrvo(_Navground):
 
 
 class HumanLike(_Navground):
-    """The heading along which the way to go looks shortest."""
+    """The heading along which the remaining path looks shortest."""
 
     behaviour = behaviors.HLBehavior
 

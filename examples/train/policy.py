@@ -1,6 +1,6 @@
 """The trained policy as a controller.
 
-The sensors of training, its weights, and the action that it thinks best.
+It has the sensors of training, its weights, and chooses the action with the highest score.
 """
 
 from pathlib import Path

@@ -1,6 +1,6 @@
-"""Trains a small policy with Stable-Baselines3's PPO and keeps its weights.
+"""Train a small policy with Stable-Baselines3's PPO and keep its weights.
 
-Python train.py [--steps N].
+Run ``python train.py [--steps N]``.
 """
 
 import argparse
@@ -14,8 +14,9 @@ from stable_baselines3 import PPO
 from vec_env import Vectorised
 
 WORLDS = {"family": "trap", "params": {"size": 20}}
-EPISODE = 15.0  # s
-# s: fewer decisions are easier to learn from; the usual step is the fine one
+# Seconds.
+EPISODE = 15.0
+# Seconds: fewer decisions are easier to learn from; the usual step is the fine one.
 COARSE = 0.06
 FINE = 0.015
 
@@ -58,14 +59,15 @@ def weights(policy):
 
 
 def main():
-    """Train, and say how well the policy does before and after."""
+    """Train, and report how well the policy does before and after."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=3_000_000)
     parser.add_argument("--envs", type=int, default=256)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", default="policy.npz")
     arguments = parser.parse_args()
-    torch.set_num_threads(1)  # in so small a network threads wait for each other
+    # In such a small network, threads wait for each other.
+    torch.set_num_threads(1)
     envs = environments(arguments.envs, COARSE, pool=300)
     envs.seed(arguments.seed)
     model = PPO(

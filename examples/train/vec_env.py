@@ -1,6 +1,6 @@
-"""Gymnasium's vector environments as Stable-Baselines3 wants them.
+"""Adapt Gymnasium's vector environments to Stable-Baselines3.
 
-It has an interface of its own.
+Stable-Baselines3 has its own interface.
 """
 
 import gymnasium

@@ -37,19 +37,18 @@ _clock = time.monotonic
 _LOGGER = logging.getLogger("worldgen")
 # Seconds of silence before the first line.
 _FIRST = 2.0
-# Seconds between two lines in a log ...
+# Seconds between two lines in a log, at first and in longer work.
 _EVERY = 5.0
-# Seconds ... once the work has taken longer than
 _LATER = 15.0
-# Seconds.
+# Work that has taken this many seconds is long.
 _LONG = 60.0
-# Seconds that a piece of work has taken.
+# Seconds of work that are worth a line at its end.
 _WORTH_SAYING = 1.0
 # Seconds between two checks of the clock, and two drawings of the live line.
 _REDRAW = 0.25
-# Seconds between two checks whether the thread has drawn its line ...
+# Seconds between two checks whether the thread has drawn its line, and how many of these checks
+# to make in case standard error blocks.
 _LOOK = 0.001
-# ... and how many of them, should standard error block.
 _PATIENT_LOOKS = 100
 _CLEAR = "\r\x1b[K"
 # Columns of a terminal that does not report its width.

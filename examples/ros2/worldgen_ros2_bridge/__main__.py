@@ -1,4 +1,4 @@
-"""``python -m worldgen_ros2_bridge``: what ``worldgen fuzz --controller 'cmd:...'`` starts.
+"""``python -m worldgen_ros2_bridge``: the program to name in ``--controller 'cmd:...'``.
 
 See README.md.
 """
@@ -58,7 +58,8 @@ def _grid(path: Path) -> Grid:
 def _drive(given: argparse.Namespace, grid: Grid | None) -> None:
     """Serve the protocol on stdin and stdout until stdin ends."""
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # whatever else prints, prints to stderr
+    # Anything else that prints, prints to stderr.
+    os.dup2(2, 1)
     try:
         import rclpy  # noqa: PLC0415 - slow, and --help needs none
     except ModuleNotFoundError:
@@ -83,7 +84,7 @@ def _drive(given: argparse.Namespace, grid: Grid | None) -> None:
 
 
 def main() -> None:
-    """What the command line asks for."""
+    """Run the bridge with the options from the command line."""
     given = _arguments()
     _drive(given, _grid(given.map) if given.map else None)
 

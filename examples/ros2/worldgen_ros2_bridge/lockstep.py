@@ -1,7 +1,7 @@
-"""The process protocol, and one exchange with the robot's driver a step.
+"""The process protocol, and one exchange with the robot's driver per step.
 
-Knows neither rclpy nor worldgen. ``docs/reference/controllers.md`` is the protocol's normative text. A step
-is: say what the robot senses, wait for a command, answer.
+It knows neither rclpy nor worldgen. ``docs/reference/controllers.md`` is the protocol's normative
+text. A step consists of sending what the robot senses, waiting for a command, and answering.
 """
 
 from __future__ import annotations
@@ -28,19 +28,20 @@ __all__ = ["Bridge", "Ports", "Settings", "Situation", "serve"]
 
 VERSION = 1
 STILL = Twist()
-# S of simulated time between two episodes; time never goes back, for tf2 would forget all it knows.
+# Seconds of simulated time between two episodes; time never goes back, because tf2 would forget
+# everything.
 _PAUSE = 1.0
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What the command line says.
+    """The options of the command line.
 
     Args:
         beam_range: The run's ``+beam_range``, m.
         beam_field: The run's ``+beam_field``, rad.
-        timeout: s of real time to wait for a command in each step.
-        keep: s of simulated time for which a command holds if no other comes, then the robot stops,
+        timeout: Real time, s, to wait for a command in each step.
+        keep: Simulated time, s, for which a command holds if no other comes; then the robot stops,
             as drivers do.
     """
 
@@ -52,18 +53,18 @@ class Settings:
 
 @dataclass(frozen=True)
 class Situation:
-    """What is published in a step.
+    """The data published in a step.
 
     Args:
         time: Simulated time, s; it never goes back.
         base: Pose of the robot's base in ``map``.
-        odometry: The same as the wheels measure it, in ``odom``.
-        odom_in_map: Pose of ``odom`` in ``map``, such as a perfect localisation would publish.
-        twist: Measured by the wheels.
+        odometry: The pose measured by the wheels, in ``odom``.
+        odom_in_map: Pose of ``odom`` in ``map``, as a perfect localisation would publish it.
+        twist: Velocity measured by the wheels.
         scan: None if the robot has no beams.
-        target: In ``map``; its heading is 0.
+        target: Target in ``map``; its heading is 0.
         signal: Strength of the target's signal, 0 to 1.
-        signal_heading: Heading to where it is strongest, rad, in ``map``.
+        signal_heading: Heading towards the strongest signal, rad, in ``map``.
         bump: Whether a wall stopped or bent the last move.
     """
 
@@ -80,10 +81,10 @@ class Situation:
 
 
 class Ports(Protocol):
-    """The driver's side, which is ROS in use and a list in tests."""
+    """The driver's side: ROS in use, a list in tests."""
 
     def begin(self, grid: Grid | None) -> None:
-        """An episode begins: publish the map, ask the driver to forget the last episode."""
+        """Begin an episode: publish the map, and ask the driver to forget the last episode."""
         ...
 
     def publish(self, situation: Situation) -> None:
@@ -91,21 +92,24 @@ class Ports(Protocol):
         ...
 
     def wait(self, seconds: float) -> Twist | None:
-        """Return the newest command since the last :meth:`publish`, waiting so long for one.
+        """Return the newest command since the last :meth:`publish`, waiting for one if necessary.
 
-        None if none comes.
+        Return None if none comes.
         """
         ...
 
 
 @dataclass
 class _Episode:
-    """What is known of the episode under way."""
+    """The state of the episode in progress."""
 
-    start: float  # simulated time at which it began, s
-    before: Pose | None = None  # odometry of the last step
+    # Simulated time at which it began, s.
+    start: float
+    # Odometry of the last step.
+    before: Pose | None = None
     command: Twist = STILL
-    silent: float = math.inf  # s of simulated time since the last command
+    # Simulated seconds since the last command.
+    silent: float = math.inf
 
 
 class Bridge:
@@ -114,7 +118,7 @@ class Bridge:
     Args:
         ports: The driver.
         grid: The map to publish, if there is one.
-        settings: See there.
+        settings: See :class:`Settings`.
     """
 
     def __init__(
@@ -127,10 +131,10 @@ class Bridge:
         self._episode = _Episode(0.0)
 
     def answer(self, line: str) -> str | None:
-        """Return what is to be said to a line: nothing to a reset, a command to an observation.
+        """Return the answer to a line: nothing to a reset, a command to an observation.
 
         Raises:
-            ValueError: If the line is of no version that we know.
+            ValueError: If the line has an unknown version.
         """
         message: dict[str, Any] = json.loads(line)
         if "reset" in message:

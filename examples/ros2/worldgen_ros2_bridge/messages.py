@@ -1,7 +1,7 @@
-"""Worldgen's numbers as ROS 2 messages have them: grids, scans, poses, time.
+"""Convert worldgen's numbers to the form of ROS 2 messages: grids, scans, poses, time.
 
-Knows neither rclpy nor worldgen. Both use metres, radians, x to the right, y up and headings
-counter-clockwise from +x (REP 103); what differs is said here.
+It knows neither rclpy nor worldgen. Both use metres, radians, x to the right, y up and headings
+counter-clockwise from +x (REP 103); differences are noted here.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ __all__ = [
 
 FREE = 0
 OCCUPIED = 100
-"""Of nav_msgs/OccupancyGrid; -1, unknown, never comes of a world."""
+"""Values of nav_msgs/OccupancyGrid; -1, unknown, never comes from a world."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Twist:
-    """m/s along the heading, rad/s counter-clockwise."""
+    """Velocity: m/s along the heading, rad/s counter-clockwise."""
 
     speed: float = 0.0
     turn_rate: float = 0.0
@@ -41,7 +41,7 @@ class Twist:
 class Grid:
     """A nav_msgs/OccupancyGrid.
 
-    ``data`` row by row from the lowest y, ``origin`` the lower left corner.
+    ``data`` is row by row from the lowest y; ``origin`` is the lower-left corner.
     """
 
     width: int
@@ -55,7 +55,7 @@ class Grid:
 class Scan:
     """A sensor_msgs/LaserScan, counter-clockwise from ``angle_min``.
 
-    What nothing returned is infinite (REP 117).
+    Beams without a return are infinite (REP 117).
     """
 
     angle_min: float
@@ -67,13 +67,14 @@ class Scan:
 
 
 def grid_of(text: str) -> Grid:
-    """Return the map in a ``.grid`` file; of an imported ROS map with the origin that it had.
+    """Return the map in a ``.grid`` file; an imported ROS map keeps its origin.
 
     Args:
-        text: The file's contents, ``docs/reference/grid-format.md``; the cells are those at time 0.
+        text: The file's contents (see ``docs/reference/grid-format.md``); the cells are those at
+            time 0.
 
     Raises:
-        ValueError: If it is none.
+        ValueError: If it isn't a ``.grid`` file.
     """
     head, found, cells = text.partition("\n%cells\n")
     magic, _, header = head.partition("\n")
@@ -84,7 +85,8 @@ def grid_of(text: str) -> Grid:
         raise ValueError("its cell_size is missing")
     lines = cells.splitlines()
     end = next((k for k, line in enumerate(lines) if line.startswith("%")), len(lines))
-    rows = lines[:end][::-1]  # the file has the top row first, an OccupancyGrid the bottom row
+    # The file has the top row first, an OccupancyGrid the bottom row.
+    rows = lines[:end][::-1]
     if not rows or any(len(row) != len(rows[0]) for row in rows):
         raise ValueError("its rows of cells differ in length")
     x, y = table.get("provenance", {}).get("params", {}).get("origin", (0.0, 0.0))
@@ -98,12 +100,12 @@ def scan_of(beams: list[float], beam_range: float, field: float = 0.0) -> Scan:
     """Return range beams as a scan in the frame of the robot's base.
 
     Args:
-        beams: Distances, m, counter-clockwise, as the observation has them.
-        beam_range: Longest distance that a beam measures, m, the run's ``+beam_range``; a beam says
-            it of nothing.
-        field: Angle from the first beam to the last, rad, about the heading, the run's
-            ``+beam_field``; with 0 the beams stand evenly all round, the first ahead, and none
-            twice.
+        beams: Distances, m, counter-clockwise, as in the observation.
+        beam_range: Longest distance that a beam measures, m: the run's ``+beam_range``; a beam that
+            hits nothing returns it.
+        field: Angle from the first to the last beam, rad, centred on the heading: the run's
+            ``+beam_field``; with 0 the beams are spread evenly over a full turn, the first ahead,
+            and none twice.
     """
     between_beams = field / max(len(beams) - 1, 1) if field else 2.0 * math.pi / max(len(beams), 1)
     first = -0.5 * field
@@ -119,7 +121,7 @@ def scan_of(beams: list[float], beam_range: float, field: float = 0.0) -> Scan:
 
 
 def quaternion(heading: float) -> tuple[float, float, float, float]:
-    """Return x, y, z, w of a turn about z."""
+    """Return the quaternion x, y, z, w of a rotation about z."""
     return 0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading)
 
 
@@ -139,14 +141,14 @@ def composed(first: Pose, then: Pose) -> Pose:
 
 
 def inverse(pose: Pose) -> Pose:
-    """Return the other frame's origin, as ``pose`` sees it."""
+    """Return the other frame's origin, as seen from ``pose``."""
     cos = math.cos(pose.heading)
     sin = math.sin(pose.heading)
     return Pose(-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.heading)
 
 
 def between(parent: Pose, child: Pose) -> Pose:
-    """Return ``child`` in the frame of ``parent``, both told in one frame."""
+    """Return ``child`` in the frame of ``parent``, both given in one frame."""
     return composed(inverse(parent), child)
 
 
@@ -163,7 +165,8 @@ def twist_between(before: Pose, after: Pose, seconds: float) -> Twist:
     y = after.y - before.y
     ahead = (
         math.cos(after.heading) * x + math.sin(after.heading) * y
-    )  # the robot turns first, then drives
+        # The robot turns first, then drives.
+    )
     return Twist(
         ahead / seconds, math.remainder(after.heading - before.heading, 2.0 * math.pi) / seconds
     )

@@ -1,8 +1,8 @@
 """The part that needs rclpy.
 
-A node that publishes what the robot senses and hears what the driver commands. Written for ROS 2
-Jazzy and later. It decides nothing: what stands in a message is in ``messages``, when
-which is sent in ``lockstep``.
+A node that publishes what the robot senses and listens to the driver's commands, written for ROS 2
+Jazzy and later. It decides nothing: the contents of messages are in ``messages``, and their timing
+in ``lockstep``.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ BASE = "base_link"
 LATCHED = QoSProfile(
     depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, reliability=ReliabilityPolicy.RELIABLE
 )
-"""As map_server publishes a map: who subscribes later gets it too."""
+"""As map_server publishes a map: late subscribers get it too."""
 
 
 class RosPorts:
@@ -44,12 +44,12 @@ class RosPorts:
     subscribes to ``/cmd_vel``.
 
     Args:
-        node: Made by the caller, who has called ``rclpy.init``.
+        node: A node made by the caller, who has called ``rclpy.init``.
         stamped: Whether ``/cmd_vel`` is a TwistStamped, as with Nav2's ``enable_stamped_cmd_vel``;
-            one whose stamp is older than the step is not heard, one without a stamp counts as of
-            now.
-        reset_services: Of type std_srvs/Trigger, called at the start of each episode.
-        reset_timeout: s of real time that one of them may take.
+            a command with a stamp older than the step is ignored, one without a stamp counts as
+            new.
+        reset_services: Services of type std_srvs/Trigger, called at the start of each episode.
+        reset_timeout: Real time, s, that one of them may take.
     """
 
     def __init__(
@@ -68,8 +68,11 @@ class RosPorts:
         self._goal = node.create_publisher(PoseStamped, "/goal_pose", LATCHED)
         self._odom = node.create_publisher(Odometry, "/odom", 10)
         self._scan = node.create_publisher(
-            LaserScan, "/scan", 10
-        )  # reliable, REP 2003: all subscribers match
+            LaserScan,
+            "/scan",
+            10,
+            # Reliable, REP 2003: all subscribers match.
+        )
         self._signal = node.create_publisher(Float32, "/signal", 10)
         self._signal_heading = node.create_publisher(Float32, "/signal_heading", 10)
         self._bump = node.create_publisher(Bool, "/bump", 10)
@@ -83,10 +86,10 @@ class RosPorts:
         self._goal_is_due = True
 
     def begin(self, grid: Grid | None) -> None:
-        """Publishes the map and has the driver reset.
+        """Publish the map and make the driver reset.
 
         Raises:
-            RuntimeError: If a reset service does not answer, or says that it failed.
+            RuntimeError: If a reset service does not answer, or reports a failure.
         """
         self._goal_is_due = True
         if grid is not None:
@@ -100,7 +103,7 @@ class RosPorts:
                 raise RuntimeError(f"service {client.srv_name} did not reset")
 
     def publish(self, situation: Situation) -> None:
-        """Publishes a step; the clock first, the scan last, for drivers act upon it."""
+        """Publish a step: the clock first, the scan last, because drivers react to it."""
         self._drop_what_is_late()
         self._now = situation.time
         self._clock.publish(Clock(clock=_time(situation.time)))
