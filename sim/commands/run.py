@@ -38,6 +38,7 @@ _BLOCKED = (
     "verify` says why"
 )
 _UNDECIDED = "it is undecided whether the target can be reached in this world"
+_UNDECIDED_TOGETHER = "it is undecided whether all robots can arrive in this world"
 _PICTURES = (".png", ".svg", ".html", ".gif")
 
 
@@ -124,7 +125,8 @@ def run(
     if transcript is not None:
         note(f"wrote {transcript}")
     if reachable is not True and episode.verdict not in ARRIVALS:
-        note(_BLOCKED if reachable is False else _UNDECIDED)
+        undecided = _UNDECIDED_TOGETHER if world.others else _UNDECIDED
+        note(_BLOCKED if reachable is False else undecided)
     if uncertain and episode.verdict not in ARRIVALS:
         note(f"with these disturbances no controller is sure to arrive: {uncertain}")
     states = _csv(episode)
@@ -246,12 +248,12 @@ def _sentence(episode: Episode) -> str:
 
 
 def _picture(world: World, episode: Episode, title: str, suffix: str) -> bytes:
-    from sim.drawing.picture import drive_of, trail_of
+    from sim.drawing.picture import drives_of, trails_of
     from worldgen import render
 
-    trail = trail_of(episode, world)
+    trail = trails_of(episode, world)
     if suffix == ".gif":
-        return render.draw_gif(world, [drive_of(episode, world)], title=title)
+        return render.draw_gif(world, drives_of(episode, world), title=title)
     if suffix == ".svg":
         return render.draw_svg(world, trail=trail, title=title).encode()
     if suffix == ".html":

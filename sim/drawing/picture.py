@@ -8,7 +8,9 @@ import numpy as np
 
 from sim.drawing.wall_penetrations import penetrated_cells
 from sim.episode import Episode
-from sim.evidence import LoopEvidence, WallEvidence
+from sim.evidence import JointLoopEvidence, LoopEvidence, WallEvidence
+from sim.fleet.episode import FleetEpisode
+from sim.fleet.run import world_of_robot
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
 from sim.trace import Trace
 from sim.verdict import Verdict
@@ -17,7 +19,7 @@ from worldgen.render import Drive, EventMark, Trail
 from worldgen.render.overlay import Disturbances, MarkKind, Shove
 from worldgen.world import World
 
-__all__ = ["disturbances_in", "drive_of", "trail_of"]
+__all__ = ["disturbances_in", "drive_of", "drives_of", "trail_of", "trails_of"]
 
 # Most marks of bumps; more of them would hide the picture.
 _MOST_BUMPS = 400
@@ -44,7 +46,7 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
     # Find the point of the path at which the loop begins.
     evidence = episode.evidence
     loop_from = None
-    if isinstance(evidence, LoopEvidence):
+    if isinstance(evidence, LoopEvidence | JointLoopEvidence) and evidence.entry < trace.steps:
         loop_from = int(np.searchsorted(trace.path_step, evidence.entry, side="right")) - 1
 
     # Mark where bumps begin, where the robot went into a wall, and where a run without a loop ends.
@@ -64,6 +66,26 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
         () if world is None else penetrated_cells(episode, world),
         disturbances_in(trace),
     )
+
+
+def trails_of(episode: Episode, world: World) -> Trail | list[Trail] | None:
+    """Return the line that a recorded episode drove; of several robots, one for each."""
+    if not isinstance(episode, FleetEpisode):
+        return trail_of(episode, world)
+    found = [
+        trail_of(one, world_of_robot(world, number)) for number, one in enumerate(episode.robots)
+    ]
+    return [trail for trail in found if trail is not None]
+
+
+def drives_of(episode: Episode, world: World) -> list[Drive]:
+    """Return what each robot did and when."""
+    if not isinstance(episode, FleetEpisode):
+        return [drive_of(episode, world)]
+    return [
+        drive_of(one, world_of_robot(world, number), f"robot {number + 1}")
+        for number, one in enumerate(episode.robots)
+    ]
 
 
 def disturbances_in(trace: Trace) -> Disturbances:

@@ -17,6 +17,7 @@ from PIL import Image, ImageDraw
 from worldgen.errors import InvalidParameter
 from worldgen.render.caption import printable, text_width
 from worldgen.render.disturbance_parts import above_the_trail
+from worldgen.render.fleet_parts import COLOURS, colour_of
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Drive
 from worldgen.render.palette import (
@@ -56,15 +57,6 @@ HELD = 1500
 DEFAULT_SIDE = 480
 # Oversampling of trails.
 FINE = 2
-ROBOTS = (
-    "#C85400",
-    "#0072B2",
-    "#A8447F",
-    "#00825F",
-    "#7A6200",
-    "#4F5BB8",
-    # The colours of the player, for several robots.
-)
 
 Floats = npt.NDArray[np.float64]
 
@@ -148,7 +140,7 @@ class _Stage:
         ]
 
     def _colour(self, robot: int) -> str:
-        return ROBOTS[robot % len(ROBOTS)] if len(self.drives) > 1 else LOOP
+        return colour_of(robot) if len(self.drives) > 1 else LOOP
 
     def at(self, time: float) -> Image.Image:
         """Return the picture at a time later than all before."""
@@ -170,9 +162,7 @@ class _Stage:
                 onto=picture,
             )
         parts = [
-            part
-            for k, drive in enumerate(self.drives)
-            for part in self._robot(drive, time, self._colour(k))
+            part for k, drive in enumerate(self.drives) for part in self._robot(k, drive, time)
         ]
         disturbed = [
             part
@@ -197,11 +187,15 @@ class _Stage:
             self.ground = draw_parts(parts, self.frame, self.size)
         return self.ground
 
-    def _robot(self, drive: Drive, time: float, colour: str) -> list[Primitive]:
+    def _robot(self, number: int, drive: Drive, time: float) -> list[Primitive]:
+        colour = self._colour(number)
         x, y, heading = drive.pose(drive.moment(time))
         left, top = self.frame.to_pixels(x, y)
         unit = self.frame.unit
-        radius = max(self.world.robot_radius * self.frame.scale, 3.5 * unit)
+        # Drives of one robot show what several controllers make of it.
+        robots = self.world.robots
+        robot = robots[number] if len(robots) > 1 else robots[0]
+        radius = max(robot.radius * self.frame.scale, 3.5 * unit)
         nose = np.array(
             ((left, top), (left + radius * math.cos(heading), top - radius * math.sin(heading)))
         )
@@ -305,7 +299,7 @@ def _palette() -> Image.Image:
         FIRE,
         GREY,
         TUNNEL,
-        *ROBOTS,
+        *COLOURS,
         *pierced,
     )
     shares = (0.2, 0.35, 0.5, 0.65, 0.82)

@@ -8,6 +8,7 @@ import numpy as np
 
 from worldgen.render.content import Content
 from worldgen.render.disturbance_parts import decoy_mark, push_arrow
+from worldgen.render.fleet_parts import COLOURS, colour_of
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import (
     APPROACH,
@@ -30,7 +31,7 @@ from worldgen.render.palette import (
 )
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
 from worldgen.render.trail_parts import arrow_head, cross, stays_put
-from worldgen.world import Cut, Witness, World
+from worldgen.world import Cut, JointWitness, Witness, World
 
 __all__ = ["caption", "facts", "printable", "text_width"]
 
@@ -154,6 +155,8 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
     world = content.world
     trail = content.trail
     changes = content.changes
+    if world.others:
+        return _robot_keys(content)
     keys: list[tuple[str, Sample]] = [("start", _start_sample), ("target", _target_sample)]
     if content.signal:
         keys.append(("signal, halves per ring", _signal_sample))
@@ -169,6 +172,22 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
         keys.append(("closes later", _swatch(mix(PAPER, GREY, 0.55))))
     if changes.opens.any():
         keys.append(("opens later", _opens_sample))
+    return keys
+
+
+def _robot_keys(content: Content) -> list[tuple[str, Sample]]:
+    """Return the key to a picture of several robots: their colours, as far as there are some."""
+    robots = content.world.robots
+    shown = min(len(robots), len(COLOURS))
+    keys: list[tuple[str, Sample]] = [
+        (f"robot {number + 1}", _line(colour_of(number), 2.4, arrow=bool(content.trails)))
+        for number in range(shown)
+    ]
+    keys.append(("target", _target_sample))
+    if content.witness and isinstance(content.world.certificate, JointWitness):
+        keys.append(("paths that fit", _line(GREY, 1.4, dash=(5.0, 5.0))))
+    if any(trail.loop_from is not None for trail in content.trails):
+        keys.append(("strong: repeats forever", _line(GREY, 3.2)))
     return keys
 
 

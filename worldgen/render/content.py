@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +50,7 @@ class Content:
     Args:
         world: What to draw.
         trail: A run in it.
+        trails: Instead, in a world of several robots, a path for each robot.
         signal: Whether to tint the floor by the target's signal.
         witness: Whether to draw the proof's path, or its cut.
         title: First line of the caption.
@@ -63,3 +65,4 @@ class Content:
     title: str
     frame: Frame
     changes: Changes
+    trails: Sequence[Trail] = ()

@@ -6,8 +6,7 @@ import html
 
 from worldgen.render.caption import facts, printable
 from worldgen.render.frame import DEFAULT_PIXELS
-from worldgen.render.overlay import Trail
-from worldgen.render.scene import compose
+from worldgen.render.scene import Trails, compose
 from worldgen.render.svg import svg_element
 from worldgen.support.plain_text import describe_value
 from worldgen.world import JointWitness, Witness, World
@@ -35,7 +34,7 @@ td { overflow-wrap: anywhere; }
 def draw_html(
     world: World,
     *,
-    trail: Trail | None = None,
+    trail: Trails = None,
     signal: bool = True,
     witness: bool = True,
     title: str = "",
@@ -45,7 +44,7 @@ def draw_html(
 
     Args:
         world: What to draw.
-        trail: What a robot did in it.
+        trail: What a robot did in it; of several robots, one for each.
         signal: Whether to tint the floor by the strength of the target's signal.
         witness: Whether to draw the certificate's path, or its cut.
         title: The page's title, and the first line of the caption.

@@ -15,7 +15,6 @@ from PIL import Image, ImageDraw, ImageFont
 
 from worldgen.render.coverage import coverage
 from worldgen.render.frame import DEFAULT_PIXELS, Frame
-from worldgen.render.overlay import Trail
 from worldgen.render.palette import rgb
 from worldgen.render.polyline import dashes
 from worldgen.render.primitives import (
@@ -27,7 +26,7 @@ from worldgen.render.primitives import (
     Primitive,
     Text,
 )
-from worldgen.render.scene import compose
+from worldgen.render.scene import Trails, compose
 from worldgen.world import World
 
 __all__ = ["draw_parts", "draw_png"]
@@ -43,7 +42,7 @@ LARGE = 2500
 def draw_png(
     world: World,
     *,
-    trail: Trail | None = None,
+    trail: Trails = None,
     signal: bool = True,
     witness: bool = True,
     title: str = "",
@@ -53,7 +52,7 @@ def draw_png(
 
     Args:
         world: What to draw.
-        trail: What a robot did in it.
+        trail: What a robot did in it; of several robots, one for each.
         signal: Whether to tint the floor by the strength of the target's signal.
         witness: Whether to draw the certificate's path, or its cut.
         title: First line of the caption.

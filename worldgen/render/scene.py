@@ -6,7 +6,9 @@ The result is a list of primitives in pixels.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +16,7 @@ import numpy.typing as npt
 from worldgen.render.caption import caption
 from worldgen.render.content import Changes, Content
 from worldgen.render.disturbance_parts import above_the_trail, under_the_walls
+from worldgen.render.fleet_parts import joint_witness_parts, robot_parts
 from worldgen.render.frame import BAND, Frame
 from worldgen.render.outline import corner_count, outlines
 from worldgen.render.overlay import Trail
@@ -31,9 +34,12 @@ from worldgen.render.palette import (
 )
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Primitive
 from worldgen.render.trail_parts import breach_crosses, pierced_parts, swept_parts, trail_parts
-from worldgen.world import Cut, Witness, World
+from worldgen.world import Cut, JointWitness, Witness, World
 
-__all__ = ["Picture", "compose", "map_parts", "moment_parts"]
+__all__ = ["Picture", "Trails", "compose", "map_parts", "moment_parts"]
+
+Trails: TypeAlias = Trail | Sequence[Trail] | None
+"""What a robot did, or what each of several did; ``None`` without a run."""
 
 # A robot with a smaller radius, units, gets a ring of this radius.
 HIDDEN = 6.0
@@ -62,13 +68,13 @@ class Picture:
 
 
 def compose(
-    world: World, trail: Trail | None, *, signal: bool, witness: bool, title: str, pixels: int
+    world: World, trail: Trails, *, signal: bool, witness: bool, title: str, pixels: int
 ) -> Picture:
     """Return a world's complete picture, lowest layer first.
 
     Args:
         world: What to draw.
-        trail: A run in it.
+        trail: A run in it; of several robots, one for each.
         signal: Whether to tint the floor by the target's signal.
         witness: Whether to draw the proof's path, or its cut.
         title: First line of the caption.
@@ -78,7 +84,11 @@ def compose(
         InvalidParameter: If ``pixels`` is out of range.
     """
     frame = Frame.of(world, pixels)
-    content = Content(world, trail, signal, witness, title, frame, Changes.of(world))
+    # The floor cannot show the signals of several targets.
+    shown = signal and not world.others
+    one = trail if isinstance(trail, Trail) else None
+    several = () if trail is None or one is not None else tuple(trail)
+    content = Content(world, one, shown, witness, title, frame, Changes.of(world), several)
     words, height = caption(content)
     paper = _box(0.0, 0.0, frame.picture_width, height, PAPER)
     return Picture(frame, frame.picture_width, height, title, (paper, *_map(content), *words))
@@ -112,6 +122,8 @@ def moment_parts(
         DrawnCells(solid, WALL),
         DrawnCells(burning, FIRE),
     ]
+    if world.others:
+        return [*parts, *robot_parts(world, (), frame)]
     return [
         *parts,
         *_start_disc(world, frame),
@@ -129,6 +141,8 @@ def _map(content: Content) -> list[Primitive]:
     parts += [DrawnCells(world.walls, WALL), *_changes(content.changes, frame)]
     if content.witness:
         parts += _certificate(world, frame)
+    if world.others:
+        return [*parts, *robot_parts(world, content.trails, frame)]
     trail = content.trail
     radius = world.robot_radius
     # The start's disc is drawn under the lines, because a cycle often leads through it; its heading
@@ -208,6 +222,8 @@ def _certificate(world: World, frame: Frame) -> list[Primitive]:
         return [
             DrawnLine(points, Paint(stroke=START, width=1.8 * unit, dash=(7.0 * unit, 5.0 * unit)))
         ]
+    if isinstance(proof, JointWitness):
+        return joint_witness_parts(proof, frame)
     if isinstance(proof, Cut) and len(proof.cells):
         points = _onto_the_border(frame.corners(proof.cells + 0.5), frame)
         casing = DrawnLine(points, Paint(stroke=PAPER, width=5.0 * unit, opacity=0.8), closed=True)

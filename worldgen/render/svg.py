@@ -15,10 +15,9 @@ from worldgen.render.caption import printable
 from worldgen.render.coverage import coverage
 from worldgen.render.frame import DEFAULT_PIXELS
 from worldgen.render.outline import corner_count, outlines
-from worldgen.render.overlay import Trail
 from worldgen.render.palette import mix, rgb
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Text
-from worldgen.render.scene import Picture, compose
+from worldgen.render.scene import Picture, Trails, compose
 from worldgen.world import World
 
 __all__ = ["draw_svg", "svg_element"]
@@ -32,7 +31,7 @@ STOPS = 12
 def draw_svg(
     world: World,
     *,
-    trail: Trail | None = None,
+    trail: Trails = None,
     signal: bool = True,
     witness: bool = True,
     title: str = "",
@@ -42,7 +41,7 @@ def draw_svg(
 
     Args:
         world: What to draw.
-        trail: What a robot did in it.
+        trail: What a robot did in it; of several robots, one for each.
         signal: Whether to tint the floor by the strength of the target's signal.
         witness: Whether to draw the certificate's path, or its cut.
         title: First line of the caption.

@@ -1,0 +1,77 @@
+"""``worldgen run`` with several robots: what it prints and writes, and what it refuses."""
+
+import json
+
+import pytest
+
+from tests.helpers.command_line import worldgen
+from tests.helpers.fleets import passage
+from worldgen.files.grid import write_world
+
+
+@pytest.fixture
+def grid(tmp_path):
+    path = tmp_path / "two.grid"
+    write_world(passage(), path)
+    return path
+
+
+def test_json_has_the_same_keys_for_each_robot(grid):
+    result = worldgen("run", grid, "--controller", "turn-right", "--json")
+    found = json.loads(result.out)
+    assert result.code == 1
+    assert found["verdict"] == "livelock"
+    assert found["evidence"]["waiting"] == [1, 2]
+    own = {key for key in found if key not in ("robots", "reachable", "arrival_uncertain")}
+    assert [set(one) for one in found["robots"]] == [own, own]
+
+
+def test_a_trace_begins_each_row_with_the_robot(grid, tmp_path):
+    out = tmp_path / "o.csv"
+    worldgen("run", grid, "--controller", "1=bug2,2=turn-right", "--steps", "50", "--trace", out)
+    lines = out.read_text("utf-8").splitlines()
+    assert lines[0] == "robot,t,x,y,heading"
+    assert [line.partition(",")[0] for line in lines[1:]] == ["1"] * 51 + ["2"] * 51
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".html", ".gif"])
+def test_all_robots_are_drawn(grid, tmp_path, suffix):
+    out = tmp_path / f"trail{suffix}"
+    result = worldgen("run", grid, "--controller", "turn-right", "--steps", "60", "--trail", out)
+    assert result.code == 1
+    assert out.stat().st_size > 1000
+    if suffix in (".svg", ".html"):
+        assert ">robot 2<" in out.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("controllers", "code"),
+    [
+        ("1=bug2", "robot-without-controller"),
+        ("1=bug2,2=vfh,3=bug2", "no-such-robot"),
+        ("1=bug2,1=vfh", "robot-named-twice"),
+        ("1=bug2,2=nobody", "unknown-name"),
+    ],
+)
+def test_wrong_numbers_are_refused_in_one_sentence(grid, controllers, code):
+    result = worldgen("run", grid, "--controller", controllers)
+    assert result.code == 2
+    assert result.error_code == code
+    assert result.err.count("\n") == 1
+
+
+def test_options_follow_each_controller(grid):
+    alike = worldgen("run", grid, "--controller", "vfh+beams=12", "--steps", "40", "--json")
+    named = worldgen(
+        "run", grid, "--controller", "1=vfh+beams=12,2=vfh+beams=12", "--steps", "40", "--json"
+    )
+    other = worldgen(
+        "run",
+        grid,
+        "--controller",
+        "1=vfh+beams=12,2=vfh+acceleration=0.5",
+        "--steps",
+        "40",
+        "--json",
+    )
+    assert json.loads(alike.out) == json.loads(named.out) != json.loads(other.out)

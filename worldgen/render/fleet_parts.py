@@ -1,0 +1,155 @@
+"""What several robots of one world look like: each in its own colour, with its number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.render.frame import Frame
+from worldgen.render.overlay import Trail
+from worldgen.render.palette import INK, PAPER, mix
+from worldgen.render.polyline import simplified
+from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
+from worldgen.world import JointWitness, Robot, World
+
+__all__ = ["COLOURS", "colour_of", "joint_witness_parts", "robot_parts"]
+
+COLOURS = ("#C85400", "#0072B2", "#A8447F", "#00825F", "#7A6200", "#4F5BB8")
+"""Colours of the robots, as in the player; a seventh robot has the first one's."""
+
+# A robot with a smaller radius, units, gets a ring of this radius.
+_HIDDEN = 6.0
+_NUMBER_SIZE = 12.0
+
+
+def colour_of(robot: int) -> str:
+    """Return the colour of a robot, given its index."""
+    return COLOURS[robot % len(COLOURS)]
+
+
+def joint_witness_parts(joint: JointWitness, frame: Frame) -> list[Primitive]:
+    """Return the path that each robot could take, dashed in its colour."""
+    unit = frame.unit
+    parts: list[Primitive] = []
+    for number, path in enumerate(joint.paths):
+        if len(path.x) > 1:
+            points = frame.points(np.column_stack((path.x, path.y)))
+            paint = Paint(
+                stroke=mix(PAPER, colour_of(number), 0.7),
+                width=1.4 * unit,
+                dash=(5.0 * unit, 5.0 * unit),
+            )
+            parts.append(DrawnLine(points, paint))
+    return parts
+
+
+def robot_parts(world: World, trails: Sequence[Trail], frame: Frame) -> list[Primitive]:
+    """Return starts, paths, targets and numbers of all robots, lowest layer first.
+
+    Args:
+        world: The world of the robots.
+        trails: A path for each robot, in order; empty without a run.
+        frame: The map's place in the picture.
+    """
+    robots = world.robots
+    parts: list[Primitive] = []
+    for number, robot in enumerate(robots):
+        parts += _start(robot, colour_of(number), frame)
+    for number, trail in enumerate(trails):
+        parts += _path(trail, colour_of(number), frame)
+    for number, robot in enumerate(robots):
+        parts += _target(robot, number, frame)
+    for number, trail in enumerate(trails):
+        parts += _end(robots[number], trail, number, frame)
+    if not trails:
+        for number, robot in enumerate(robots):
+            parts.append(_number(robot.start.x, robot.start.y, number, frame))
+    return parts
+
+
+def _start(robot: Robot, colour: str, frame: Frame) -> list[Primitive]:
+    """Return a robot's disc at its start, and a tick for its heading."""
+    unit = frame.unit
+    x, y = frame.to_pixels(robot.start.x, robot.start.y)
+    shown = max(robot.radius * frame.scale, _HIDDEN * unit)
+    ahead = np.array((math.cos(robot.start.heading), -math.sin(robot.start.heading)))
+    tick = np.array((x, y)) + np.outer((0.45 * shown, shown), ahead)
+    return [
+        DrawnCircle(x, y, shown + 1.5 * unit, Paint(fill=PAPER)),
+        DrawnCircle(x, y, shown, Paint(fill=mix(PAPER, colour, 0.25))),
+        DrawnCircle(x, y, shown, Paint(stroke=colour, width=1.6 * unit)),
+        DrawnLine(tick, Paint(stroke=mix(colour, "#000000", 0.3), width=3.0 * unit)),
+    ]
+
+
+def _path(trail: Trail, colour: str, frame: Frame) -> list[Primitive]:
+    """Return a robot's path; what repeats endlessly is drawn stronger."""
+    unit = frame.unit
+    points = frame.points(np.column_stack((trail.x, trail.y)))
+    pieces = [(points, 1.8)]
+    if trail.loop_from is not None:
+        pieces = [(points[: trail.loop_from + 1], 1.4), (points[trail.loop_from :], 3.0)]
+    parts: list[Primitive] = []
+    for piece, width in pieces:
+        line = simplified(piece, 0.3)
+        if len(line) > 1:
+            parts.append(
+                DrawnLine(line, Paint(stroke=PAPER, width=(width + 1.6) * unit, opacity=0.7))
+            )
+            parts.append(DrawnLine(line, Paint(stroke=colour, width=width * unit)))
+    return parts
+
+
+def _target(robot: Robot, number: int, frame: Frame) -> list[Primitive]:
+    """Return a robot's target as a ring with a cross, and its number next to it."""
+    unit = frame.unit
+    colour = colour_of(number)
+    x, y = frame.to_pixels(robot.target.x, robot.target.y)
+    radius = max(robot.target.radius * frame.scale, 5.0 * unit)
+    reach = radius + 4.0 * unit
+    parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.6))]
+    for stroke, width in ((PAPER, 4.4 * unit), (colour, 2.0 * unit)):
+        parts.append(DrawnCircle(x, y, radius, Paint(stroke=stroke, width=width)))
+        for dx, dy in ((reach, 0.0), (0.0, reach)):
+            arm = np.array(((x - dx, y - dy), (x + dx, y + dy)))
+            parts.append(DrawnLine(arm, Paint(stroke=stroke, width=width)))
+    parts += _label(np.array((x + reach + 4.0 * unit, y - reach)), number, frame)
+    return parts
+
+
+def _end(robot: Robot, trail: Trail, number: int, frame: Frame) -> list[Primitive]:
+    """Return a robot's disc where its run ended, with its number."""
+    unit = frame.unit
+    colour = colour_of(number)
+    x, y = frame.to_pixels(float(trail.x[-1]), float(trail.y[-1]))
+    shown = max(robot.radius * frame.scale, _HIDDEN * unit)
+    return [
+        DrawnCircle(x, y, shown + 1.5 * unit, Paint(fill=PAPER)),
+        DrawnCircle(x, y, shown, Paint(fill=mix(PAPER, colour, 0.6))),
+        DrawnCircle(x, y, shown, Paint(stroke=mix(colour, "#000000", 0.3), width=2.0 * unit)),
+        _number(float(trail.x[-1]), float(trail.y[-1]), number, frame),
+    ]
+
+
+def _number(x: float, y: float, number: int, frame: Frame) -> Primitive:
+    """Return a robot's number in the middle of its disc."""
+    size = _NUMBER_SIZE * frame.unit
+    text = str(number + 1)
+    at = np.array(frame.to_pixels(x, y)) + np.array((-0.29 * size * len(text), 0.36 * size))
+    return Text(float(at[0]), float(at[1]), size, text, INK)
+
+
+def _label(at: npt.NDArray[np.float64], number: int, frame: Frame) -> list[Primitive]:
+    """Return a robot's number next to its target, on a light ground."""
+    size = _NUMBER_SIZE * frame.unit
+    text = str(number + 1)
+    ground = Paint(fill=PAPER, opacity=0.8)
+    middle = at + np.array((0.29 * size * len(text), -0.36 * size))
+    colour = mix(colour_of(number), "#000000", 0.3)
+    return [
+        DrawnCircle(float(middle[0]), float(middle[1]), 0.62 * size, ground),
+        Text(float(at[0]), float(at[1]), size, text, colour),
+    ]
