@@ -16,6 +16,7 @@ from fuzz.boundary import with_boundaries
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import TO_HAND_IN, Deadline
 from fuzz.campaign.executors import Executor, local_executor
+from fuzz.campaign.live import LiveCounts, LiveState, has_failed
 from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.schedule import Schedule
 from fuzz.campaign.store import CampaignStore
@@ -264,6 +265,7 @@ class Campaign:
         self._shrinks: list[tuple[_ShrinkJob, _Under[Shrinking]]] = []
         self._next = 0  # unit
         self._merged = 0  # units
+        self._handed_in = LiveCounts()
         # Seconds of earlier runs.
         self._before = 0.0
         self._earlier = self._store.seconds()
@@ -284,6 +286,29 @@ class Campaign:
             for kind, found in self._candidates.items()
             if kind not in best
         }
+
+    def live(self) -> LiveState:
+        """Return what the campaign is doing, with the runs of units under way.
+
+        May be called in another thread.
+        """
+        counted = self._executor.counts() or self._handed_in
+        more = counted.without(self._handed_in)
+        state = self.state
+        failed = sum(count for verdict, count in [*state.verdicts.items()] if has_failed(verdict))
+        tried = state.worlds + more.worlds
+        if not self._schedule.is_ready or not (tried or state.until):
+            phase = "preparing"
+        else:
+            phase = "searching" if self._under_way else "shrinking"
+        return LiveState(
+            phase,
+            tried,
+            state.steps + more.steps,
+            failed + more.failed,
+            len(self._shrinks) + len(self._jobs),
+            self._schedule.elapsed(),
+        )
 
     def run(self) -> Generator[Progress, None, None]:
         """Do the campaign, or the rest of it.
@@ -492,6 +517,7 @@ class Campaign:
         result = under.future.result()
         if under.seconds is None:
             state.effort += result.effort
+            self._handed_in = self._handed_in.plus(result.worlds, result.steps, result.verdicts)
         if result.cut and under.seconds is None:
             result = self._more_of(unit, result)
         if under.seconds is None and unit // self.config.epoch >= self._knows_too_little:

@@ -14,9 +14,10 @@ import click
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, WorkersLost
+from fuzz.campaign.live import shown_in
 from fuzz.campaign.options import CampaignOptions, SearchOptions
 from fuzz.campaign.run import Campaign, Discovery, Progress, UnitDone
-from fuzz.campaign.store import CampaignRun, record_error
+from fuzz.campaign.store import MEMORY, CampaignRun, record_error
 from fuzz.campaign.summary import (
     describe_share,
     describe_strategies,
@@ -53,8 +54,6 @@ _SUMMARY_EVERY = 1.0
 # Seconds for the runs of all pictures together.
 _TO_DRAW = 2.0
 _VARY = "--vary"
-# Verdicts in screening.
-_NO_FAILURE = (Verdict.REACHED, "sealed")
 
 
 def configure(options: CampaignOptions, seed: int, seconds: float | None = None) -> CampaignConfig:
@@ -338,6 +337,7 @@ class CampaignSession:
         events = self._campaign.run()
         with (
             working(f"searching ({self._limit})") as work,
+            shown_in(self._out / MEMORY, self._campaign.live),
             contextlib.closing(events),
         ):
             work.say(self._so_far)
@@ -376,20 +376,16 @@ class CampaignSession:
 
     def _so_far(self) -> str:
         """Describe the campaign in half a line."""
-        if not self._campaign.is_ready:
+        live = self._campaign.live()
+        if live.phase == "preparing":
             return "loading the simulator in each process"
         state = self._campaign.state
-        if not state.until:
-            return "the first units are under way"
-        failed = sum(
-            count for verdict, count in state.verdicts.items() if verdict not in _NO_FAILURE
-        )
         shrunk = sum(one.is_shrunk for one in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
         classes = counted(
             len(state.best.keys() | self._campaign.pending().keys()), "class", "classes"
         )
-        return f"{counted(state.worlds, 'world')}, {failed} failed, {classes}{to_shrink}"
+        return f"{counted(live.worlds, 'world')}, {live.failed} failed, {classes}{to_shrink}"
 
     def _see(self, event: Progress) -> None:
         if isinstance(event, Discovery):

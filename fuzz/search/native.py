@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.live import count_live
 from fuzz.campaign.variation import applied
 from fuzz.screening import Screening, can_screen, evaluate
 from fuzz.search.features import decode_scene
@@ -162,6 +163,8 @@ def _look(
         result.verdicts.update(dict(zip(words.tolist(), counts.tolist(), strict=True)))
         result.worlds += int(counts.sum())
         result.steps += looks.simulated
+        for word, count in zip(words.tolist(), counts.tolist(), strict=True):
+            count_live(word, count, looks.simulated * count // max(int(counts.sum()), 1))
         few.add(looks)
         if task.config.oracles:
             asked += [(looks, n) for n in _most_winding(looks, pace.asked)]

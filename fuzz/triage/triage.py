@@ -8,6 +8,7 @@ from typing import Any
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import NO_DEADLINE, Deadline
+from fuzz.campaign.live import count_live
 from fuzz.campaign.result import UnitResult
 from fuzz.failure import Failure
 from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
@@ -63,6 +64,7 @@ class Triage:
         self.result.worlds += 1
         self.result.steps += steps
         self.result.verdicts[verdict] += 1
+        count_live(verdict, 1, steps)
 
     def look(self, world: World, scenario: Scenario, outcome: Outcome) -> str:
         """Count a screening run; if it does not arrive, prove its failure.

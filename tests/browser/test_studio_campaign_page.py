@@ -72,15 +72,15 @@ def test_a_campaign_from_the_form_is_watched_stopped_resumed_and_its_smallest_fa
     page.keyboard.press("3")
     page.locator("#begin").wait_for()
     begin(page, units=5000)
-    stands(page, "Running")
+    stands(page, "ing")  # preparing, searching or shrinking
     page.locator(".card").first.wait_for(timeout=CAMPAIGN)
     page.reload()  # the campaign goes on, and is shown again
-    stands(page, "Running")
+    stands(page, "ing")
     page.get_by_role("button", name="Stop").click()
     stands(page, "Stopped")
     before = units(page)
     page.get_by_role("button", name="Resume").click()
-    stands(page, "Running")
+    stands(page, "ing")
     page.wait_for_function(
         "before => Number(document.querySelector('.progress-line').innerText.match(/unit "
         "(\\d+)/)[1]) > before",

@@ -109,7 +109,7 @@ def test_numbers_of_a_world_that_has_changed_meanwhile_are_not_shown(page):
 def test_a_run_that_the_lost_connection_has_ended_is_asked_for_again(page):
     page.evaluate("window.held = []")
     page.keyboard.press("2")
-    page.get_by_text("Running …").wait_for()
+    page.locator("#run-said", has_text="Preparing").wait_for()
     reconnect(page)
     page.locator(".result").wait_for()
 

@@ -12,6 +12,7 @@ const RUNNING = {
   folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, error: null, status: "running",
   budget: { units: 4, seconds: null }, units: 2, elapsed: null, archive: null, failures: 5,
   met: { "loop-a": 17, "stalled-b": 4, "tunnel-c": 2 }, known: { "stalled-b": 4 },
+  phase: "searching", shrinking: 0, failed: 31,
   strategies: [{ strategy: "native", units: 1, worlds: 800, failures: 9, classes: 1 }, { strategy: "trap", units: 1, worlds: 100, failures: 14, classes: 2 }],
 };
 const DONE = { ...RUNNING, running: false, units: 4, status: "done" };
@@ -54,7 +55,15 @@ test("while it runs what has no picture yet is to be shrunk", () => {
   made.show(RUNNING);
   made.sizes(smallest(A));
   assert.deepEqual(rows(0).map(([, , stands]) => stands), ["9 x 3, 21 solid", "known", "to be shrunk"]);
-  assert.match(line(), /^Running.*unit 2 of 4.*900 worlds2\.3 million steps/);
+  assert.match(line(), /^Searching.*unit 2 of 4.*900 worlds2\.3 million steps/);
+});
+
+test("preparing counts for no budget, and shrinking says how many wait", () => {
+  const { made, line } = status();
+  made.show({ ...RUNNING, phase: "preparing", worlds: 0, budget: { units: null, seconds: 30 }, elapsed: 0 });
+  assert.match(line(), /^Preparing.*the 30 s begin after that0 worlds/);
+  made.show({ ...RUNNING, phase: "shrinking", shrinking: 3 });
+  assert.match(line(), /^Shrinking 3 failures.*31 failed/);
 });
 
 test("one class has the words of one", () => {
@@ -90,7 +99,7 @@ test("a campaign by the clock says how long it has, and when that is over", () =
 test("the smallest failure is the best so far, and before there is one the longest way", () => {
   const { made, done } = status();
   const archive = { names: ["detour", "density"], edges: [[1.5, 2], [0.1]], cells: [[0, 0, 1, "reached"], [1, 1, 1, "reached"], [2, 0, 1, "loop"]] };
-  made.show({ ...RUNNING, archive });
+  made.show({ ...RUNNING, met: {}, archive });
   const best = made.element.querySelector("#best-so-far");
   assert.equal(best.textContent, "No failure yet. Longest path so far: 1.5 to 2 times the straight line");
   made.sizes(smallest(A, SLID));

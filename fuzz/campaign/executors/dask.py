@@ -94,6 +94,9 @@ class DaskExecutor:
         """Do nothing: workers come and go, and each loads what it needs with its first work."""
         return []
 
+    def counts(self) -> None:
+        """Return nothing: workers on other machines share no counters."""
+
     def stop(self) -> None:
         """Do nothing: work in progress is cancelled at the end."""
 

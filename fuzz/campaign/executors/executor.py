@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import ParamSpec, Protocol, Self, TypeVar
 
 from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.live import LiveCounts
 from worldgen.errors import WorldgenError
 
 __all__ = ["Executor", "WorkersLost"]
@@ -38,6 +39,9 @@ class Executor(Protocol):
 
     def listen(self) -> None:
         """Raise ``KeyboardInterrupt`` if Ctrl-C came; called often while the campaign waits."""
+
+    def counts(self) -> LiveCounts | None:
+        """Return what all workers have run so far; ``None`` if that is not known."""
 
     def stop(self) -> None:
         """Tell work in progress to end with what it has; work that does not end is not awaited."""

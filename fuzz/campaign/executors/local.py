@@ -12,11 +12,12 @@ from contextlib import ExitStack
 from ctypes import c_double
 from multiprocessing import get_context
 from types import TracebackType
-from typing import ParamSpec, Self, TypeVar
+from typing import Any, ParamSpec, Self, TypeVar
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import TO_HAND_IN, now, stop_from, stopping_from
 from fuzz.campaign.executors.executor import Executor, WorkersLost
+from fuzz.campaign.live import LiveCounts, count_in
 from fuzz.campaign.loading import load
 from worldgen.support.workers import WorkerPool, ctrl_c_held_back
 
@@ -48,6 +49,7 @@ class InlineExecutor:
         self._stopped_at = math.inf
         self._patience: threading.Timer | None = None
         self._open = ExitStack()
+        self._counters = get_context("spawn").Array(c_double, 3)
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Do the work."""
@@ -92,11 +94,16 @@ class InlineExecutor:
         if self._patience is not None:
             self._patience.cancel()
 
+    def counts(self) -> LiveCounts:
+        """Return what this process has run so far."""
+        return LiveCounts.of(self._counters)
+
     def stop(self) -> None:
         """Do nothing: no work is in progress when this can be called."""
 
     def __enter__(self) -> Self:
-        """Hold back Ctrl-C from here on."""
+        """Hold back Ctrl-C from here on, and count what this process runs."""
+        count_in(self._counters)
         self._listen = self._open.enter_context(ctrl_c_held_back(self._stop))
         return self
 
@@ -124,6 +131,7 @@ class ProcessExecutor:
         self._open = ExitStack()
         # A single word, so it needs no lock.
         self._stopped_at = get_context("spawn").RawValue(c_double, math.inf)
+        self._counters = get_context("spawn").Array(c_double, 3)
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Submit it to the next free process."""
@@ -137,13 +145,17 @@ class ProcessExecutor:
         """Raise ``KeyboardInterrupt`` if Ctrl-C came."""
         self._listen()
 
+    def counts(self) -> LiveCounts:
+        """Return what all processes have run so far."""
+        return LiveCounts.of(self._counters)
+
     def stop(self) -> None:
         """Tell all processes."""
         self._stopped_at.value = now()
 
     def __enter__(self) -> Self:
         """Prepare to start processes, the first when it is needed."""
-        self._pool = WorkerPool(self._workers, _stop_from, self._stopped_at)
+        self._pool = WorkerPool(self._workers, _begin, self._stopped_at, self._counters)
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
 
@@ -172,6 +184,7 @@ class ProcessExecutor:
             ) from error
 
 
-def _stop_from(stopped_at: c_double) -> None:
-    """Let a worker's work end when the main process says so."""
+def _begin(stopped_at: c_double, counters: Any) -> None:
+    """Let a worker's work end when the main process says so, and count what it runs."""
     stop_from(lambda: stopped_at.value)
+    count_in(counters)

@@ -8,11 +8,11 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from fuzz.campaign.live import has_failed, read_live
 from fuzz.campaign.store import MEMORY, FolderStore, read_error, read_summary
 from fuzz.studio.edits import digest_of_file
 from fuzz.studio.refusals import refusal
@@ -85,8 +85,17 @@ def campaign_state(
         **_beginning(folder, named),
         **_totals(folder),
     }
-    lock = folder / MEMORY / "lock"
-    state["elapsed"] = max(0.0, time.time() - lock.stat().st_mtime) if running else None
+    # A process that was killed leaves the file behind, and a remote one may not write it.
+    live = read_live(folder / MEMORY) if running else None
+    state["phase"] = live.phase if live is not None else "preparing" if running else ""
+    state["elapsed"] = (0.0 if live is None else live.elapsed) if running else None
+    state["shrinking"] = 0 if live is None else live.shrinking
+    failed = sum(count for verdict, count in state["verdicts"].items() if has_failed(verdict))
+    state["failed"] = failed
+    if live is not None:
+        # Earlier runs of a resumed campaign are in the summary until it has gone through them.
+        counted = {"worlds": live.worlds, "steps": live.steps, "failed": live.failed}
+        state |= {name: max(state[name], count) for name, count in counted.items()}
     state["failures"] = _stamp(folder)
     error = None if running or state["status"] in _ENDED_WELL else read_error(folder)
     state["error"] = None if error is None else refusal(error, opened)

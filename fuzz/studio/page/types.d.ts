@@ -221,11 +221,17 @@ interface CampaignState {
   seed: string;
   budget: { units: number | null; seconds: number | null };
   status: string;
+  /** What it is doing: "preparing", "searching" or "shrinking"; empty unless it is running. */
+  phase: string;
+  /** Failures that are being shrunk, or wait for it. */
+  shrinking: number;
   units: number;
   worlds: number;
+  /** Runs that did not arrive at first look. */
+  failed: number;
   steps: number;
   seconds: number;
-  /** Time for which its process has been running, s. */
+  /** Seconds of the budget that are used; preparing does not count. */
   elapsed: number | null;
   /** A text that changes whenever a failure is new or smaller. */
   failures: string;

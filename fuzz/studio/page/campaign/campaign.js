@@ -206,6 +206,7 @@ function take(campaign, state) {
 function showState(campaign, state) {
   const { parts } = campaign;
   campaign.status.show(state);
+  campaign.wall.refreshEmpty();
   campaign.archive.show(state?.archive);
   const tab = parts.tabs.at(-1);
   tab.hidden = !state?.archive;

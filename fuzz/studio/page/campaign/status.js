@@ -108,8 +108,9 @@ function showBest({ state, smallest, parts, campaign }) {
     return;
   }
   const longest = longestWay(state.archive);
-  parts.best.replaceChildren(longest ? `No failure yet. Longest path so far: ${longest} times the straight line` : "");
-  parts.best.hidden = !longest;
+  const met = Object.keys(state.met).length > 0; // some are to be shrunk, or known
+  parts.best.replaceChildren(longest && !met ? `No failure yet. Longest path so far: ${longest} times the straight line` : "");
+  parts.best.hidden = !longest || met;
 }
 
 // Returns the range of the longest detour of runs that arrived; empty if unknown.
@@ -133,15 +134,15 @@ function share({ budget, units, elapsed }) {
 
 function line(status, classes) {
   const { state, campaign, smallest } = status;
-  const failed = Object.values(state.met).reduce((sum, times) => sum + times, 0);
+  const met = Object.values(state.met).reduce((sum, times) => sum + times, 0);
   const facts = [
     [grouped(state.worlds), "worlds"],
     [short(state.steps), "steps"],
-    [grouped(failed), failed === 1 ? "failure met" : "failures met"],
+    state.running ? [grouped(state.failed), "failed"] : [grouped(met), met === 1 ? "failure met" : "failures met"],
     ...(smallest ? [[grouped(classes.length), classWords(classes)]] : []),
     [grouped(speed(status)), state.running ? "worlds/s now" : "worlds/s"],
   ];
-  const doing = !state.running ? stands(state) : campaign.stopping === state.folder ? "Stopping" : "Running";
+  const doing = !state.running ? stands(state) : campaign.stopping === state.folder ? "Stopping" : phaseWords(state);
   return [
     el("b", { class: state.running ? "good" : "", id: "campaign-state" }, doing),
     el("span", {}, `${state.controller} under ${state.motion}, seed ${state.seed}`),
@@ -150,13 +151,20 @@ function line(status, classes) {
   ];
 }
 
+// Says what a running campaign does. Shrinking goes on next to the search, too.
+function phaseWords({ phase, shrinking }) {
+  if (phase === "preparing") return "Preparing";
+  return phase === "shrinking" ? `Shrinking ${plural(shrinking, "failure")}` : "Searching";
+}
+
 // Describes a campaign that does not run; a process that was killed has left "running".
 function stands({ budget, units, error, status }) {
   if (error || status === "failed") return "Gave up";
   return status === "stopped" || status === "running" || (budget.units && units < budget.units) ? "Stopped" : "Done";
 }
 
-function budgetWords({ budget, units, running, elapsed }) {
+function budgetWords({ budget, units, running, elapsed, phase }) {
+  if (phase === "preparing") return `loading simulator and controller; ${budget.units ? `${plural(budget.units, "unit")} follow` : `the ${budget.seconds} s begin after that`}`;
   if (budget.units) return `unit ${units} of ${budget.units}`;
   const shown = plural(units, "unit");
   if (running && elapsed !== null && elapsed > budget.seconds) return `the ${budget.seconds} s are over, finishing current work, ${shown}`;

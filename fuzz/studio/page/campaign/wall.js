@@ -24,7 +24,7 @@ export function makeWall(campaign) {
     faults: el("p", { class: "notice", hidden: true }),
   };
   const wall = {
-    campaign, parts, failures: [], shown: ROWS, sort: "size", chosen: "", filter: {}, looks: new Recent(LOOKS), queue: [], busy: 0, cards: new Map(),
+    campaign, parts, failures: [], shown: ROWS, sort: "size", chosen: "", filter: {}, looks: new Recent(LOOKS), queue: [], busy: 0, isRead: false, cards: new Map(),
   };
   wall.seen = new IntersectionObserver((entries) => entries.forEach((entry) => entry.isIntersecting && want(wall, entry.target)), { rootMargin: "200px" });
   const element = el("div", { class: "wall-part" }, parts.tools, parts.faults, el("div", { class: "wall-scroll" }, parts.list));
@@ -42,6 +42,11 @@ export function makeWall(campaign) {
       parts.faults.textContent = words;
     },
     wait: (words) => wait(wall, words),
+    /* Says anew why there is no picture. */
+    refreshEmpty: () => {
+      const empty = wall.failures.length === 0 && wall.isRead ? parts.list.querySelector(".empty") : null;
+      if (empty) empty.textContent = emptyWords(campaign);
+    },
     only: (kind) => {
       wall.filter = { class: kind };
       showAll(wall);
@@ -60,7 +65,7 @@ export function makeWall(campaign) {
 function wait(wall, words) {
   const { parts } = wall;
   for (const { fail } of wall.queue) fail(new Ended("Another folder was chosen."));
-  Object.assign(wall, { filter: {}, shown: ROWS, chosen: "", queue: [], failures: [], cards: new Map() });
+  Object.assign(wall, { isRead: false, filter: {}, shown: ROWS, chosen: "", queue: [], failures: [], cards: new Map() });
   wall.seen.disconnect();
   parts.tools.replaceChildren(parts.count); // the filters belonged to the other folder
   parts.tools.hidden = parts.faults.hidden = true;
@@ -70,6 +75,7 @@ function wait(wall, words) {
 function show(wall, answer) {
   const { campaign, parts } = wall;
   wall.failures = answer ? answer.failures : [];
+  wall.isRead = true;
   for (const name of Object.keys(FILTERS)) if (!wall.failures.some((one) => one[name] === wall.filter[name])) delete wall.filter[name];
   parts.faults.hidden = !answer || answer.faults.length === 0;
   parts.faults.textContent = answer ? faultWords(answer.faults) : "";
@@ -154,8 +160,12 @@ function showCards(wall) {
 
 function emptyWords({ folder, states, folders }) {
   if (folder === null || folder === "" || (states.size === 0 && folders.length <= 1)) return "There is no failure in the opened folder yet. Begin a campaign on the right; it searches for worlds in which the controller fails.";
-  if (states.get(folder)?.running) return "No failure yet. Each appears here as soon as it is proved and shrunk.";
-  if (states.has(folder)) return "The campaign has found no failure here. Continue it for longer, or begin another on the right.";
+  const state = states.get(folder);
+  if (state?.phase === "preparing") return "Preparing: the simulator and the controller are being loaded. Nothing has been tried yet.";
+  if (state?.running && state.worlds === 0) return "Nothing has been tried yet.";
+  if (state?.running) return "Failures appear here as soon as they are proved and shrunk.";
+  if (state?.worlds === 0) return "Nothing was tried: the campaign ended before its first run. Continue it for longer.";
+  if (state) return `No failure was found in ${plural(state.worlds, "world")}. Continue the campaign for longer, or begin another on the right.`;
   return "There is no failure in this folder. Choose another above, or begin a campaign on the right.";
 }
 

@@ -1,0 +1,157 @@
+"""Count runs as they happen, across processes, so that a long unit shows that it works.
+
+A unit hands in its result at its end, which may be a minute away. Each process therefore adds its
+runs to counters that all of them share. They are for people: no result depends on them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from worldgen.files.whole import read_text
+
+__all__ = [
+    "LIVE_FILE",
+    "LiveCounts",
+    "LiveState",
+    "count_in",
+    "count_live",
+    "has_failed",
+    "read_live",
+    "shown_in",
+]
+
+LIVE_FILE = "live.json"
+"""Name, in the campaign store, of the file with the counts while a campaign runs."""
+
+_EVERY = 0.5  # s between two versions of the file
+_NOT_FAILED = ("reached", "sealed")  # verdicts at first look
+
+Counters = Any  # a shared array of three numbers, which has no type of its own
+_counters: list[Counters] = []
+
+
+@dataclass(frozen=True)
+class LiveCounts:
+    """Runs of all processes since the executor was made.
+
+    Args:
+        worlds: How many.
+        steps: Of all of them.
+        failed: Those that did not arrive at first look.
+    """
+
+    worlds: int = 0
+    steps: int = 0
+    failed: int = 0
+
+    @classmethod
+    def of(cls, counters: Counters) -> LiveCounts:
+        """Return what shared counters say now."""
+        worlds, steps, failed = counters
+        return cls(int(worlds), int(steps), int(failed))
+
+    def plus(self, worlds: int, steps: int, verdicts: Mapping[str, int]) -> LiveCounts:
+        """Return these counts with those of a unit's result."""
+        failed = sum(count for verdict, count in verdicts.items() if has_failed(verdict))
+        return LiveCounts(self.worlds + worlds, self.steps + steps, self.failed + failed)
+
+    def without(self, handed_in: LiveCounts) -> LiveCounts:
+        """Return what is not handed in yet; at least nothing, because a unit may be done twice."""
+        return LiveCounts(
+            max(0, self.worlds - handed_in.worlds),
+            max(0, self.steps - handed_in.steps),
+            max(0, self.failed - handed_in.failed),
+        )
+
+
+@dataclass(frozen=True)
+class LiveState:
+    """What a campaign is doing at a moment.
+
+    Args:
+        phase: ``preparing`` until the first run, which no budget counts; then ``searching``, and
+            ``shrinking`` while nothing is searched.
+        worlds: Runs so far, of units under way too.
+        steps: Of these runs.
+        failed: Runs that did not arrive at first look.
+        shrinking: Failures that are being shrunk, or wait for it.
+        elapsed: Seconds of the budget that are used.
+    """
+
+    phase: str = "preparing"
+    worlds: int = 0
+    steps: int = 0
+    failed: int = 0
+    shrinking: int = 0
+    elapsed: float = 0.0
+
+
+def has_failed(verdict: str) -> bool:
+    """Return True if a verdict at first look is one of a failure."""
+    return verdict not in _NOT_FAILED
+
+
+def count_in(counters: Counters) -> None:
+    """Add all further runs of this process to these shared counters."""
+    _counters[:] = [counters]
+
+
+def count_live(verdict: str, runs: int, steps: int) -> None:
+    """Count runs that have just ended.
+
+    Args:
+        verdict: At first look.
+        runs: How many ended with it.
+        steps: Of all of them.
+    """
+    for counters in _counters:
+        with counters.get_lock():
+            counters[0] += runs
+            counters[1] += steps
+            counters[2] += runs if has_failed(verdict) else 0
+
+
+@contextlib.contextmanager
+def shown_in(store: Path, state: Callable[[], LiveState]) -> Iterator[None]:
+    """Keep a file up to date with what a campaign is doing, and remove it at the end.
+
+    Args:
+        store: The campaign store's folder.
+        state: Returns what it is doing; called in another thread.
+    """
+    over = threading.Event()
+    file = store / LIVE_FILE
+
+    def write() -> None:
+        while not over.wait(_EVERY):
+            # A full disk is reported by what has to be written.
+            with contextlib.suppress(OSError):
+                part = file.with_suffix(".part")
+                part.write_text(json.dumps(asdict(state())), "utf-8")
+                os.replace(part, file)  # noqa: PTH105 - so that a reader finds a whole file
+
+    thread = threading.Thread(target=write, name="live counts", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+        with contextlib.suppress(OSError):
+            file.unlink(missing_ok=True)
+
+
+def read_live(store: Path) -> LiveState | None:
+    """Return what a running campaign is doing; ``None`` if that is not known (yet)."""
+    try:
+        return LiveState(**json.loads(read_text(store / LIVE_FILE)))
+    except (OSError, TypeError, ValueError):
+        return None

@@ -1,0 +1,76 @@
+"""Counts of a campaign while it runs: inside a unit, of all processes, and never in its result."""
+
+import threading
+
+import pytest
+
+from fuzz.campaign.executors import InlineExecutor, ProcessExecutor
+from fuzz.campaign.live import LIVE_FILE, LiveCounts, LiveState, count_live, read_live, shown_in
+from fuzz.campaign.options import CampaignOptions
+from fuzz.campaign.run import Campaign
+from fuzz.campaign.session import configure
+
+
+def small(**options):
+    return configure(
+        CampaignOptions(controller="turn-right", families=("trap",), examples=8, **options), 1
+    )
+
+
+def test_each_run_is_counted_when_it_ends():
+    with InlineExecutor() as executor:
+        count_live("reached", 3, 30)
+        count_live("loop", 2, 20)
+        assert executor.counts() == LiveCounts(5, 50, 2)
+
+
+def test_what_is_under_way_is_what_was_counted_and_not_handed_in():
+    handed_in = LiveCounts().plus(3, 30, {"reached": 2, "loop": 1})
+    assert LiveCounts(5, 50, 2).without(handed_in) == LiveCounts(2, 20, 1)
+    assert LiveCounts(1, 10, 0).without(handed_in) == LiveCounts()
+
+
+def test_a_campaign_counts_nothing_until_it_has_tried_something_and_each_run_once():
+    campaign = Campaign(small(), units=2)
+    assert campaign.live() == LiveState("preparing")
+    for _ in campaign.run():
+        pass
+    live = campaign.live()
+    assert (live.worlds, live.steps) == (campaign.state.worlds, campaign.state.steps)
+    assert live.phase == "shrinking" and live.failed > 0
+
+
+@pytest.mark.gate
+def test_the_runs_of_a_unit_under_way_are_seen_from_another_process():
+    campaign = Campaign(small(), units=1, executor=ProcessExecutor(2))
+    seen = []
+    over = threading.Event()
+
+    def look():
+        while not over.wait(0.001):
+            seen.append((campaign.live().worlds, campaign.state.until))
+
+    watcher = threading.Thread(target=look)
+    watcher.start()
+    for _ in campaign.run():
+        pass
+    over.set()
+    watcher.join()
+    inside = {worlds for worlds, units in seen if units == 0}
+    assert len(inside) > 2
+    assert campaign.live().worlds == campaign.state.worlds
+
+
+def test_a_file_says_what_goes_on_and_is_gone_afterwards(tmp_path):
+    state = LiveState("searching", 7, 70, 1, 2, 0.5)
+    with shown_in(tmp_path, lambda: state):
+        while read_live(tmp_path) is None:
+            pass
+        assert read_live(tmp_path) == state
+    assert [*tmp_path.iterdir()] == []
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"phase": 1, "more": 2}', "{"])
+def test_a_file_that_is_not_whole_says_nothing(tmp_path, text):
+    (tmp_path / LIVE_FILE).write_text(text)
+    assert read_live(tmp_path) is None
