@@ -110,6 +110,7 @@ class Core:
 
 _TYPES = "worldgen/include/wg_types.h"
 _CONTROLLER = "sim/include/worldgen_controller.h"
+_BEHAVIOURS = "sim/include/worldgen_behaviours.h"
 _SIM = (
     "sim/core/wg_sim.h",
     "sim/core/wg_episode.h",
@@ -130,6 +131,7 @@ CORES = (
         (
             _TYPES,
             _CONTROLLER,
+            _BEHAVIOURS,
             *_SIM,
             "sim/core/wg_python_act.h",
             "sim/core/wg_parts.h",
@@ -142,6 +144,7 @@ CORES = (
             "worldgen/include",
             "sim/include",
             "sim/core",
+            "sim/core/behaviours",
             "sim/core/controllers",
             "sim/core/fleet",
             _STABLE_ABI,
@@ -155,6 +158,7 @@ CORES = (
         (
             _TYPES,
             _CONTROLLER,
+            _BEHAVIOURS,
             *_SIM,
             "sim/core/wg_parts.h",
             "fuzz/core/wg_looks.h",
@@ -164,6 +168,7 @@ CORES = (
             "worldgen/include",
             "sim/include",
             "sim/core",
+            "sim/core/behaviours",
             "sim/core/controllers",
             "sim/core/fleet",
             "fuzz/core",

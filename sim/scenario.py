@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from sim.controllers.behaviours.catalogue import is_composition_name
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.options.robot import RobotOptions
 from sim.options.run import (
@@ -75,7 +76,7 @@ class Scenario:
         name = self.controller
         colon = ""
         command = ""
-        if is_process_name(name):
+        if _has_options_first(name):
             name, colon, command = name.partition(":")
         words = [name]
         if motion is not None and self.run.motion != motion:
@@ -146,19 +147,27 @@ def read_settings(text: str, motion: str = RunOptions.motion) -> tuple[str, dict
 def _split(text: str) -> tuple[str, dict[str, str | None]]:
     """Split a text into name and options.
 
-    Nothing in a program's command line, which begins at the first colon, is an option.
+    Nothing in a program's command line, which begins at the first colon, is an option. Behind a
+    composition's colon, options belong to its parts.
     """
-    if not is_process_name(text):
+    if not _has_options_first(text):
         return split_options(text, "thesis-1+noise, or ./mine.py:Robot")
     head, colon, command = text.partition(":")
     name, options = split_options(head, "cmd+motion=endpoint:./mine")
-    own = (*_OF_EVERY_RUN, *RobotOptions.names())
+    own = {*_OF_EVERY_RUN, *RobotOptions.names(), *RobotOptions.TOGETHER}
+    if is_composition_name(text):
+        own |= {*ThesisOptions.names(), *ThesisOptions.TOGETHER}
     of_the_run = {option: value for option, value in options.items() if option in own}
     words = [name]
     for option, value in options.items():
         if option not in own:
             words.append(option if value is None else f"{option}={value}")
     return "+".join(words) + colon + command, of_the_run
+
+
+def _has_options_first(name: str) -> bool:
+    """Return True if the options of a run stand before the colon of a controller's name."""
+    return is_process_name(name) or is_composition_name(name)
 
 
 def _refuse_program_options(controller: str, options: Mapping[str, str | None]) -> None:

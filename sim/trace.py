@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -126,12 +126,18 @@ class Trace:
             )
         return fnv1a(self.words)
 
-    def to_csv(self) -> str:
-        """Return the states as lines ``t,x,y,heading``, after a header."""
-        lines = ["t,x,y,heading"]
+    def to_csv(self, acted: Sequence[str] = ()) -> str:
+        """Return the states as lines ``t,x,y,heading``, after a header.
+
+        Args:
+            acted: The behaviour that acted in each step, for a further column ``behaviour``; the
+                start has none.
+        """
+        lines = ["t,x,y,heading" + (",behaviour" if acted else "")]
         for k, (x, y, heading) in enumerate(zip(self.x, self.y, self.heading, strict=True)):
+            who = f",{acted[k - 1] if k else ''}" if acted else ""
             lines.append(
-                f"{round(k * self.time_step, 9)!r},{float(x)!r},{float(y)!r},{float(heading)!r}"
+                f"{round(k * self.time_step, 9)!r},{float(x)!r},{float(y)!r},{float(heading)!r}{who}"
             )
         return "\n".join(lines) + "\n"
 

@@ -19,7 +19,7 @@ from sim.trace import Trace
 from worldgen.support.grid_search import components
 from worldgen.world import World
 
-__all__ = ["Behaviour", "behaviour_of"]
+__all__ = ["RepeatedPart", "behaviour_of"]
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -37,7 +37,7 @@ _SAMPLES = 8
 
 
 @dataclass(frozen=True)
-class Behaviour:
+class RepeatedPart:
     """The repeated part of a run: one period of a loop, or else the second half.
 
     Args:
@@ -71,7 +71,7 @@ class Behaviour:
     reach: float
 
 
-def behaviour_of(world: World, episode: Episode) -> Behaviour | None:
+def behaviour_of(world: World, episode: Episode) -> RepeatedPart | None:
     """Return the behaviour of a recorded run; ``None`` without a recording.
 
     Args:
@@ -88,7 +88,7 @@ def behaviour_of(world: World, episode: Episode) -> Behaviour | None:
     return _measured(world, trace, trace.steps // 2, trace.steps)
 
 
-def _measured(world: World, trace: Trace, first: int, last: int) -> Behaviour:
+def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart:
     side = world.cell_size
     x = trace.x[first : last + 1] / side
     y = trace.y[first : last + 1] / side
@@ -107,7 +107,7 @@ def _measured(world: World, trace: Trace, first: int, last: int) -> Behaviour:
     closest = int(np.argmin(np.round(apart, 6)))
     place = (float(x[closest]), float(y[closest]))
     radius = world.robot_radius / side
-    return Behaviour(
+    return RepeatedPart(
         steps=last - first,
         extent=max(float(np.ptp(x)), float(np.ptp(y))),
         turning=float(turn.mean()) / (2 * math.pi),

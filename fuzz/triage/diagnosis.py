@@ -8,7 +8,7 @@ measures how well they tell seeded faults apart.
 from __future__ import annotations
 
 from fuzz.failure import Failure
-from fuzz.triage.behaviour import Behaviour, behaviour_of
+from fuzz.triage.behaviour import RepeatedPart, behaviour_of
 from fuzz.triage.cause import Cause
 from fuzz.triage.hazards import is_unsensed
 from fuzz.triage.signature import is_entered
@@ -113,7 +113,7 @@ def _of_wall(evidence: WallEvidence) -> Cause:
             return Cause.SLIDES_INTO_A_WALL
 
 
-def _of_behaviour(seen: Behaviour) -> Cause:
+def _of_behaviour(seen: RepeatedPart) -> Cause:
     at_one_place = seen.extent <= _ONE_PLACE
 
     # Beside the target with nothing in between: whatever it does there, walls are not the reason.

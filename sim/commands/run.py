@@ -57,7 +57,12 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     metavar="OUT",
     help="Draw world and trail: .png, .svg, .html, or .gif, which moves.",
 )
-@click.option("--trace", type=OUT, metavar="OUT", help="Write t,x,y,heading per step, as CSV.")
+@click.option(
+    "--trace",
+    type=OUT,
+    metavar="OUT",
+    help="Write t,x,y,heading per step, as CSV; of a composition also the behaviour that acted.",
+)
 @click.option(
     "--transcript",
     type=OUT,
@@ -83,6 +88,7 @@ def run(
 
     Exit code 0 if the robot arrives, 1 if it does not.
     """
+    from sim.commands.acting import acting_shares, counts_behaviours, who_acted
     from sim.controllers.contract import check_contract
     from sim.controllers.programs.transcript import check_transcript, transcribed
     from sim.describe import describe_frames
@@ -110,14 +116,19 @@ def run(
         transcribed(scenarios[0].controller, transcript, force=force),
         working(f"running {_label(scenarios)} in {path}"),
     ):
-        record = trail is not None or trace is not None
+        record = bool(trail or trace or (as_json and counts_behaviours(scenarios, world, steps)))
         episode = _simulated(world, scenarios, steps, record=record)
     check_contract(_at_fault(scenarios, episode), episode.evidence, episode.steps)
     reachable = _is_reachable(world, episode)
     uncertain = _why_uncertain(world, scenarios)
     if as_json:
         emit_json(
-            {**_summary(episode), "reachable": reachable, "arrival_uncertain": uncertain or None}
+            {
+                **_summary(episode),
+                **acting_shares(scenarios, episode),
+                "reachable": reachable,
+                "arrival_uncertain": uncertain or None,
+            }
         )
     else:
         click.echo(_sentence(episode))
@@ -129,7 +140,7 @@ def run(
         note(_BLOCKED if reachable is False else undecided)
     if uncertain and episode.verdict not in ARRIVALS:
         note(f"with these disturbances no controller is sure to arrive: {uncertain}")
-    states = _csv(episode)
+    states = _csv(episode, who_acted(scenarios, episode))
     if trace is not None and states:
         write_bytes(trace, states.encode(), force=force)
         note(f"wrote {trace}")
@@ -182,12 +193,17 @@ def _at_fault(scenarios: list[Scenario], episode: Episode) -> str:
     return scenarios[(number or 1) - 1].controller
 
 
-def _csv(episode: Episode) -> str:
-    """Return the recorded states, with a first column ``robot`` for several; empty without any."""
+def _csv(episode: Episode, acted: list[str]) -> str:
+    """Return the recorded states, with a first column ``robot`` for several; empty without any.
+
+    Args:
+        episode: The run.
+        acted: The behaviour that acted in each step, if the robot has behaviours.
+    """
     from sim.fleet.episode import FleetEpisode
 
     if not isinstance(episode, FleetEpisode):
-        return "" if episode.trace is None else episode.trace.to_csv()
+        return "" if episode.trace is None else episode.trace.to_csv(acted)
     if all(one.trace is None for one in episode.robots):
         return ""
     lines = ["robot,t,x,y,heading"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, TypeAlias, runtime_checkable
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,9 @@ from sim.controllers.memory_view import MemoryField, MemoryMap, check_fields
 from sim.kernels import layout
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
+
+if TYPE_CHECKING:
+    from sim.controllers.behaviours.arbitration import Arbitration
 
 __all__ = [
     "Act",
@@ -165,6 +168,7 @@ class CompiledController:
         memory_map: Returns what the memory (m,) represents in the world, also for pages; a run
             never calls it.
         memory_map_on: Indices of the numbers that the map depends on; empty means all of them.
+        arbitration: How it arbitrates among behaviours, if it does; for traces and charts.
 
     Raises:
         InvalidParameter: If a sense does not exist, ``needs`` is not a :class:`RobotOptions`, or
@@ -183,6 +187,7 @@ class CompiledController:
     memory_fields: tuple[MemoryField, ...] = ()
     memory_map: Callable[[Floats], MemoryMap] | None = None
     memory_map_on: tuple[int, ...] = ()
+    arbitration: Arbitration | None = None
 
     def __post_init__(self) -> None:
         check_declared(self.name, self.senses, self.needs)

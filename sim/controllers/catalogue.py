@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller, check_declared
+from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
+from sim.controllers.behaviours.composition import composition_named
 from sim.controllers.programs.process import ProcessController, is_process_name
 from sim.controllers.shared.library import library_controller
 from sim.controllers.shared.object_file import is_library_name, library_file
@@ -36,6 +38,9 @@ class _Controllers(Registry[Controller]):
                 check_code(name)
                 self._loaded[name] = ProcessController.of(name)
             return self._loaded[name]
+        if is_composition_name(name):
+            # Not kept: a part may be a file that changes, and its registry knows whether it has.
+            return composition_named(name)
         if is_library_name(name):
             if name not in self._loaded:
                 check_code(name)
@@ -44,6 +49,9 @@ class _Controllers(Registry[Controller]):
         return super().get(name)
 
     def source(self, name: str) -> Path | None:
+        if is_composition_name(name):
+            files = (BEHAVIOURS.source(part) for part in listed_names(name) if ":" in part)
+            return next((file for file in files if file is not None), None)
         return library_file(name) if is_library_name(name) else super().source(name)
 
     def _load_path(self, name: str) -> Any:
@@ -175,12 +183,14 @@ def in_plain_place(name: str, *, resolve: bool = False) -> str:
 def names_in(text: str) -> list[str]:
     """Split a comma-separated list of controllers.
 
-    A comma after a program's name belongs to its command line, unless another controller follows: a
-    registered one, ``file.py:name``, ``module:name``, or another program.
+    A comma after a program's name belongs to its command line, and one after a composition's name
+    to its list, unless another controller follows: a registered one, ``file.py:name``,
+    ``module:name``, or another program or composition.
     """
     names: list[str] = []
     for part in text.split(","):
-        in_command = bool(names) and is_process_name(names[-1].lstrip())
+        before = names[-1].lstrip() if names else ""
+        in_command = is_process_name(before) or is_composition_name(before)
         if in_command and not _begins_a_controller(part.strip()):
             names[-1] += f",{part}"
         else:
@@ -190,7 +200,8 @@ def names_in(text: str) -> list[str]:
 
 def _begins_a_controller(text: str) -> bool:
     registered = text.partition("+")[0] in CONTROLLERS.names()
-    return registered or is_process_name(text) or _NAMES_CODE.fullmatch(text) is not None
+    lists = is_process_name(text) or is_composition_name(text)
+    return registered or lists or _NAMES_CODE.fullmatch(text) is not None
 
 
 def called(given: object) -> str:

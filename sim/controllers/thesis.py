@@ -18,7 +18,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+import numpy.typing as npt
+
 from sim.controllers.base import CompiledController
+from sim.controllers.behaviours.arbitration import Arbitration, PartFacts
+from sim.controllers.behaviours.library import collide, drive, seek
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.memory_view import MemoryField
 
@@ -31,19 +36,53 @@ RANDOM = 3
 
 # The value of `behaviour` while no behaviour is in control.
 _IDLE = -1
-_BEHAVIOUR = place("WgThesisMemory", "behaviour")
+_BEHAVIOUR = place("WgShared", "behaviour")
 _AT_RESET = memory_at_reset(
-    size_of("WgThesisMemory"),
+    size_of("WgShared"),
     {
         _BEHAVIOUR: _IDLE,
-        place("WgThesisMemory", "target"): -1.0,
-        place("WgThesisMemory", "speed"): 1.0,
-        place("WgThesisMemory", "old_speed"): 1.0,
+        place("WgShared", "target"): -1.0,
+        place("WgShared", "speed"): 1.0,
+        place("WgShared", "old_speed"): 1.0,
     },
 )
 _FIELDS = (
     MemoryField("behaviour", _BEHAVIOUR, ("none", "collide", "seek", "drive"), least=_IDLE),
-    MemoryField("ticks left", place("WgThesisMemory", "counter")),
+    MemoryField("ticks left", place("WgShared", "counter")),
+)
+_PARTS = (collide, seek, drive)
+_SEEK = _PARTS.index(seek)
+
+
+def _acted(memories: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+    """Return the behaviour that acted in each step; see ``Arbitration``."""
+    behaviour = memories[:, _BEHAVIOUR].astype(np.int64)
+    before = behaviour[:-1]
+    after = behaviour[1:]
+
+    # Only seek can take control and be done in one step, and it then changes the target heading.
+    acted = np.where(after >= 0, after, np.where(before >= 0, before, _SEEK))
+
+    # In the step that ends a run nobody acts; the move in it is that of the behaviour before.
+    idle = (before < 0) & (memories[1:] == memories[:-1]).all(axis=1)
+    last = np.maximum.accumulate(np.where(idle, -1, np.arange(len(acted))))
+    return np.where(last >= 0, acted[last], _IDLE)
+
+
+_ARBITRATION = Arbitration(
+    tuple(
+        PartFacts(
+            one.name,
+            one.applies,
+            one.does.replace("`duration`", f"{one.duration:g}"),
+            float(place),
+            one.duration,
+            one.interruptible,
+        )
+        for place, one in enumerate(_PARTS)
+    ),
+    "priority",
+    _acted,
 )
 _SENSES = ("bump", "signal_heading", "heading", "time_step", "top_speed")
 
@@ -59,6 +98,7 @@ def _controller(name: str, rule: int) -> CompiledController:
         randomised=rule == RANDOM,
         senses=(*_SENSES, "random") if rule == RANDOM else _SENSES,
         memory_fields=_FIELDS,
+        arbitration=_ARBITRATION,
     )
 
 

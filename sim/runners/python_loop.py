@@ -198,6 +198,8 @@ def hidden_state(controller: Any) -> bytes | None:
     ``None`` if some of it cannot be pickled, and so cannot be compared.
     """
     kind = type(controller)
+    parts = getattr(controller, "made_of", ())
+    kinds = dict.fromkeys(base for one in (controller, *parts) for base in type(one).__mro__)
     slots = [
         name
         for base in kind.__mro__
@@ -207,10 +209,11 @@ def hidden_state(controller: Any) -> bytes | None:
     seen = [
         _data(getattr(controller, "__dict__", {})),
         {name: getattr(controller, name) for name in slots},
-        *(_data_of_class(base) for base in kind.__mro__ if base is not object),
+        *(_data(getattr(part, "__dict__", {})) for part in parts),
+        *(_data_of_class(base) for base in kinds if base is not object),
         *(
             _data_of_module(module)
-            for base in kind.__mro__
+            for base in kinds
             if _is_of_a_user(base)
             for module in _modules_of(base)
         ),

@@ -84,6 +84,25 @@ def test_a_controller_of_the_library_is_its_plain_python(name):
     check_alike(controller, ACTS[controller.act.name], seed=7)
 
 
+COMPOSITIONS = (
+    "behaviours:drive,seek,collide+turn=random",
+    "behaviours:avoid,escape+patience=5,approach",
+    "behaviours:follow+interruptible,swerve,wander",
+    "behaviours:collide+interruptible+duration=3,seek+interruptible,home",
+    "behaviours+by=vote:avoid+priority=3,swerve+priority=2,approach,wander",
+    "behaviours+by=vote:drive,seek,collide,follow,escape+patience=3",
+    "behaviours+by=learning:avoid,follow+duration=9,approach,escape+patience=7,home",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COMPOSITIONS)
+def test_a_composition_is_its_plain_python(name):
+    controller = CONTROLLERS.get(name)
+    assert controller.act == CoreAct("composition")
+    for seed in range(4):
+        check_alike(controller, ACTS["composition"], seed=seed)
+
+
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_planted_fault_is_its_plain_python(name):
     check_alike(FAULTS[name], as_classes.ACTS[name], seed=8)

@@ -16,6 +16,7 @@ COMMANDS: dict[str, dict[str, str]] = {
         "check-family": "Check that your own family keeps the promises of every family.",
     },
     "Run controllers": {
+        "behaviours": "List behaviours, or say how a controller arbitrates among its own.",
         "new-controller": "Write a working, commented controller to start from.",
         "run": "Run a controller in a world and report how it ends.",
         "compare": "Run several controllers in many worlds and print one table.",

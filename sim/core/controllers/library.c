@@ -11,6 +11,7 @@ typedef struct Named {
 static const Named LIBRARY[] = {
     {"bug1", wg_bug1_act},
     {"bug2", wg_bug2_act},
+    {"composition", wg_composition_act},
     {"dynamic-window", wg_dynamic_window_act},
     {"dynamic-window-tuned", wg_dynamic_window_tuned_act},
     {"mapper", wg_mapper_act},

@@ -7,6 +7,7 @@
 
 void wg_bug1_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_bug2_act(const WgObservation *seen, double *memory, WgCommand *command);
+void wg_composition_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_dynamic_window_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_dynamic_window_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_mapper_act(const WgObservation *seen, double *memory, WgCommand *command);

@@ -9,6 +9,7 @@
 
 #include <stdint.h>
 
+#include "worldgen_behaviours.h"
 #include "worldgen_controller.h"
 
 // Returns the act of a controller of the library, or of one with a planted fault, by name; NULL if
@@ -80,13 +81,53 @@ typedef struct WgRandomWalkMemory {
     double left;  // m: remainder of the leg
 } WgRandomWalkMemory;
 
-typedef struct WgThesisMemory {
-    double behaviour;  // in control: WG_IDLE, WG_COLLIDE, WG_SEEK or WG_DRIVE
-    double counter;    // its counter
-    double target;     // heading units: the target heading; -1: none
-    double speed;      // share of the top speed
-    double old_speed;  // same, before the collision
-} WgThesisMemory;
+enum {
+    WG_MOST_PARTS = 16,       // of a composition
+    WG_PART_OPTIONS = 4,      // numbers that a part is tuned by, at most
+    WG_VOTE_DIRECTIONS = 32,  // among which parts vote
+};
+
+// How an arbiter composes its parts: WgComposition.arbiter.
+enum { WG_BY_PRIORITY = 0, WG_BY_VOTE = 1, WG_BY_LEARNING = 2 };
+
+// Conditions that an arbiter that learns tells apart: whether the robot touches a wall now, and whether it has lately.
+enum { WG_CONDITIONS = 4 };
+
+// How often something happened in a condition of late, for an arbiter that learns. All whole numbers; a share of
+// WG_WHOLE_SHARE is all the time.
+enum { WG_WHOLE_SHARE = 65536 };
+
+typedef struct WgFeedback {
+    double trials;  // steps in which the part acted, counted up to what makes it known
+    double acted;   // share of steps in which it acted
+    double good;    // share of steps in which it acted and positive feedback came: the signal got stronger
+    double bad;     // same, negative feedback: a wall was touched
+} WgFeedback;
+
+// A part as a memory has it.
+typedef struct WgStoredPart {
+    double kind;           // index of its behaviour: wg_behaviour_at; below 0: one of the user's own
+    double priority;
+    double duration;       // steps
+    double interruptible;
+    double options[4];     // WG_PART_OPTIONS
+} WgStoredPart;
+
+// A composition's memory. Behind it are the parts (WgStoredPart[count]); then, for a vote, the steps that each part has
+// left; then, where the arbiter learns, WgLearning, and WgFeedback[WG_CONDITIONS] of all steps and of each part;
+// then the parts' own states, in their order.
+typedef struct WgComposition {
+    WgShared shared;
+    double acted;    // the part that acted in the last step; -1: none
+    double arbiter;  // WG_BY_PRIORITY, ...
+    double count;    // of the parts
+} WgComposition;
+
+typedef struct WgLearning {
+    double condition;  // in which the part in charge was chosen
+    double lately;     // steps in which a touch still counts as lately
+    double signal;     // after the last step
+} WgLearning;
 
 // A controller with tuned numbers has two acts: one uses the numbers named here as `..._default`,
 // the other has the user's numbers in its memory, after the state.
@@ -241,6 +282,15 @@ extern const WgThreeLayer wg_three_layer_default;
 // turn_rate:  rad/s.
 // radius:     of the disc, m.
 double wg_arc_to_contact(double x, double y, double speed, double turn_rate, double radius);
+
+// The library's behaviours, in order of their index.
+int64_t wg_behaviour_count(void);
+const WgBehaviour *wg_behaviour_at(int64_t index);
+
+// Lets a composition act.
+//
+// others: behaviours of the user's own, for parts whose kind is below 0: -1 is the first. NULL if there are none.
+void wg_compose(const WgBehaviour *others, const WgObservation *seen, double *memory, WgCommand *command);
 
 // The number of the situation that the Q-learning robot sees, below WG_Q_SITUATIONS. It needs 8 beams.
 int64_t wg_q_situation(const WgObservation *seen, const WgQMemory *own);

@@ -1,6 +1,7 @@
 """The library's controllers in plain Python: what each function of the core does, step by step."""
 
 from tests.reference.sim.controllers import (
+    behaviours,
     bug1,
     bug2,
     dynamic_window,
@@ -18,6 +19,7 @@ from tests.reference.sim.controllers import (
 ACTS = {
     "bug1": bug1._act,
     "bug2": bug2._act,
+    "composition": behaviours.act,
     "dynamic-window": dynamic_window.act,
     "mapper": mapper._act,
     "potential-field": potential_field.act,

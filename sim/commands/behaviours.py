@@ -1,0 +1,129 @@
+"""``worldgen behaviours``: the behaviours that a controller can be composed of."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+
+if TYPE_CHECKING:
+    from sim.controllers.behaviours.arbitration import Arbitration
+
+__all__ = ["behaviours"]
+
+EXAMPLES = (
+    "\b\n  worldgen behaviours\n"
+    "  worldgen behaviours behaviours:avoid+angle=2,follow,wander --chart out.svg\n"
+    "  worldgen behaviours thesis-1 --json"
+)
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("controller", required=False)
+@click.option(
+    "--chart",
+    type=click.Path(path_type=Path),
+    metavar="OUT",
+    help="Draw how the controller arbitrates, as a flow chart: .svg.",
+)
+@json_option
+@force_option
+def behaviours(controller: str | None, chart: Path | None, as_json: bool, force: bool) -> None:
+    """List behaviours, or say how a controller arbitrates among its own.
+
+    Compose your own: --controller behaviours:avoid,follow,wander lists the one of the highest
+    priority first.
+    """
+    from sim.controllers import CONTROLLERS
+    from sim.controllers.behaviours.chart import chart_svg
+    from worldgen.files.whole import check_output
+
+    if controller is None:
+        if chart is not None:
+            raise click.UsageError("--chart draws a controller: name one")
+        _list_library(as_json)
+        return
+    if chart is not None:
+        check_output(chart, force)
+        if chart.suffix != ".svg":
+            raise click.UsageError(f"--chart {chart}: name an .svg file")
+    arbitration = getattr(CONTROLLERS.get(controller), "arbitration", None)
+    if arbitration is None:
+        raise click.UsageError(
+            f"{controller} does not arbitrate among behaviours; compose some: "
+            "behaviours:avoid,follow,wander"
+        )
+    if as_json:
+        emit_json(_facts(arbitration))
+    else:
+        _say(arbitration)
+    if chart is not None:
+        write_bytes(chart, chart_svg(arbitration, controller).encode(), force=force)
+        note(f"wrote {chart}")
+
+
+def _list_library(as_json: bool) -> None:
+    from sim.controllers.behaviours.catalogue import BEHAVIOURS, options_of
+
+    rows = []
+    for name in BEHAVIOURS:
+        one = BEHAVIOURS.get(name)
+        own = [option for option in options_of(one) if option.name not in _OF_EVERY_PART]
+        rows.append(
+            {
+                "name": name,
+                "when": one.applies,
+                "does": one.does,
+                "options": {option.name: option.default for option in own},
+            }
+        )
+    if as_json:
+        emit_json({"behaviours": rows})
+        return
+    for row in rows:
+        click.echo(f"{row['name']}: {_when(str(row['when']))}")
+        click.echo(f"  {row['does']}")
+        options = row["options"]
+        if isinstance(options, dict) and options:
+            words = " ".join(f"+{key}={value}" for key, value in options.items())
+            click.echo(f"  options: {words}")
+    click.echo("each part also has +priority=N, +duration=STEPS and +interruptible")
+
+
+_OF_EVERY_PART = ("priority", "duration", "interruptible")
+
+
+def _facts(arbitration: Arbitration) -> dict[str, object]:
+    return {
+        "arbiter": arbitration.arbiter,
+        "parts": [
+            {
+                "name": name,
+                "priority": part.priority,
+                "when": part.trigger,
+                "does": part.action,
+                "duration": part.duration if part.duration != float("inf") else None,
+                "interruptible": part.interruptible,
+            }
+            for name, part in zip(arbitration.names, arbitration.parts, strict=True)
+        ],
+    }
+
+
+def _say(arbitration: Arbitration) -> None:
+    click.echo(f"by {arbitration.arbiter}")
+    parts = sorted(
+        zip(arbitration.names, arbitration.parts, strict=True), key=lambda one: -one[1].priority
+    )
+    for name, part in parts:
+        control = "can be interrupted" if part.interruptible else "keeps control"
+        click.echo(f"{part.priority:g} {name}: {_when(part.trigger)}, {part.action}; {control}")
+
+
+def _when(trigger: str) -> str:
+    from sim.controllers.behaviours.arbitration import ALWAYS
+
+    return trigger if trigger == ALWAYS else f"when {trigger}"

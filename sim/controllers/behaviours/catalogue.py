@@ -1,0 +1,162 @@
+"""Find a behaviour by name, and read a composition as the command line writes it.
+
+``avoid+angle=2,follow+hand=right,wander`` lists parts, the one of the highest priority first. An
+option of a part follows its name. A part of your own is ``./mine.py:name``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from typing import Annotated, Any
+
+from sim.controllers.base import DEFAULT_SENSES
+from sim.controllers.behaviours.base import Behaviour, Layer
+from sim.options.robot import RobotOptions
+from worldgen.errors import InvalidParameter
+from worldgen.parameters import (
+    Bounds,
+    Parameter,
+    parameters_of_fields,
+    parse_options,
+    split_options,
+)
+from worldgen.plugins.registry import Registry, user_code
+
+__all__ = [
+    "ARBITERS",
+    "BEHAVIOURS",
+    "PREFIX",
+    "is_composition_name",
+    "listed_names",
+    "options_of",
+    "parts_of",
+    "read_composition",
+]
+
+PREFIX = "behaviours"
+ARBITERS = ("priority", "vote", "learning")
+"""How a composition can arbitrate; their places are the values of ``WgComposition.arbiter``."""
+_NAME = re.compile(rf"{PREFIX}(?:\+[^:+]*)*:(?P<parts>.*)", re.DOTALL)
+_EXAMPLE = f"{PREFIX}:avoid,follow,wander or {PREFIX}+by=vote:avoid+priority=3,approach"
+_FIELDS = ("duration", "interruptible", "restarts", "memory", "senses", "needs")
+
+
+@dataclasses.dataclass(frozen=True)
+class PartOptions:
+    """Options that every part has.
+
+    Args:
+        priority: Of those that apply, the part with the highest acts. 0: the earlier in the list,
+            the higher. In a vote it is the part's weight.
+        duration: Steps that it acts for once it has control; 0: its own duration.
+        interruptible: Whether one of a higher priority takes over before it is done.
+    """
+
+    priority: Annotated[float, Bounds(0, 1_000_000)] = 0.0
+    duration: Annotated[int, Bounds(0, 1_000_000, "steps")] = 0
+    interruptible: bool = False
+
+
+def is_composition_name(name: str) -> bool:
+    """Return True if a controller's name lists behaviours."""
+    return _NAME.fullmatch(name) is not None
+
+
+def listed_names(name: str) -> list[str]:
+    """Return the names of the behaviours that a controller's name lists, without their options."""
+    listed = name.partition(":")[2]
+    return [split_options(part, "avoid+angle=2")[0] for part in listed.split(",") if part.strip()]
+
+
+def options_of(behaviour: Behaviour) -> tuple[Parameter, ...]:
+    """Return the options that a part with this behaviour has."""
+    own = () if behaviour.options is None else parameters_of_fields(behaviour.options)
+    return (*own, *parameters_of_fields(PartOptions))
+
+
+def _accept(name: str, thing: Any) -> Behaviour:
+    if isinstance(thing, Behaviour):
+        return thing
+    if isinstance(thing, type):
+        with user_code(f"behaviour {name!r}: making it without arguments"):
+            thing = thing()
+    with user_code(f"behaviour {name!r}: looking at its attributes"):
+        missing = [one for one in ("trigger", "action") if not callable(getattr(thing, one, None))]
+        known = {key: getattr(thing, key) for key in _FIELDS if hasattr(thing, key)}
+        plain_name = getattr(thing, "name", type(thing).__name__)
+    if missing:
+        raise InvalidParameter(
+            "not-a-behaviour",
+            "behaviour {name!r} has no {missing}",
+            "it needs trigger(observation, memory) and action(observation, memory) -> "
+            "(command, memory), or be a Behaviour",
+            name=name,
+            missing=" and no ".join(missing),
+        )
+    known.setdefault("senses", DEFAULT_SENSES)
+    known.setdefault("needs", RobotOptions())
+    return Behaviour(str(plain_name), thing.trigger, thing.action, **known)
+
+
+BEHAVIOURS: Registry[Behaviour] = Registry("worldgen.behaviours", "behaviour", _accept)
+
+
+def read_composition(name: str) -> tuple[tuple[Layer, ...], str]:
+    """Read the name of a controller that lists behaviours.
+
+    Args:
+        name: ``behaviours:avoid,follow,wander``, or with options of the whole before the colon.
+
+    Returns:
+        The parts, and how they arbitrate.
+
+    Raises:
+        InvalidParameter: If it lists nothing, or a name or an option is unknown.
+    """
+    head, _, listed = name.partition(":")
+    _, words = split_options(head, _EXAMPLE)
+    arbiter = words.pop("by", ARBITERS[0])
+    if words or arbiter not in ARBITERS:
+        raise InvalidParameter(
+            "unknown-name",
+            "a composition has no {what}",
+            "before the colon may stand +by={known!l}, and options of the run",
+            what=f"option {next(iter(words))!r}" if words else f"arbiter {str(arbiter)!r}",
+            known=list(ARBITERS),
+        )
+    return parts_of(listed), str(arbiter)
+
+
+def parts_of(listed: str) -> tuple[Layer, ...]:
+    """Read parts as the command line lists them.
+
+    Args:
+        listed: ``avoid+angle=2,follow,./mine.py:Mine+priority=5``.
+
+    Raises:
+        InvalidParameter: If the list is empty, or a name or an option is unknown.
+    """
+    texts = [text.strip() for text in listed.split(",")]
+    if not all(texts):
+        raise InvalidParameter(
+            "empty-name",
+            "{listed!q} lists a behaviour without a name",
+            "write {example}",
+            listed=listed,
+            example=_EXAMPLE,
+        )
+    return tuple(map(_part, texts))
+
+
+def _part(text: str) -> Layer:
+    name, words = split_options(text, "avoid+angle=2")
+    behaviour = BEHAVIOURS.get(name)
+    values = parse_options(words, options_of(behaviour), f"behaviour {name}")
+    return Layer(
+        behaviour,
+        values.pop("priority", 0.0) or None,
+        values.pop("duration", 0) or None,
+        values.pop("interruptible", None),
+        values,
+    )

@@ -1,0 +1,38 @@
+"""Two controllers that are compositions of behaviours, and know the target by its signal alone.
+
+``signal-bug`` approaches the signal; where a wall bars its path it follows the wall until the
+signal is stronger than where it met the wall, and lies away from it. It is a bug algorithm that
+needs neither a map nor a place: only a comparison of two readings.
+
+``subsumption`` is four layers. The lowest wanders, in case no signal is received. Above it is the
+approach, above that the wall. The highest escapes when nothing has made the signal stronger for a
+long time, as on a wall that leads around in circles.
+
+Sources: Kamilah Taylor and Steven M. LaValle, "I-Bug: an intensity-based bug algorithm", IEEE
+    International Conference on Robotics and Automation (2009); Rodney A. Brooks, "A robust layered
+    control system for a mobile robot", IEEE Journal of Robotics and Automation 2 (1986).
+"""
+
+from __future__ import annotations
+
+from sim.controllers.behaviours.base import Layer
+from sim.controllers.behaviours.composition import composed
+from sim.controllers.behaviours.library import approach, escape, follow, wander
+
+__all__ = ["signal_bug", "subsumption"]
+
+# Steps without progress before it escapes: long enough to follow most walls to their end, because
+# an escape starts the walk over again.
+_PATIENCE = 4000
+_ESCAPE = 150.0
+
+signal_bug = composed((follow, approach), name="signal-bug")
+subsumption = composed(
+    (
+        Layer(escape, duration=_ESCAPE, options={"patience": _PATIENCE}),
+        follow,
+        approach,
+        wander,
+    ),
+    name="subsumption",
+)

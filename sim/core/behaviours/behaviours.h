@@ -1,0 +1,27 @@
+// The library's behaviours: one definition each, which compositions and the thesis's robots share.
+
+#ifndef WG_BEHAVIOURS_H
+#define WG_BEHAVIOURS_H
+
+#include "wg_controllers.h"
+
+// Of the thesis: thesis_behaviours.c.
+extern const WgBehaviour wg_collide;
+extern const WgBehaviour wg_seek;
+extern const WgBehaviour wg_drive_on;
+
+// By touch: by_touch.c.
+extern const WgBehaviour wg_avoid;
+extern const WgBehaviour wg_follow_wall;
+
+// By signal, by sight, and without any sense: by_sense.c.
+extern const WgBehaviour wg_approach;
+extern const WgBehaviour wg_escape;
+extern const WgBehaviour wg_home;
+extern const WgBehaviour wg_swerve;
+extern const WgBehaviour wg_wander;
+
+// What `options` of collide says of the turn: the thesis's numbers of its rules.
+enum { WG_TURN_RIGHT = 1, WG_TURN_LEFT = 2, WG_TURN_RANDOM = 3 };
+
+#endif
