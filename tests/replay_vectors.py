@@ -210,7 +210,7 @@ def read_vectors(path: Path) -> Iterator[tuple[int, Vector]]:
     """Line numbers and recordings of a file.
 
     Raises:
-        ValueError: If a line is no recording.
+        ValueError: If a line is not a recording.
     """
     for number, line in read_lines(path):
         yield number, parse(line)

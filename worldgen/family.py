@@ -334,7 +334,7 @@ class FamilyRegistry(Registry[Family]):
         if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
             raise InvalidParameter(
                 "wrong-type",
-                "{name}: files is no table of texts",
+                "{name}: files is not a table of texts",
                 "take it as it stands in a world's provenance",
                 name=name,
             )

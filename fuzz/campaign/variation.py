@@ -121,7 +121,7 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
     except ValueError:
         raise InvalidParameter(
             "not-a-number",
-            "{option} {name}={value}: that is no number",
+            "{option} {name}={value}: that is not a number",
             _EXAMPLE,
             option=_OPTION,
             name=name,

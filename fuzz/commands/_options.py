@@ -41,5 +41,5 @@ class Duration(click.ParamType[float]):
         """Read the time, s."""
         match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", str(value).strip())
         if not match or float(match[1]) <= 0:
-            self.fail(f"{value!r} is no duration; write 30s, 5m or 1h", param, ctx)
+            self.fail(f"{value!r} is not a duration; write 30s, 5m or 1h", param, ctx)
         return float(match[1]) * {"s": 1, "m": 60, "h": 3600, None: 1}[match[2]]

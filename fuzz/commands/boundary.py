@@ -72,7 +72,7 @@ def boundary(
     if start is None:
         raise InvalidParameter(
             "not-a-trap",
-            "{path} is no world of family trap with its provenance, so it has no depth to vary",
+            "{path} is not a world of family trap with its provenance, so it has no depth to vary",
             path=path,
         )
     seen: list[BoundaryRun] = []

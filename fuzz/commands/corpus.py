@@ -241,7 +241,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
     if not folder.is_dir():
         raise OutputError(
             "wrong-kind-of-file",
-            "{folder} is no folder",
+            "{folder} is not a folder",
             "unpack an archive first, or delete a single file yourself",
             folder=folder,
         )

@@ -74,7 +74,7 @@ def studio(
         place = path if path.is_absolute() else f"./{path}"
         raise InvalidParameter(
             "not-a-world",
-            "{path} is no world",
+            "{path} is not a world",
             "its robot NAME runs by worldgen studio --controller {place}:NAME",
             at_terminal=True,
             path=path,

@@ -261,7 +261,7 @@ def _parse_wish(part: str, motion: str, time_step: float) -> OutcomeTarget:
         known = [str(word) for word in (*_GROUPS, *Verdict)]
         raise InvalidParameter(
             "unknown-name",
-            "outcome {outcome!r} of {controller} is none of {known!l}",
+            "outcome {outcome!r} of {controller} is not one of {known!l}",
             _EXAMPLE,
             outcome=outcome[:80],
             controller=name,
@@ -317,7 +317,7 @@ def _steps(word: str, time_step: float) -> float:
         number = float(word.removesuffix("s"))
     except ValueError:
         raise InvalidParameter(
-            "not-a-number", "steps {steps!r} are no number", "write 330, or 4.95s", steps=word
+            "not-a-number", "steps {steps!r} are not a number", "write 330, or 4.95s", steps=word
         ) from None
     steps = number / time_step if word.endswith("s") else number
     if not steps <= 1e7 or abs(steps - round(steps)) > 1e-6:

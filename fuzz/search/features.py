@@ -115,7 +115,7 @@ def decode_scene(data: bytes) -> World:
     if len(data) != SCENE_BYTES:
         raise InvalidParameter(
             "wrong-size",
-            "{count} bytes are no scene",
+            "{count} bytes are not a scene",
             "give {scene_bytes}, or {layout_bytes} of a layout",
             count=len(data),
             scene_bytes=SCENE_BYTES,

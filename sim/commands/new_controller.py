@@ -89,7 +89,7 @@ def _word(name: str) -> str:
     ):
         raise InvalidParameter(
             "not-a-controller-name",
-            "{name!r} is no name for a controller",
+            "{name!r} is not a name for a controller",
             "take up to 64 letters, digits, - and _, a letter first, and no word of Python's own, "
             "such as my-robot",
             name=name,
@@ -111,7 +111,7 @@ def _place(out: Path | None, word: str, kind: str) -> Path:
     if kind != "process" and out.suffix != suffix:
         raise OutputError(
             "no-place-for-file",
-            "{out} is no folder that is there, and no {suffix} file",
+            "{out} is not a folder that is there, and no {suffix} file",
             "make the folder, or name a {suffix} file",
             out=out,
             suffix=suffix,

@@ -313,7 +313,7 @@ def check_world(world: object) -> World:
         else "give a World"
     )
     raise InvalidParameter(
-        "wrong-type", "{world} is no world", way, world=quote(world), path=str(world)
+        "wrong-type", "{world} is not a world", way, world=quote(world), path=str(world)
     )
 
 
@@ -337,7 +337,10 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
     """
     if not isinstance(starts, Iterable):
         raise InvalidParameter(
-            "wrong-type", "starts={starts} is no list", "give a list of poses", starts=quote(starts)
+            "wrong-type",
+            "starts={starts} is not a list",
+            "give a list of poses",
+            starts=quote(starts),
         )
     poses = tuple(starts)
     for pose in poses:
@@ -347,7 +350,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
         ):
             raise InvalidParameter(
                 "not-a-pose",
-                "start {pose} is no pose of finite numbers",
+                "start {pose} is not a pose of finite numbers",
                 "give one such as Pose(0.35, 0.35, 0.0)",
                 pose=quote(pose),
             )
@@ -374,7 +377,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     if not isinstance(value, int | np.integer) or isinstance(value, bool):
         raise InvalidParameter(
             "not-a-whole-number",
-            "{name}={value} is no whole number",
+            "{name}={value} is not a whole number",
             "give one from {low} to {high}",
             name=name,
             value=quote(value),

@@ -292,7 +292,7 @@ class LatticeRun:
         a controller does not declare are not computed, so noise in them does not matter.
         """
         reads_clock = bool(self.settings.senses & lib.WG_SENSE_TIME)
-        # What moves the robot leaves its mark in the odometry, which is no part of the state.
+        # What moves the robot leaves its mark in the odometry, which is not part of the state.
         is_displaced = self.options.robot.moved
         reads_wrong_pose = is_displaced and bool(self.settings.senses & lib.WG_SENSE_ODOMETRY)
         noisy = is_noisy(self.controller, self.options)

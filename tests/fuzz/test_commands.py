@@ -255,7 +255,7 @@ def test_an_existing_file_is_not_overwritten(failures, tmp_path):
         (("fuzz", "--controller", "turn-right", "--family", "mace"), "did you mean 'maze'?"),
         (
             ("fuzz", "--controller", "turn-right", "--budget", "soon"),
-            "is no duration; write 30s, 5m or 1h",
+            "is not a duration; write 30s, 5m or 1h",
         ),
         (
             ("fuzz", "--controller", "turn-right", "--units", "1", "--budget", "1s"),

@@ -60,7 +60,7 @@ AS_OTHERS_WRITE = {
 
 
 def _room():
-    """A closed room that is no square, so that exchanged sides are noticed."""
+    """A closed room that is not a square, so that exchanged sides are noticed."""
     walls = np.ones((6, 7), np.bool_)
     walls[1:-1, 1:-1] = walls[3, 3] = False
     walls[2, 3] = True

@@ -27,7 +27,7 @@ _OUTCOME = {"verdict": str, "ticks": int, "hash": str}  # without these a replay
 
 
 class NotARecordingError(ValueError):
-    """A line that is no recording: what came, the rule."""
+    """A line that is not a recording: what came, the rule."""
 
 
 def read_lines(path: Path) -> Iterator[tuple[int, str]]:

@@ -35,7 +35,7 @@ def checkout(tmp_path_factory):
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=False)
     if listed.returncode:
         pytest.skip(
-            "NOT BUILT: this is no git checkout, so the files that belong to it are not known"
+            "NOT BUILT: this is not a git checkout, so the files that belong to it are not known"
         )
     for name in filter(None, listed.stdout.decode().split("\0")):
         source = ROOT / name

@@ -87,7 +87,7 @@ def _faults() -> Iterator[str]:
             continue
         codes = _texts(call.args[0]) or []
         yield from (
-            f"{place}: {code!r} is no code" for code in codes if not re.fullmatch(KEBAB, code)
+            f"{place}: {code!r} is not a code" for code in codes if not re.fullmatch(KEBAB, code)
         )
         problems, remedies = (
             _texts(call.args[1]),

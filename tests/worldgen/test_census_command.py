@@ -216,7 +216,7 @@ def test_what_a_generator_yields_wrongly_is_listed_and_the_rest_judged(generator
         "words": "type <U1",
         "greys": "other than 0 and 1",
         "outside": "target (3, 0) lies outside",
-        "no cell": "start 1 is no cell",
+        "no cell": "start 1 is not a cell",
         "ragged": "shape (0,)",
         "empty": "3 x 0 cells",
         "map 10": "a NoneType came",
@@ -233,7 +233,7 @@ def test_maps_in_metres_are_checked_like_the_others(generator):
         "flat": "walls of shape (4,) and type bool came",
         "greys": "walls hold numbers other than 0 and 1",
         "none": "cell_size=nan m is outside 1e-06 to 1e+06 m",
-        "word": "cell_size='1 m' is no number",
+        "word": "cell_size='1 m' is not a number",
     }
 
 
@@ -273,18 +273,18 @@ WRONG = [
     (["EMPTY"], "holds no map; `worldgen formats` lists"),
     (
         ["EMPTY/words.md"],
-        "no map could be judged; the first reason: words.md: is no map that is known",
+        "no map could be judged; the first reason: words.md: is not a map that is known",
     ),
     (["GEN:maps", "--radius", "0"], "radius=0 m is outside"),
     (["GEN:maps", "--radius", "1e10"], "radius=1e+10 m is outside"),
-    (["GEN:maps", "--radius", "wide"], "radius='wide' is no radius"),
+    (["GEN:maps", "--radius", "wide"], "radius='wide' is not a radius"),
     (["GEN:maps", "--option", "side"], "option='side' is not NAME=VALUE"),
     (
         ["GEN:maps", "--option", "depth=3"],
         "has no option 'depth'; it has side, density, border, kind",
     ),
-    (["GEN:maps", "--option", "side=big"], "option side='big' is no int"),
-    (["GEN:maps", "--option", "border=perhaps"], "option border='perhaps' is no bool"),
+    (["GEN:maps", "--option", "side=big"], "option side='big' is not an int"),
+    (["GEN:maps", "--option", "border=perhaps"], "option border='perhaps' is not a bool"),
     (["GEN:maps", "--cell-size", "0"], "cell_size=0 m is outside"),
     (["GEN:none"], "has no 'none'"),
     (["GEN:number"], "is a int; name a function"),

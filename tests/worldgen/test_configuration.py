@@ -94,7 +94,7 @@ def test_one_of_two_options_that_exclude_each_other_puts_the_configured_one_asid
     ("text", "fault"),
     [
         ("[tool.worldgen.trap]\nsied = 1\n", "sied: no option is called so; known: "),
-        ("[tool.worldgen.trpa]\nseed = 1\n", "[tool.worldgen.trpa] is no command; known: "),
+        ("[tool.worldgen.trpa]\nseed = 1\n", "[tool.worldgen.trpa] is not a command; known: "),
         ("[tool.worldgen]\nseed = 1\n", "write it into a command's table"),
         ("[tool.worldgen.trap]\nseed = [1, 2]\n", "this option takes one value"),
         ("[tool.worldgen.trap]\nforce = 1\n", "write true or false"),

@@ -1,4 +1,4 @@
-"""Wishes about metrics: what they mean, and what is no wish."""
+"""Wishes about metrics: what they mean, and what is not a wish."""
 
 import math
 

@@ -78,7 +78,7 @@ def configured(
         if name not in known and not name.endswith(".toml") and ":" not in name:
             raise InvalidParameter(
                 "unknown-name",
-                "{file}: [tool.worldgen.{name}] is no command",
+                "{file}: [tool.worldgen.{name}] is not a command",
                 "known: {known!l}",
                 file=project.file,
                 name=name,

@@ -60,7 +60,7 @@ class LazyGroup(click.Group):
             command: object = point.load()
             if not isinstance(command, click.Command):
                 raise click.ClickException(
-                    f"command {cmd_name!r} ({point.value}) is no click command"
+                    f"command {cmd_name!r} ({point.value}) is not a click command"
                 )
             return command
         if (

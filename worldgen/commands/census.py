@@ -188,7 +188,7 @@ def _maps(
         }
         files = folder_maps(paths, pairs=what.pairs, seed=what.seed, options=asked)
         if files.passed_over:
-            note(f"{files.passed_over} other files are no maps")
+            note(f"{files.passed_over} other files are not maps")
         found.append(files)
     given = dict(_option(text) for text in options)
     side = DEFAULT_CELL_SIZE if cell_size is None else cell_size

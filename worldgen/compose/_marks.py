@@ -79,7 +79,7 @@ def mark_at(x: float, y: float, degrees: float | None = None, radius: float | No
         if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
             raise InvalidParameter(
                 "not-a-number",
-                "{value!r} is no place in cells or degrees",
+                "{value!r} is not a place in cells or degrees",
                 "give a number below 1e9",
                 value=value,
             )

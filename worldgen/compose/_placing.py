@@ -74,7 +74,7 @@ def corner_of(
     if at not in DRAWN:
         raise InvalidParameter(
             "unknown-name",
-            "at={at!r} is no place in the host",
+            "at={at!r} is not a place in the host",
             "give [x, y] in cells, or one of {known!l}",
             at=at,
             known=[*NAMED, *DRAWN, *host.marks],

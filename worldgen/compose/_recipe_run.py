@@ -229,7 +229,7 @@ def _numbers(value: Any, count: int, name: str) -> list[int]:
     if not isinstance(value, list) or len(value) != count:
         raise InvalidParameter(
             "wrong-form",
-            "{name}={value!r} is no list of {count} whole numbers",
+            "{name}={value!r} is not a list of {count} whole numbers",
             "give one",
             name=name,
             value=value,
@@ -242,7 +242,7 @@ def _point(value: Any, name: str) -> tuple[float, float]:
     if not isinstance(value, list) or len(value) != 2:
         raise InvalidParameter(
             "wrong-form",
-            "{name}={value!r} is no place",
+            "{name}={value!r} is not a place",
             "give [x, y] in cells",
             name=name,
             value=value,
@@ -254,7 +254,7 @@ def _word(value: Any, name: str) -> str:
     if not isinstance(value, str):
         raise InvalidParameter(
             "wrong-type",
-            "{name}={value!r} is no word",
+            "{name}={value!r} is not a word",
             "give one in quotes",
             name=name,
             value=value,

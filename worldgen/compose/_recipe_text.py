@@ -259,7 +259,7 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
             isinstance(name, str) and _NAME.match(name) is not None,
             Message(
                 "not-a-name",
-                "{name!q} is no name",
+                "{name!q} is not a name",
                 'write recipe = "my-recipe", in small letters, digits and -',
                 name=name,
             ),
@@ -269,7 +269,9 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
     with reader.at("about", None, "about"):
         _check(
             isinstance(about, str),
-            Message("wrong-type", "{about!q} is no text", "give a sentence in quotes", about=about),
+            Message(
+                "wrong-type", "{about!q} is not text", "give a sentence in quotes", about=about
+            ),
         )
 
     # Read parameters and parts, then the name of the part that becomes the world.
@@ -281,7 +283,7 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
             isinstance(world, str) and world in parts,
             Message(
                 "unknown-name",
-                "{name!q} is no part; it has {known!l}",
+                "{name!q} is not a part; it has {known!l}",
                 "name one of these, or leave it out for the last",
                 name=world,
                 known=list(parts),
@@ -294,7 +296,7 @@ def _whole(value: object, least: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**31:
         raise InvalidParameter(
             "not-a-number",
-            "{value!q} is no whole number from {least} on",
+            "{value!q} is not a whole number from {least} on",
             "give one",
             value=value,
             least=least,
@@ -307,7 +309,7 @@ def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
     with reader.at("parameters", None, "parameters"):
         _check(
             isinstance(table, Mapping),
-            Message("wrong-type", "{value!q} is no table", "write [parameters]", value=table),
+            Message("wrong-type", "{value!q} is not a table", "write [parameters]", value=table),
         )
         _check(
             len(table) <= MAX_PARAMETERS,
@@ -329,7 +331,7 @@ def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
                 plain,
                 Message(
                     "not-a-name",
-                    "is no name",
+                    "is not a name",
                     "use small letters, digits and _, and no word of Python's, as for, nor rng",
                 ),
             )
@@ -349,7 +351,7 @@ def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
                 if isinstance(default, bool | str):
                     raise InvalidParameter(
                         "not-a-number",
-                        "default={default!q} is no number",
+                        "default={default!q} is not a number",
                         "give one",
                         default=default,
                     )
@@ -373,13 +375,13 @@ def _declared(raw: Any) -> Declared:
     if not isinstance(default, bool | int | float | str):
         raise InvalidParameter(
             "wrong-type",
-            "default={default!q} is no number, text or truth",
+            "default={default!q} is not a number, text or truth",
             "give one",
             default=default,
         )
     _check(
         isinstance(note, str),
-        Message("wrong-type", "help={help!q} is no text", "give a sentence in quotes", help=note),
+        Message("wrong-type", "help={help!q} is not text", "give a sentence in quotes", help=note),
     )
     _check(
         isinstance(choices, list) and all(isinstance(word, str) for word in choices),
@@ -389,7 +391,7 @@ def _declared(raw: Any) -> Declared:
         not choices or default in choices,
         Message(
             "unknown-name",
-            "default={default!q} is none of its choices",
+            "default={default!q} is not one of its choices",
             "give one of them",
             default=default,
         ),
@@ -441,7 +443,7 @@ def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> 
                 isinstance(name, str) and _NAME.match(name) is not None,
                 Message(
                     "not-a-name",
-                    "name={name!q} is no name",
+                    "name={name!q} is not a name",
                     'write name = "my-part", in small letters, digits and -',
                     name=name,
                 ),
@@ -466,7 +468,7 @@ def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> 
                     used in parts,
                     Message(
                         "unknown-name",
-                        "{name!q} is no part that stands before it",
+                        "{name!q} is not a part before it",
                         "there are: {known!l:none}",
                         name=used,
                         known=list(parts),
@@ -500,7 +502,7 @@ def _read_part(
             isinstance(params, Mapping),
             Message(
                 "wrong-type",
-                "params={params!q} is no table",
+                "params={params!q} is not a table",
                 "write params = {{ size = 20 }}",
                 params=params,
             ),
@@ -539,7 +541,7 @@ def _read_part(
             _check(
                 isinstance(value, str),
                 Message(
-                    "wrong-type", "{value!q} is no text", "give one in quotes", value=table[source]
+                    "wrong-type", "{value!q} is not text", "give one in quotes", value=table[source]
                 ),
             )
 
@@ -565,7 +567,7 @@ def _read_part(
 def _read_step(raw: object, place: str, names: Sequence[str]) -> Step:
     if not isinstance(raw, Mapping):
         raise InvalidParameter(
-            "wrong-type", "{value!q} is no table", "write {{ rotate = 1 }}", value=raw
+            "wrong-type", "{value!q} is not a table", "write {{ rotate = 1 }}", value=raw
         )
     verbs = [key for key in raw if key in VERBS]
     # ``start`` and ``target`` are verbs, but next to ``place`` they are its options.

@@ -30,7 +30,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     ):
         raise InvalidParameter(
             "not-a-number",
-            "{name}={value!r} is no whole number from {low} to {high}",
+            "{name}={value!r} is not a whole number from {low} to {high}",
             "give one",
             name=name,
             value=value,

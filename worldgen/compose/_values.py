@@ -76,7 +76,7 @@ def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
         depth: Current nesting depth.
 
     Raises:
-        InvalidParameter: If it is none of these, or nested too deep.
+        InvalidParameter: If it is not one of these, or nested too deep.
     """
     # Nobody needs deeper nesting, and the limit keeps a hostile file from exhausting the stack.
     if depth > 4:
@@ -103,7 +103,7 @@ def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
     )
     raise InvalidParameter(
         "wrong-type",
-        "{value} is no value",
+        "{value} is not a value",
         'give a value, "= a formula", {{ from = 1, to = 3 }} or {{ any = [...] }}',
         value=shown[:80],
     )
@@ -127,7 +127,7 @@ def parse_formula(text: str, names: Sequence[str]) -> Formula:
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         raise InvalidParameter(
-            "not-a-formula", "{text!r} is no formula", "write one like size // 2 - 3", text=text
+            "not-a-formula", "{text!r} is not a formula", "write one like size // 2 - 3", text=text
         ) from None
     _check(tree, names, text)
     return Formula(text, tree)
@@ -238,7 +238,7 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
             if isinstance(end, bool) or not isinstance(end, int | float) or not math.isfinite(end):
                 raise InvalidParameter(
                     "not-a-number",
-                    "from {low!r} to {high!r} is no range of numbers",
+                    "from {low!r} to {high!r} is not a range of numbers",
                     "give two",
                     low=low,
                     high=high,

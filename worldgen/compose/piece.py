@@ -296,7 +296,7 @@ class Piece:
         if fill not in ("solid", "free", "nothing"):
             raise InvalidParameter(
                 "unknown-name",
-                "fill={fill!r} is none of solid, free, nothing",
+                "fill={fill!r} is not one of solid, free, nothing",
                 "give one of these",
                 fill=fill,
             )

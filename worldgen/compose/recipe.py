@@ -67,7 +67,7 @@ def family_from_recipe(
         except UnicodeDecodeError as error:
             raise FormatError(
                 "not-utf8",
-                "is no UTF-8 text at byte {byte}",
+                "is not UTF-8 text at byte {byte}",
                 "save it as UTF-8",
                 byte=error.start,
                 source=source,
@@ -127,7 +127,7 @@ def _check_families(recipe: RecipeText, source: str | None) -> None:
                 if not _PLAIN.match(name):
                     raise InvalidParameter(
                         "unknown-name",
-                        "family={name!r} is no registered family",
+                        "family={name!r} is not a registered family",
                         "register your own as a package (docs/reference/families.md)",
                         name=name[:60],
                     )

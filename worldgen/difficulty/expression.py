@@ -206,7 +206,7 @@ class _Scan:
             self.fail(
                 Message(
                     "unknown-name",
-                    "{name!r} is no unit",
+                    "{name!r} is not a unit",
                     "write m, s, or r for the robot's radius",
                     name=unit,
                 ),

@@ -66,7 +66,7 @@ def read_text(path: Path) -> str:
     except UnicodeDecodeError as error:
         raise FormatError(
             "not-utf8",
-            "is no UTF-8 text: byte {byte}",
+            "is not UTF-8 text: byte {byte}",
             "save it as UTF-8",
             byte=error.start,
             source=str(path),

@@ -170,7 +170,7 @@ def frozen_at(world: World, time: float) -> World:
     """
     if not (0.0 <= time < float("inf")):
         raise InvalidParameter(
-            "below-minimum", "at={time:g} is no time", "give seconds from 0 on", time=time
+            "below-minimum", "at={time:g} is not a time", "give seconds from 0 on", time=time
         )
     walls = world.cells_at(time) != CellState.FREE
     same = np.array_equal(walls, world.walls) and not world.is_dynamic

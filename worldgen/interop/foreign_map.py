@@ -127,7 +127,7 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
         if not stat.S_ISREG(path.stat().st_mode):
             raise FormatError(
                 "not-a-regular-file",
-                "is no regular file",
+                "is not a regular file",
                 "give the map file itself",
                 source=str(path),
             )

@@ -20,7 +20,7 @@ __all__ = ["find_format", "looks_like_a_map", "read_map", "readable_formats"]
 # Bytes read to recognise a file.
 _HEAD = 4096
 _COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", ".gz",
-           ".stl", ".obj", ".ply", ".glb", ".gltf", ".3mf")  # fmt: skip  # of much that is no map
+           ".stl", ".obj", ".ply", ".glb", ".gltf", ".3mf")  # fmt: skip  # of much that is not a map
 _OURS = "worldgen.interop."
 _WAY_OUT = (
     "give the .grid file that it was made from, or a file of another format, as `worldgen formats` "
@@ -102,7 +102,7 @@ def _unknown(suffix: str) -> Message:
         )
     return Message(
         "unknown-format",
-        "is no map that is known",
+        "is not a map that is known",
         "`worldgen formats` lists those that are; if it is one, say which with --from",
         at_terminal=True,
     )

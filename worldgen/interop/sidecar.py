@@ -87,7 +87,7 @@ def read_sidecar(path: Path) -> Sidecar | None:
         header = Header(data.decode("utf-8-sig"), 1, source, "the sidecar")
     except UnicodeDecodeError as error:
         raise FormatError(
-            "not-utf8", "is no UTF-8 text", "delete it, or export the world again", source=source
+            "not-utf8", "is not UTF-8 text", "delete it, or export the world again", source=source
         ) from error
     known = ("worldgen", _SIZE, *HELD)
     for key in header.data:
@@ -95,7 +95,7 @@ def read_sidecar(path: Path) -> Sidecar | None:
             raise header.fault(
                 Message(
                     "unknown-name",
-                    "{name!q} is no key of a sidecar",
+                    "{name!q} is not a key of a sidecar",
                     "it has {known!l}",
                     name=key,
                     known=list(known),

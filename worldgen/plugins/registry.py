@@ -144,7 +144,7 @@ def _load_seconds() -> float:
     if not 0.0 < seconds <= _LONGEST_LOAD:
         raise InvalidParameter(
             "not-a-number",
-            "{variable}={text!r} is no time",
+            "{variable}={text!r} is not a time",
             "give seconds, such as 120, up to {most:.0f}",
             variable=LOAD_SECONDS,
             text=said[:40],
@@ -314,7 +314,7 @@ def _load_file(path: Path) -> Any:
     loader = SourceLoader(module_name, str(path))
     spec = importlib.util.spec_from_file_location(module_name, path, loader=loader)
     if spec is None or spec.loader is None:
-        raise ImportError(f"{path} is no Python file")
+        raise ImportError(f"{path} is not a Python file")
     module = importlib.util.module_from_spec(spec)
     import_in(module, package_of(path.parent))
     # Register the module before running it, as the import system does: dataclasses and pickles look

@@ -61,7 +61,7 @@ def manifest_of(path: Path) -> Manifest:
                 # Read line by line, because the file may be a decompression bomb.
             )
     raise FormatError(
-        "no-manifest", "holds no {manifest}; it is no set", manifest=MANIFEST, source=str(path)
+        "no-manifest", "holds no {manifest}; it is not a set", manifest=MANIFEST, source=str(path)
     )
 
 

@@ -44,7 +44,7 @@ def _place(entry: ManifestEntry, place: str) -> str:
     if place == entry.family and place not in FAMILIES.names():
         raise InvalidParameter(
             "unknown-name",
-            "the set is of family {family!r}, which is none of {known!l}",
+            "the set is of family {family!r}, which is not one of {known!l}",
             "say where it is: --family ./file.py:name",
             at_terminal=True,
             family=place,

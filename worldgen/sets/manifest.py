@@ -295,7 +295,7 @@ class _Fields:
         if not _SAFE.match(file):
             raise self._wrong(
                 "file",
-                "is no name of a world's file in a set, such as maze-7.grid or 0012/maze-7.grid",
+                "is not a name of a world's file in a set, such as maze-7.grid or 0012/maze-7.grid",
             )
         for key in ("digest", "sha256"):
             if not _HEX.match(self._text(key)):

@@ -238,7 +238,7 @@ class ArchiveStore:
         if found is None and not force and self._part.exists() and any(self._part.iterdir()):
             raise OutputError(
                 "file-exists",
-                "{part} is in the way and is no unfinished set",
+                "{part} is in the way and is not an unfinished set",
                 "move it away, or give --force",
                 at_terminal=True,
                 part=self._part,

@@ -79,7 +79,7 @@ def grid_of(text: str) -> Grid:
     head, found, cells = text.partition("\n%cells\n")
     magic, _, header = head.partition("\n")
     if not found or not magic.startswith("%worldgen-grid 1"):
-        raise ValueError("this is no .grid file of version 1")
+        raise ValueError("this is not a .grid file of version 1")
     table = tomllib.loads(header)
     if "cell_size" not in table:
         raise ValueError("its cell_size is missing")

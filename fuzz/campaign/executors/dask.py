@@ -65,7 +65,7 @@ class DaskExecutor:
         if not _ADDRESS.fullmatch(address):
             raise InvalidParameter(
                 "not-an-address",
-                "{option} {address!r} is no address",
+                "{option} {address!r} is not an address",
                 "give the one that the scheduler prints, such as tcp://host:8786",
                 option=_OPTION,
                 address=address,

@@ -96,7 +96,7 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
 
 def _checked(name: Any) -> str:
     if not _FAILURE_ID.fullmatch(name):
-        raise ValueError(f"{name!r} is no failure's name")
+        raise ValueError(f"{name!r} is not a failure's name")
     return str(name)
 
 

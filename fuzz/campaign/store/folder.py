@@ -132,7 +132,7 @@ class FolderStore(CampaignStore):
                 raise
             raise FormatError(
                 "invalid-campaign",
-                "is no campaign's configuration: {reason}",
+                "is not a campaign's configuration: {reason}",
                 "--force begins a new campaign",
                 at_terminal=True,
                 reason=repr(error),

@@ -212,7 +212,7 @@ class _SummaryReader:
     def whole(self, name: str) -> int:
         value = self._values.get(name)
         if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**64:
-            raise _Fault(f"{name!r} is no whole number from 0")
+            raise _Fault(f"{name!r} is not a whole number from 0")
         return value
 
     def number(self, name: str) -> float:
@@ -231,7 +231,7 @@ class _SummaryReader:
     def text(self, name: str) -> str:
         value = self._values.get(name)
         if not isinstance(value, str) or not value:
-            raise _Fault(f"{name!r} is no text, or empty")
+            raise _Fault(f"{name!r} is not text, or empty")
         return value
 
     def text_or_empty(self, name: str) -> str:
@@ -240,7 +240,7 @@ class _SummaryReader:
     def one_of(self, name: str, known: tuple[str, ...]) -> str:
         value = self._values.get(name, "")
         if value not in known:
-            raise _Fault(f"{name!r} is none of {', '.join(filter(None, known))}")
+            raise _Fault(f"{name!r} is not one of {', '.join(filter(None, known))}")
         return str(value)
 
     def counts(self, name: str) -> dict[str, int]:
@@ -250,7 +250,7 @@ class _SummaryReader:
     def rows(self, name: str) -> list[Any]:
         value = self._values.get(name, [])
         if not isinstance(value, list) or len(value) > _MOST_ROWS:
-            raise _Fault(f"{name!r} is no list of at most {_MOST_ROWS} rows")
+            raise _Fault(f"{name!r} is not a list of at most {_MOST_ROWS} rows")
         return value
 
     def part(self, name: str) -> _SummaryReader | None:
@@ -325,5 +325,5 @@ def _cell(row: object, columns: int, rows: int) -> tuple[int, int, float, str]:
 
 def _number(value: object, name: str) -> float:
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
-        raise _Fault(f"{name!r} is no finite number")
+        raise _Fault(f"{name!r} is not a finite number")
     return float(value)

@@ -69,7 +69,7 @@ def read_offer(given: Any, answer: bytes) -> Offer:
         or not offer.keys() <= {"robots", "senses"}
     ):
         raise ControllerError(
-            Verdict.INVALID_COMMAND, "batch is no offer", {"answer": shown(answer)}
+            Verdict.INVALID_COMMAND, "batch is not an offer", {"answer": shown(answer)}
         )
     return Offer(min(robots, MOST_ROBOTS), tuple(senses))
 

@@ -418,7 +418,7 @@ def _command(found: dict[str, Any], answer: bytes) -> Command:
 def _number(found: dict[str, Any], key: str, answer: bytes) -> float:
     value = found[key]
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise _no_command(f"{key} is no number", answer)
+        raise _no_command(f"{key} is not a number", answer)
     try:
         number = float(value)
     except OverflowError:

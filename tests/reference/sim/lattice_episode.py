@@ -172,7 +172,7 @@ def lattice_steps(
     rows: Ints,
     path: Ints,
 ) -> Iterator[int]:
-    """The same for a controller that is no compiled function: stops wherever it is to act.
+    """The same for a controller that is not a compiled function: stops wherever it is to act.
 
     Arguments as for :func:`lattice_episode`. Before it goes on, ``room.memory`` and
     ``room.command`` must be what the controller made of ``room.observation``.

@@ -159,7 +159,7 @@ def _strongest_of_nine(
         and abs(away_x) != _MIDDLE
         and abs(away_y) != _MIDDLE
     ):
-        # The target's cell is none of the nine, and one of them is nearer than all others: if it is
+        # The target's cell is not one of the nine, and one of them is nearer than all others: if it is
         # free, that is it.
         near_x = ix - (away_x > _MIDDLE) + (away_x < -_MIDDLE)
         near_y = iy - (away_y > _MIDDLE) + (away_y < -_MIDDLE)

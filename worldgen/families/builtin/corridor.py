@@ -183,7 +183,7 @@ def _neck(arena: Arena, width: int, necks: int, neck: int, neck_length: int) -> 
     if neck >= width:
         raise InvalidParameter(
             "above-maximum",
-            "neck={neck} is no narrower than the corridor, width={width}",
+            "neck={neck} is not narrower than the corridor, width={width}",
             "give a wider corridor, or leave out necks",
             neck=neck,
             width=width,

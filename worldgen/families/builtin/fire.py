@@ -173,7 +173,7 @@ def _cells(text: str, plan: Plan) -> list[int]:
         if not (column.isdecimal() and row.isdecimal()):
             raise InvalidParameter(
                 "wrong-form",
-                "ignite_cells={text!r}: {part!r} is no cell",
+                "ignite_cells={text!r}: {part!r} is not a cell",
                 "write IX:IY,IX:IY, such as 12:5,20:7",
                 text=text,
                 part=part,

@@ -266,7 +266,7 @@ def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, 
         near = "".join(difflib.get_close_matches(name[:40], SECTIONS, n=1))
         message = Message(
             "unknown-name",
-            "{name!q} is no section",
+            "{name!q} is not a section",
             ("did you mean %{near}, alone on its line? " if near else "")
             + "known, in this order: {known!l}",
             name=text,

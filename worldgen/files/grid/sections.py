@@ -181,7 +181,7 @@ def _strange_cell(block: Block, at: int, stop: int, row: int) -> FormatError:
     return block.fault(
         Message(
             "unknown-sign",
-            "{sign!r} at column {column} is no cell",
+            "{sign!r} at column {column} is not a cell",
             "write {solid} for solid, {free} for free, {start} and {target} for start and target",
             sign=character,
             column=column + 1,

@@ -56,7 +56,7 @@ class Radius:
         if found is None:
             raise InvalidParameter(
                 "wrong-form",
-                "radius={text!r} is no radius",
+                "radius={text!r} is not a radius",
                 "write 0.3 for m, or 0.7c for cells",
                 text=text[:40],
             )

@@ -104,7 +104,7 @@ class GeneratedMaps:
                 if not isinstance(item.cell_size, int | float):
                     raise InvalidParameter(
                         "not-a-number",
-                        "cell_size={cell_size!r} is no number",
+                        "cell_size={cell_size!r} is not a number",
                         "give the side of a cell in m",
                         cell_size=item.cell_size,
                     )
@@ -205,7 +205,7 @@ def _converted(
             kind = type(default).__name__
             raise InvalidParameter(
                 "wrong-type",
-                "option {option}={text!r} is no {kind}",
+                "option {option}={text!r} is not a {kind}",
                 "give one like {default}",
                 option=key,
                 text=text[:40],
@@ -243,7 +243,7 @@ def _cell(what: str, cell: Any, walls: npt.NDArray[np.bool_]) -> tuple[int, int]
     except (TypeError, ValueError) as error:
         raise InvalidParameter(
             "wrong-form",
-            "{what} {cell} is no cell",
+            "{what} {cell} is not a cell",
             "it is (row, column), row 0 the top",
             what=what,
             cell=str(cell)[:40],

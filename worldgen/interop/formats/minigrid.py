@@ -114,7 +114,7 @@ def _check_words(rows: list[bytes], source: str) -> None:
         at = next(at for at in range(0, len(line), 2) if not _WORD.fullmatch(line, at, at + 2))
         raise FormatError(
             "unknown-sign",
-            "{sign!q} in column {column} is no cell; a cell is two characters: kind and "
+            "{sign!q} in column {column} is not a cell; a cell is two characters: kind and "
             "colour (WG a grey wall, GG a green goal), two blanks, or the agent, >> VV << "
             "^^",
             sign=line[at : at + 2],

@@ -148,7 +148,7 @@ def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
         corners = kind == b"octile-corner"
         raise FormatError(
             "unsupported",
-            "type {kind!q} is not read; its corner heights are no cells"
+            "type {kind!q} is not read; its corner heights are not cells"
             if corners
             else "type {kind!q} is not read",
             "give a map of `type octile`",
@@ -203,7 +203,7 @@ def _size(word: bytes, key: str, number: int, source: str) -> int:
     if not re.fullmatch(rb"[0-9]{1,9}", word):
         message = Message(
             "not-a-number",
-            "{key} {word!q} is no whole number of cells",
+            "{key} {word!q} is not a whole number of cells",
             "write how many the rows below have",
             key=key,
             word=word,
@@ -273,7 +273,7 @@ def _too_few(count: int, height: int, source: str) -> NoReturn:
 def _wrong_character(row: bytes, index: int, column: int, source: str) -> NoReturn:
     raise FormatError(
         "unknown-sign",
-        "character {sign!q} at column {column} is no octile cell",
+        "character {sign!q} at column {column} is not an octile cell",
         "passable are . G S, blocked are @ O T W",
         sign=row[column : column + 1],
         column=column + 1,
@@ -495,7 +495,7 @@ def _fields(line: bytes, number: int, source: str) -> list[bytes]:
     if len(fields) != 9 or not all(whole) or not _LENGTH.fullmatch(fields[8]):
         raise FormatError(
             "wrong-form",
-            "{came!q} is no problem; nine fields: bucket, map, width, height, start x, "
+            "{came!q} is not a problem; nine fields: bucket, map, width, height, start x, "
             "start y, goal x, goal y, optimal length",
             came=line,
             line=number,

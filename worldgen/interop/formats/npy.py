@@ -54,7 +54,7 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
             shape, by_columns, kind = _header(stream, version)
     except _HEADER_FAULTS as error:
         raise FormatError(
-            "unknown-format", "is no NumPy array file", "write it with numpy.save", source=source
+            "unknown-format", "is not a NumPy array file", "write it with numpy.save", source=source
         ) from error
     if kind.hasobject or kind.kind not in "biu" or len(shape) != 2:
         raise FormatError(

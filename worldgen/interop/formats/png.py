@@ -142,7 +142,7 @@ def write_png(world: World, destination: Destination) -> Exported:
     if destination.name.lower().endswith((".pgm", ".bmp")):
         raise InvalidParameter(
             "wrong-suffix",
-            "{name} is no name of a PNG",
+            "{name} is not a name of a PNG",
             "end it in .png, or write a .yaml with a .pgm by --to ros",
             at_terminal=True,
             name=destination.name,

@@ -52,7 +52,7 @@ def read_pogema(
     if not re.fullmatch("[a-z]", agent):
         raise InvalidParameter(
             "wrong-form",
-            "agent={agent!r} is no lower-case letter; agents are a to z",
+            "agent={agent!r} is not a lower-case letter; agents are a to z",
             agent=agent[:20],
         )
     data = read_bounded(path)
@@ -68,7 +68,7 @@ def read_pogema(
             column = next(at for at in range(len(row)) if not re.match(_CELL, line[at : at + 1]))
             raise FormatError(
                 "unknown-sign",
-                "{sign!q} in column {column} is no cell; # is a wall, . @ $ ! are free, "
+                "{sign!q} in column {column} is not a cell; # is a wall, . @ $ ! are free, "
                 "letters are agents and their targets",
                 sign=line[column : column + 1],
                 column=column + 1,

@@ -345,7 +345,7 @@ def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
             strange[0],
             Message(
                 "unknown-name",
-                "{name!q} is no key of {key}",
+                "{name!q} is not a key of {key}",
                 "it has {known!l}",
                 name=strange[0],
                 key=_OURS,

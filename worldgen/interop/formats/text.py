@@ -61,7 +61,7 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
         row_index, column = divmod(int(np.argmax(cells == _BAD)), cells.shape[1])
         raise FormatError(
             "unknown-sign",
-            "{sign!q} in column {column} is no cell; # is solid, . or a space free, S the start, G "
+            "{sign!q} in column {column} is not a cell; # is solid, . or a space free, S the start, G "
             "or E the target",
             sign=rows[row_index][column : column + 1],
             column=column + 1,

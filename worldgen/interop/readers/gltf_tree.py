@@ -122,7 +122,7 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
             if not isinstance(child, int) or not 0 <= child < len(nodes) or parent[child] >= 0:
                 raise FormatError(
                     "no-tree",
-                    "node {node} is no child as glTF allows it",
+                    "node {node} is not a child as glTF allows it",
                     "export it again",
                     node=child,
                     source=source,

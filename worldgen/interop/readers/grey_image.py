@@ -95,7 +95,7 @@ def read_grey_image(data: bytes, source: str) -> GreyImage:
         source: The file's name for messages.
 
     Raises:
-        FormatError: If it is none of these, damaged, or too large.
+        FormatError: If it is not one of these, damaged, or too large.
     """
     if data[:2] in (b"P2", b"P5"):
         return _read_pgm(data, source)
@@ -215,7 +215,7 @@ def _wrong_word(data: bytes, text: bytes, at: int, source: str) -> NoReturn:
     word = quote(text[at : at + 40].split()[0] if text[at : at + 1].strip() else text[at : at + 1])
     raise FormatError(
         "not-a-pixel",
-        "{word} is no pixel; a plain PGM holds whole numbers up to its maximum",
+        "{word} is not a pixel; a plain PGM holds whole numbers up to its maximum",
         word=word,
         line=line,
         source=source,
@@ -244,7 +244,7 @@ def _read_with_pillow(data: bytes, source: str) -> GreyImage:
         ) from error
     except UnidentifiedImageError as error:
         raise FormatError(
-            "unknown-format", "is no PGM, PNG or BMP picture", "convert it", source=source
+            "unknown-format", "is not a PGM, PNG or BMP picture", "convert it", source=source
         ) from error
     # Pillow's decoders raise all kinds of exceptions on damaged files.
     except Exception as error:

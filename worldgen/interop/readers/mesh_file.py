@@ -238,7 +238,7 @@ def _check_arrays(
     if not (np.isfinite(used).all() and np.abs(used).max() < _FURTHEST):
         raise FormatError(
             "not-a-number",
-            "has a vertex whose coordinates are no usable numbers",
+            "has a vertex whose coordinates are not usable numbers",
             "export it again",
             source=source,
         )

@@ -302,7 +302,7 @@ def _notes(told: _Told, left_out: int) -> tuple[str, ...]:
         )
     if left_out:
         notes.append(
-            f"{left_out} parts that are no surfaces, such as points and lines, are left out"
+            f"{left_out} parts that are not surfaces, such as points and lines, are left out"
         )
     return (*notes, "beyond these cells everything is solid")
 

@@ -113,5 +113,5 @@ def from_decimal(word: str, shift: float = 0.0) -> float:
         except OverflowError:
             pass
     raise InvalidParameter(
-        "not-a-number", "{word!q} is no finite number", "write one like 0.05", word=word
+        "not-a-number", "{word!q} is not a finite number", "write one like 0.05", word=word
     )

@@ -202,7 +202,7 @@ def _square(values: Ints, source: str) -> Ints:
     if size * size != len(values):
         raise FormatError(
             "not-square",
-            "{numbers} numbers are no square; a map of n x n cells has n * n",
+            "{numbers} numbers do not make a square; a map of n x n cells has n * n",
             "fetch the file again",
             numbers=len(values),
             source=source,
@@ -227,7 +227,7 @@ def _check_values(values: Ints, source: str) -> None:
         raise FormatError(
             "wrong-values",
             "{value} in column {column}, row {row} from the top; a cell holds a squared "
-            "distance, 0 for the target, or {wall} for a wall; this is no map, or a "
+            "distance, 0 for the target, or {wall} for a wall; this is not a map, or a "
             "damaged one",
             value=values[row, column],
             column=column,

@@ -110,7 +110,7 @@ def _unpacked(data: bytes, source: str) -> bytes:
     ) as error:
         raise FormatError(
             "not-an-archive",
-            "is no ZIP archive with {model} in it",
+            "is not a ZIP archive with {model} in it",
             "export it again",
             model=_MODEL,
             source=source,

@@ -51,12 +51,12 @@ def parse_tiled(data: bytes, source: str) -> Part:
         parsed = json.loads(data)
     except UnicodeDecodeError as error:
         raise FormatError(
-            "not-utf8", "is no UTF-8 text", "save it from Tiled as JSON", source=source
+            "not-utf8", "is not UTF-8 text", "save it from Tiled as JSON", source=source
         ) from error
     except json.JSONDecodeError as error:
         message = Message(
             "not-json",
-            "is no JSON: {reason}",
+            "is not JSON: {reason}",
             "save it from Tiled as JSON (.tmj)",
             reason=error.msg,
         )
@@ -68,7 +68,7 @@ def parse_tiled(data: bytes, source: str) -> Part:
     ) as error:
         raise FormatError(
             "wrong-form",
-            "is no map that Tiled would write",
+            "is not a map that Tiled would write",
             "save it from Tiled anew",
             source=source,
         ) from error

@@ -71,7 +71,7 @@ def read_xml(data: bytes, source: str) -> XmlElement:
         reason = expat.ErrorString(error.code)
         message = Message(
             "not-xml",
-            "is no XML: {reason} in column {column}",
+            "is not XML: {reason} in column {column}",
             "correct it there, or just before",
             reason=reason,
             column=error.offset + 1,
@@ -83,7 +83,7 @@ def read_xml(data: bytes, source: str) -> XmlElement:
     except (ValueError, LookupError) as error:
         raise FormatError(
             "not-xml",
-            "is no XML: {reason}",
+            "is not XML: {reason}",
             "save it as UTF-8",
             reason=str(error),
             line=1,

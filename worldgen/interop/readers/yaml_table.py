@@ -269,7 +269,7 @@ def _compose(text: bytes, source: str) -> yaml.Node | None:
         line = 1 if mark is None else mark.line + 1
         message = Message(
             "not-yaml",
-            "is no YAML: {reason}",
+            "is not YAML: {reason}",
             "write `key: value` lines",
             reason=error.problem or error.context,
         )

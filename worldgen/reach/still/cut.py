@@ -10,7 +10,7 @@ there is one, and then finds a short one.
 Several targets get a bit each; then only a cycle with all bits odd separates the start from them
 all.
 
-Poses are whole numbers of 1/1024 cell, or of a finer unit where a target is no multiple of that and
+Poses are whole numbers of 1/1024 cell, or of a finer unit where a target is not a multiple of that and
 a link passes it closely, so every crossing is decided exactly.
 """
 

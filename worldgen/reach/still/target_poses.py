@@ -143,7 +143,7 @@ class _PosesOfC:
 
     def __getitem__(self, index: int) -> ExactPoint:
         if not 0 <= index < len(self):
-            raise IndexError(f"there are {len(self)} poses, and {index} is none of them")
+            raise IndexError(f"there are {len(self)} poses, and {index} is not one of them")
         found = ffi.new("WgPoseOf *")
         lib.wg_poses_describe(self._poses, index, found)
         return _point(self._pose(found))

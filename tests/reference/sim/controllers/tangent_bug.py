@@ -43,7 +43,7 @@ RANGE = 1.0  # m: further points are not looked at
 _APART = (
     1.4  # of the radius: points further apart than this from beam to beam are not looked at, either
 )
-# Of the radius: a wall that is touched is no nearer than this, so it does not bar the way along it.
+# Of the radius: a wall that is touched is not nearer than this, so it does not bar the way along it.
 _TOUCHING = 0.97
 _JUMP = (
     0.08 / 0.07

@@ -37,7 +37,7 @@ def eller(words, board, state, stride, scratch):
     )  # scratch[column]: the next one in the ring; scratch[before + column]: the previous one
     for column in range(
         columns + 1
-    ):  # the last one is no chamber; it is only ever written as it was
+    ):  # the last one is not a chamber; it is only ever written as it was
         scratch[column] = scratch[before + column] = column
     words_a_row = (columns + 31) >> 5
     for row in range(rows - 1):
