@@ -335,7 +335,7 @@ class FamilyRegistry(Registry[Family]):
             raise InvalidParameter(
                 "wrong-type",
                 "{name}: files is not a table of texts",
-                "take it as it stands in a world's provenance",
+                "copy it from a world's provenance",
                 name=name,
             )
         folder = Path(name).parent if name.endswith(".toml") else None

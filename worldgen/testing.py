@@ -277,7 +277,7 @@ def _timeline(family: Family, case: Mapping[str, Value]) -> None:
             now[event.iy, event.ix] = int(event.state)
         _demand(
             not (now == CellState.BURNING).any(),
-            f"seed {seed}: a cell burns for ever; say when it is burnt out",
+            f"seed {seed}: a cell burns forever; add the time at which it burns out",
         )
 
 
@@ -288,7 +288,7 @@ def _margin(family: Family, case: Mapping[str, Value]) -> None:
     if isinstance(world.certificate, Witness):
         _demand(
             witness_margin(world, world.certificate) >= 0.5,
-            "a witness has less than the margin asked for",
+            "a witness has less than the requested margin",
         )
 
 

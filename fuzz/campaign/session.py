@@ -248,7 +248,7 @@ class CampaignSession:
 
     @property
     def _way_on(self) -> str:
-        return f"worldgen fuzz --resume {shlex.quote(str(self._out))} goes on"
+        return f"worldgen fuzz --resume {shlex.quote(str(self._out))} continues it"
 
     def _failing(self) -> dict[str, Failure]:
         """Return the classes, with counts, that make the exit code 1."""

@@ -149,7 +149,7 @@ def fuzz(
             )
         if campaign_run.done:
             note(
-                f"goes on with the campaign in {campaign_run.store.out}: seed "
+                f"continues the campaign in {campaign_run.store.out}: seed "
                 f"{campaign_run.config.seed}, "
                 f"{campaign_run.done} units done"
             )

@@ -33,7 +33,7 @@ _COMPILERS = {
     show_default=True,
     help="A function of C or C++ in a shared library, one that numba compiles, a Python class for "
     "one robot, one for "
-    "many robots at once with NumPy, or a program of its own that speaks JSON lines.",
+    "many robots at once with NumPy, or a separate program that speaks JSON lines.",
 )
 @click.option(
     "--out",

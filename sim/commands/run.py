@@ -217,7 +217,7 @@ def _is_reachable(world: World, episode: Episode) -> bool | None:
     """Return True if the target can be reached at all; None if that is undecided.
 
     A file without a certificate is decided only if the robot did not arrive, because that can take
-    as long as the run. Whether several robots can all arrive is not decided here.
+    as long as the run. This does not decide whether several robots can all arrive.
     """
     from worldgen.reach import decide
     from worldgen.world import JointWitness, Witness

@@ -181,7 +181,7 @@ def test_the_same_command_again_does_nothing_again_and_says_the_same(copied):
     result = worldgen(*FUZZ, "--units", UNITS, "--out", copied, "--json")
     assert (
         result.code == 1
-        and f"goes on with the campaign in {copied}: seed 5, 3 units done" in result.err
+        and f"continues the campaign in {copied}: seed 5, 3 units done" in result.err
     )
     assert {file: file.stat().st_mtime_ns for file in copied.glob("*.grid")} == before
 

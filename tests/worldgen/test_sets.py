@@ -148,7 +148,7 @@ def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
             time.sleep(0.002)
         process.send_signal(signal.SIGKILL)
         process.wait()
-    assert "worlds are there already; going on" in run(*command).err
+    assert "worlds are there already; continuing" in run(*command).err
     run(*command[:-1], tmp_path / f"whole-{out}")
     assert contents(tmp_path / out) == contents(tmp_path / f"whole-{out}")
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([out, f"whole-{out}"])
@@ -198,7 +198,7 @@ def test_bytes_that_an_archive_lost_are_made_again(whole, tmp_path, monkeypatch)
     monkeypatch.undo()
     worlds = tmp_path / "set.zip.part/worlds"
     worlds.write_bytes(worlds.read_bytes()[: 3 * manifest_of(whole / "set").entries[0].size])
-    assert " worlds are there already; going on" in run(*TRAPS, "--out", tmp_path / "set.zip").err
+    assert " worlds are there already; continuing" in run(*TRAPS, "--out", tmp_path / "set.zip").err
     assert contents(tmp_path / "set.zip") == contents(whole / "set.zip")
 
 
@@ -356,7 +356,7 @@ def test_a_full_disk_loses_nothing_and_the_command_goes_on(whole, tmp_path, monk
     result = run(*TRAPS, "--out", tmp_path / "set")
     assert (
         result.code == 2
-        and "3 of 6 worlds are written; the same command goes on from there" in result.err
+        and "3 of 6 worlds are written; the same command continues from there" in result.err
     )
     assert result.error_code == "unwritable"
     monkeypatch.undo()

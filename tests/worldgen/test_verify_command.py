@@ -72,7 +72,7 @@ def test_a_true_cut_is_confirmed(save):
 def test_a_map_without_a_certificate_is_decided_afresh(save, text, word):
     result = run(save("w.grid", text, proof=False))
     assert f"{word} for a disc of 0.05 m" in result.stdout
-    assert "decided afresh and checked" in result.stdout
+    assert "decided again and checked" in result.stdout
     assert result.exit_code == 0
 
 

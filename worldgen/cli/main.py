@@ -214,7 +214,7 @@ def _our_fault(error: BaseException) -> int:
 
         traceback.print_exception(error)
     click.echo(
-        f"worldgen: a fault of our own, not of your input: {type(error).__name__}: {error}\n"
+        f"worldgen: a bug in worldgen, not a fault of your input: {type(error).__name__}: {error}\n"
         "Set WORLDGEN_DEBUG=1 and run it again for the details to report.",
         err=True,
     )

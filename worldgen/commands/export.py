@@ -38,7 +38,7 @@ EXAMPLES = (
     "--at",
     type=float,
     metavar="SECONDS",
-    help="Of a world that changes: its cells at this time, for ever.",
+    help="Of a world that changes: its cells at this time.",
 )
 @click.option(
     "--origin",
@@ -48,7 +48,7 @@ EXAMPLES = (
 @click.option(
     "--sidecar/--no-sidecar",
     default=True,
-    help="Keep what the format has no room for in a file beside it.",
+    help="Keep what the format has no room for in a file next to it.",
 )
 @click.option(
     "--noise/--no-noise",

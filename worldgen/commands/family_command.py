@@ -120,7 +120,7 @@ def _set_place(count: int | None, out: Path | None) -> Path | None:
 _count_option = click.option(
     "--count",
     type=click.IntRange(1),
-    help="Make a set of so many worlds, of rising seeds, with a manifest.",
+    help="Make a set of this many worlds, with consecutive seeds and a manifest.",
 )
 _out_option = click.option(
     "--out",

@@ -98,7 +98,7 @@ def _check(path: Path, place: Path, manifest: Manifest, *, as_json: bool) -> Non
     more = f"{len(differences)} differences" if len(differences) != 1 else "1 difference"
     note(
         f"{place}: {len(manifest.entries)} worlds, "
-        f"{more if differences else 'all as the manifest says'}"
+        f"{more if differences else 'everything matches the manifest'}"
     )
     if differences:
         raise click.exceptions.Exit(1)
@@ -123,7 +123,7 @@ def _make(
         raise OutputError(
             "set-unfinished",
             "{path} is unfinished, with {count} of {planned} worlds",
-            "the command that began it goes on",
+            "the command that began it continues it",
             path=path,
             count=count,
             planned=manifest.header.count,

@@ -98,7 +98,7 @@ def told(out: Path, count: int, *, force: bool) -> Iterator[Callable[[int], None
         def progress(done: int) -> None:
             nonlocal safe
             if safe < 0 < done:
-                note(f"{out}: {done} of {count} worlds are there already; going on")
+                note(f"{out}: {done} of {count} worlds are there already; continuing")
             safe = done
             work.count(done, count, "worlds")
 
@@ -117,6 +117,6 @@ def told(out: Path, count: int, *, force: bool) -> Iterator[Callable[[int], None
 
 def _going_on(out: Path, *, force: bool) -> str:
     if not force:
-        return "; the same command goes on from there"
+        return "; the same command continues from there"
     moved = f", once {out} is moved away," if out.is_file() else ""
-    return f"; the same command without --force{moved} goes on from there"
+    return f"; the same command without --force{moved} continues from there"

@@ -171,7 +171,7 @@ def verify_world(
 
 
 def _answers(world: World, radius: float | None, deadline: float | None) -> bool:
-    """Return True if the certificate in the file speaks of what is asked.
+    """Return True if the certificate in the file is about the question.
 
     It may still be invalid.
     """
@@ -208,7 +208,7 @@ def _line(result: dict[str, Any]) -> str:
     elif not result["certificate_valid"]:
         verdict = f"{result['certificate']} does not hold: {result['reason']}"
     else:
-        how = "decided afresh and checked" if result["decided"] else "checked"
+        how = "decided again and checked" if result["decided"] else "checked"
         disc = f"a disc of {result['radius']:g} m"
         if "robots" in result:
             disc = f"the {result['robots']} robots together"

@@ -106,7 +106,7 @@ def _anchored(piece: Piece, place: Mark, anchor: str) -> tuple[int, int]:
     else:
         raise InvalidParameter(
             "unknown-name",
-            "anchor={anchor!r} is no point of the piece",
+            "anchor={anchor!r} is not a point of the piece",
             "give one of {known!l}",
             anchor=anchor,
             known=[*NAMED, *piece.marks],

@@ -42,7 +42,7 @@ class RecipeCells:
         if self.cells + cells > MOST_WORK:
             raise TooLarge(
                 "too-large",
-                "the recipe makes more than {most} cells on its way",
+                "the recipe makes more than {most} cells along the way",
                 "use smaller or fewer parts",
                 most=MOST_WORK,
             )

@@ -451,7 +451,7 @@ def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> 
             _check(
                 name not in parts,
                 Message(
-                    "twice", "name={name!q} is that of an earlier part", "give another", name=name
+                    "twice", "name={name!q} is already an earlier part's", "give another", name=name
                 ),
             )
         part = _read_part(reader, number, str(name), table, names)

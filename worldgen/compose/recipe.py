@@ -162,7 +162,7 @@ def _read_pieces(
                     raise InvalidParameter(
                         "outside-folder",
                         "file={text!r} lies elsewhere",
-                        "put it beside the recipe, or in a folder there",
+                        "put it next to the recipe, or in a folder there",
                         text=text[:60],
                     )
                 carried = sum(len(content) for name, content in kept.items() if name != text)

@@ -177,7 +177,7 @@ def _told(source: str) -> Iterator[None]:
         raise FormatError(
             "unsupported",
             "cannot be unpacked: {reason}",
-            "pack it anew without that",
+            "pack it again without that",
             reason=str(error),
             source=source,
         ) from error
@@ -230,7 +230,7 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
                     message = Message(
                         "unsupported",
                         "is compressed by another method than deflate",
-                        "pack it anew with that",
+                        "pack it again with that",
                     )
                     raise FormatError.of(message, source=f"{source}/{entry.filename}")
                 with _told(f"{source}/{entry.filename}"), archive.open(entry) as file:

@@ -213,7 +213,7 @@ class _ByBareName(importlib.abc.MetaPathFinder):
             folders = " and ".join(str(_FOLDERS[package]) for package in found)
             raise InvalidParameter(
                 "ambiguous-module",
-                "module {module!r} is asked for by name, and it is in {folders}",
+                "module {module!r} is imported by name, and it is in {folders}",
                 "write `import {module}` in the file that needs it, or rename one",
                 module=fullname,
                 folders=folders,

@@ -2,7 +2,7 @@
 
 Contents:
     decide, decide_many: prove it, in one world and in many.
-    Decision, REACHABLE, BLOCKED, UNDECIDED: what comes of it.
+    Decision, REACHABLE, BLOCKED, UNDECIDED: the result.
     decide_in_time, latest_start, until: with a deadline; how long the robot may wait.
     Confinement: what proves that a deadline cannot be met.
     Swap: what proves that two robots cannot both arrive.

@@ -47,7 +47,7 @@ def decide(
 def decide_many(
     worlds: Sequence[World], *, radius: float | None = None, certificate: bool = True
 ) -> list[Decision]:
-    """Return what :func:`decide` says of each of many worlds.
+    """Return what :func:`decide` returns for each of many worlds.
 
     Args:
         worlds: Any worlds.

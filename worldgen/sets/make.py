@@ -82,7 +82,7 @@ def make_set(
         workers: Number of processes; the bytes are the same for any number. A search uses only this
             process.
         force: Whether to replace what exists.
-        progress: Called as the work goes on.
+        progress: Called with the progress.
 
     Raises:
         OutputError: If something else exists there, or cannot be written; worlds made so far stay.
@@ -124,7 +124,7 @@ def regenerate_set(
         families: Where to find unregistered families, as ``./file.py:name``.
         workers: Number of processes.
         force: Whether to replace what exists.
-        progress: Called as the work goes on.
+        progress: Called with the progress.
 
     Raises:
         SetDiffers: If a world comes out differently; those before it stay.
@@ -164,7 +164,7 @@ def restore_set(
         families: As for :func:`regenerate_set`.
         workers: Number of processes.
         force: Whether to overwrite files with other content.
-        progress: Called as the work goes on.
+        progress: Called with the progress.
 
     Raises:
         SetDiffers: If a world comes out differently; those before it stay.
@@ -195,7 +195,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
                 raise OutputError(
                     "set-finished",
                     "{out} holds this set already, finished",
-                    "give --force to make it anew",
+                    "give --force to make it again",
                     at_terminal=True,
                     out=out,
                 )

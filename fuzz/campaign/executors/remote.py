@@ -113,7 +113,7 @@ def _be_alike(job: RemoteJob) -> None:
         raise InvalidParameter(
             "other-code",
             "the worker on {host} has other code: {differences!l}",
-            "install the same there as here, and start the workers anew",
+            "install the same there as here, and restart the workers",
             host=socket.gethostname(),
             differences=list(said),
         )

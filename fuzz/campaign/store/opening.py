@@ -96,7 +96,7 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
         stored = FolderStore.stored_in(out)
         if stored is not None:
             _refuse_another(
-                out, stored[0], fingerprint, f"worldgen fuzz --resume {out} goes on with that one"
+                out, stored[0], fingerprint, f"worldgen fuzz --resume {out} continues that one"
             )
         return _open_run(config, store, fingerprint, budget)
     except BaseException:
@@ -133,7 +133,7 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
         raise FormatError(
             "invalid-campaign",
             "its configuration cannot be read: {reason}",
-            "name another folder, or begin anew with --force",
+            "name another folder, or start over with --force",
             at_terminal=True,
             reason=str(error),
             source=str(out),
@@ -158,7 +158,7 @@ def _open_run(
         raise OutputError(
             "campaign-is-further",
             "the campaign in {out} has done {units} units already",
-            "give --units {units} or more, or --force to begin anew",
+            "give --units {units} or more, or --force to start over",
             at_terminal=True,
             out=store.out,
             units=done,
@@ -182,7 +182,7 @@ def _refuse_another(out: Path, before: Fingerprint, now: Fingerprint, way_out: s
         raise OutputError(
             "another-campaign",
             "{out} holds another campaign: {differences!l}{more}",
-            "{way_out}, --force begins anew, or name another folder",
+            "{way_out}, --force starts over, or name another folder",
             at_terminal=True,
             out=out,
             differences=list(said[:_SAID_AT_MOST]),

@@ -51,7 +51,7 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
             raise InvalidParameter(
                 "not-of-the-ground",
                 "over={over}: {name} is the whole world's",
-                "give it as a parameter of its own",
+                "give it as a separate parameter",
                 over=over,
                 name=name,
             )

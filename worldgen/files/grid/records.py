@@ -113,7 +113,7 @@ def check_keys(header: Header, *, fleet: bool = False) -> None:
             raise header.fault(
                 Message(
                     "wrong-type",
-                    "{key} is {kind}; it is a table: write [{key}] on a line of its own",
+                    "{key} is {kind}; it is a table: write [{key}] on a separate line",
                     key=key,
                     kind=kind_of(value),
                 ),
@@ -126,7 +126,7 @@ def check_keys(header: Header, *, fleet: bool = False) -> None:
                 if key in keys:
                     message = Message(
                         "wrong-place",
-                        "{key} stands in [{table}]; it belongs above the first [table]",
+                        "{key} is in [{table}]; it belongs above the first [table]",
                         key=key,
                         table=table,
                     )

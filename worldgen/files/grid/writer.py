@@ -65,7 +65,7 @@ def pieces(world: World) -> Iterator[bytes]:
         raise InvalidWorld(
             "too-large",
             "provenance and failure take {bytes} bytes of header; the limit is {most}",
-            "keep long evidence in a file of its own",
+            "keep long evidence in a separate file",
             bytes=len(header),
             most=MAX_HEADER_BYTES,
         )

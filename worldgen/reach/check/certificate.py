@@ -73,8 +73,8 @@ def check_certificate(
 
     Args:
         world: The world.
-        certificate: The proof; the world's own where left out.
-        radius: Radius of the disc, m; the robot's where left out, or each robot's.
+        certificate: The proof; the world's own if omitted.
+        radius: Radius of the disc, m; the robot's, or each robot's, if omitted.
     """
     certificate = world.certificate if certificate is None else certificate
     if certificate is None:

@@ -44,10 +44,8 @@ _FINER = (4, 8, 16)
 _MOST_NODES = 40_000_000
 # The same limit in a world that changes.
 _MOST_TIMED_NODES = 4_000_000
-_NOT_ASKED = "a path was found; its witness was not asked for"
-_CUT_NOT_ASKED = (
-    "the start is covered, or chains of cells part it from the target; the cut was not asked for"
-)
+_NOT_ASKED = "a path was found; its witness was not requested"
+_CUT_NOT_ASKED = "the start is covered, or chains of cells separate it from the target; the cut was not requested"
 _NONE = np.zeros(0, np.int64)
 
 
