@@ -280,7 +280,7 @@ def _fails_likewise(failure: Failure, candidate: World) -> bool:
     if proved is None:
         return False
     if record.verdict in (Verdict.STALLED, Verdict.TIMEOUT):
-        options = replace(options, steps=step_budget(proved, options.time_step))
+        options = replace(options, steps=step_budget(proved, options))
     if record.details.get("kept") == "class":
         other = failure_of(proved, failure.scenario, steps=options.steps)
         return other is not None and other.bucket == failure.bucket

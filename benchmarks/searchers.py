@@ -147,7 +147,7 @@ def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStre
     It is the robot's time divided by that of the straight path, 0 if the robot does not arrive.
     """
     scenario = config.scenario.with_run(seed=stream.below(1 << 32))
-    budget = step_budget(world, scenario.run.time_step)
+    budget = step_budget(world, scenario.run)
     try:
         run = prepare(world, CONTROLLERS.get(scenario.controller), scenario.options(world, budget))
     except InvalidWorld:

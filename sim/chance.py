@@ -24,7 +24,7 @@ from sim.controllers.base import robot_for, senses_of
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.motion import MOTIONS
 from sim.options.noise import is_noisy
-from sim.options.run import RunOptions
+from sim.options.run import TARGET, RunOptions
 from sim.runners.core_calls import CoreEpisode, Driver
 from sim.runners.lattice import LatticeRun
 from sim.trace import Trace
@@ -125,6 +125,8 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
     robot = robot_for(controller, options.robot)
     if world.is_dynamic:
         return "the world changes"
+    if options.task != TARGET:
+        return "what is left to cover depends on everything that happened before"
     if robot.pushes:
         return "pushes at stated times make a state's future depend on the time"
     if robot.moved and senses_of(controller) & lib.WG_SENSE_ODOMETRY:

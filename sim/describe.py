@@ -9,6 +9,7 @@ from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
     CollisionEvidence,
+    CoveredEvidence,
     Evidence,
     FaultEvidence,
     JointLoopEvidence,
@@ -33,6 +34,8 @@ def describe_evidence(episode: Episode) -> str:
             return f" forever (the state after step {entry} comes back {often})"
         case JointLoopEvidence() as joint:
             return f" forever ({_joint(joint)})"
+        case CoveredEvidence(cells=cells):
+            return f" ({cells} cells)"
         case WallEvidence() as wall:
             since = "" if wall.cause is None else f", since a {wall.cause} in step {wall.since}"
             return f" ({_of_robot(wall.robot)}step {wall.step}, wall cell {wall.cell}{since})"

@@ -10,6 +10,7 @@ from sim.episode_record import Episode
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
+    CoveredEvidence,
     Evidence,
     FaultEvidence,
     LoopEvidence,
@@ -19,7 +20,14 @@ from sim.fleet.assignment import assigned
 from sim.fleet.episode import simulate_fleet
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.options.run import RunOptions, check_recordable, check_world, options_from, switch_sets
+from sim.options.run import (
+    TARGET,
+    RunOptions,
+    check_recordable,
+    check_world,
+    options_from,
+    switch_sets,
+)
 from sim.outcome import Outcome, Runnable, area_of, wall_evidence
 from sim.runners.lattice import LatticeRun
 from sim.thesis.run import ThesisRun
@@ -147,9 +155,15 @@ def _evidence(world: World, outcome: Outcome, options: RunOptions) -> Evidence:
         return wall_evidence(outcome)
     if verdict == Verdict.BURNED:
         return BurnedEvidence(step=outcome.hit_step, cell=outcome.hit_cell, state=outcome.hit_state)
+    if verdict == Verdict.COVERED:
+        return CoveredEvidence(step=outcome.steps, cells=outcome.cells_wanted)
     if verdict in OUT_OF_BUDGET:
         multiple = None
-        if isinstance(world.certificate, Witness) and world.certificate.duration > 0:
+        if (
+            options.task == TARGET
+            and isinstance(world.certificate, Witness)
+            and world.certificate.duration > 0
+        ):
             spent = outcome.steps * options.time_step
             multiple = round(spent / world.certificate.duration, 3)
         return BudgetEvidence(last_new_cell=outcome.last_new_cell, witness_multiple=multiple)
@@ -169,6 +183,7 @@ def _episode(
         path_length=outcome.path_length,
         collisions=outcome.collisions,
         area_covered=area_of(outcome.cells_visited, world),
+        cells_left=outcome.cells_left if outcome.cells_wanted else None,
         trace_digest=outcome.digest,
         evidence=evidence,
         trace=outcome.trace,

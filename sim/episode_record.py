@@ -24,6 +24,7 @@ class Episode:
         trace_digest: 16 hex digits, a digest of every state.
         evidence: The facts that confirm the verdict for a checker; a record of the verdict's kind.
         trace: The recorded states, if requested.
+        cells_left: Cells that a coverage task still asks for; ``None`` for another task.
         area_covered: Area of the cells that its centre was in after a step, the start's included,
             m2.
     """
@@ -37,6 +38,7 @@ class Episode:
     evidence: Evidence
     trace: Trace | None = None
     area_covered: float = 0.0
+    cells_left: int | None = None
 
     @property
     def went_into_a_wall(self) -> bool:

@@ -61,6 +61,8 @@ class Outcome:
         random_draws: Random numbers used.
         cells_visited: Cells that the centre has been in after a step, the start's included.
         points: Points of the path after the start.
+        cells_left: Cells that a coverage task still asks for.
+        cells_wanted: Cells that it asked for; 0 for another task.
         complete: Whether the recorded state alone decides the future.
         fault: The controller's fault, without the step; ``None`` if it made none or only the core
             knows it.
@@ -82,6 +84,8 @@ class Outcome:
     random_draws: int
     cells_visited: int = 0
     points: int = 0
+    cells_left: int = 0
+    cells_wanted: int = 0
     entry: int = -1
     cause: str = ""
     cause_step: int = -1

@@ -10,6 +10,7 @@ from sim.controllers.behaviours.catalogue import is_composition_name
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.options.robot import RobotOptions
 from sim.options.run import (
+    TARGET,
     RunOptions,
     option_without_effect,
     step_budget,
@@ -26,7 +27,7 @@ __all__ = ["Scenario", "read_settings"]
 _OF_EVERY_RUN = {
     option.name: option
     for option in parameters_of_fields(RunOptions)
-    if option.name in ("motion", "time_step")
+    if option.name in ("motion", "time_step", "task")
 }
 
 
@@ -83,6 +84,8 @@ class Scenario:
             words.append(f"motion={self.run.motion}")
         if time_step is not None and self.run.time_step != time_step:
             words.append(f"time_step={self.run.time_step!r}")
+        if self.run.task != TARGET:
+            words.append(f"task={self.run.task}")
         if self.run.thesis.repaired:
             words.append("repaired")
             changed = {name: value for name, value in changed.items() if name not in REPAIRS}
@@ -99,7 +102,7 @@ class Scenario:
             steps: Budget to use instead.
         """
         if steps is None:
-            steps = step_budget(world, self.run.time_step, self.run.robot)
+            steps = step_budget(world, self.run)
         return replace(self.run, steps=steps)
 
     def with_run(self, **changes: Any) -> Scenario:

@@ -52,6 +52,7 @@ class Trace:
             recording has no ``words``, and its ``states`` lack the memory.
         recalled: How many numbers of memory ``recall`` shows.
         robot: Options of the robot in the run; ``None`` for the thesis's robot.
+        task: What the robot was to do: ``target`` or ``cover``.
     """
 
     time_step: float
@@ -71,6 +72,7 @@ class Trace:
     recall: Recall | None = None
     recalled: int = 0
     robot: RobotOptions | None = None
+    task: str = "target"
 
     @property
     def steps(self) -> int:

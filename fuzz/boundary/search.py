@@ -11,7 +11,7 @@ from fuzz.triage.proofs import certified
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
 from sim.outcome import Outcome
-from sim.verdict import Verdict
+from sim.verdict import ARRIVALS
 from worldgen.errors import WorldgenError
 from worldgen.world import Value, Witness, World
 
@@ -48,7 +48,7 @@ class BoundaryRun:
     @property
     def arrives(self) -> bool:
         """True if the robot reaches the target and does nothing else wrong."""
-        return self.outcome.verdict == Verdict.REACHED
+        return self.outcome.verdict in ARRIVALS
 
 
 class BoundaryRuns:

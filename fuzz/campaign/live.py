@@ -32,7 +32,7 @@ LIVE_FILE = "live.json"
 """Name, in the campaign store, of the file with the counts while a campaign runs."""
 
 _EVERY = 0.5  # s between two versions of the file
-_NOT_FAILED = ("reached", "sealed")  # verdicts at first look
+_NOT_FAILED = ("reached", "covered", "sealed")  # verdicts at first look
 
 Counters = Any  # a shared array of three numbers, which has no type of its own
 _counters: list[Counters] = []

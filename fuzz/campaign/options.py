@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from worldgen.parameters import Bounds, Parameter, Written, parameters_of_fields
 
@@ -43,6 +43,7 @@ class CampaignOptions(SearchOptions):
     Args:
         controller: Controller to test; ``+option=value`` changes an option of the run.
         motion: Motion model.
+        task: Reach the target, or cover every cell whose centre the robot can reach.
         families: Generate worlds with this family only; may be repeated.
         strategies: Search with this strategy only: native, archive, boundary, features, sealed, or
             a family; may be repeated.
@@ -60,6 +61,7 @@ class CampaignOptions(SearchOptions):
 
     controller: str = ""
     motion: str = "swept"
+    task: Literal["target", "cover"] = "target"
     families: Annotated[tuple[str, ...], Written("--family")] = ()
     strategies: Annotated[tuple[str, ...], Written("--strategy", also="--lane")] = ()
     world: Annotated[Path | None, Written(path="file")] = None

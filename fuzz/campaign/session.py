@@ -74,6 +74,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         options.controller,
         motion=options.motion,
         time_step=usual if options.time_step is None else options.time_step,
+        task=options.task,
     )
     families = (*options.families, *options.strategies)
     for name in families:

@@ -8,7 +8,7 @@ Contents:
     check_evidence: Finds errors in an episode's verdict, whichever it is.
     check_breach: Finds errors in the claim that a walled-off target is reached.
     EVIDENCE_CHECKS: The checks by verdict.
-    burned, loop, overlap, reached, stalled, timeout, tunnel: Modules, one for each verdict.
+    burned, covered, loop, overlap, reached, stalled, timeout, tunnel: Modules, one for each verdict.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any
 
 from fuzz.evidence_checks.breach import check_breach
 from fuzz.evidence_checks.burned import check_burned
+from fuzz.evidence_checks.covered import check_covered
 from fuzz.evidence_checks.loop import check_loop
 from fuzz.evidence_checks.overlap import check_overlap
 from fuzz.evidence_checks.reached import check_reached
@@ -36,6 +37,7 @@ EvidenceCheck = Callable[[World, Trace, Any, Motion], str]
 
 EVIDENCE_CHECKS: dict[Verdict, EvidenceCheck] = {
     Verdict.BURNED: check_burned,
+    Verdict.COVERED: check_covered,
     Verdict.LOOP: check_loop,
     Verdict.OVERLAP: check_overlap,
     Verdict.REACHED: check_reached,

@@ -15,7 +15,7 @@ from fuzz.triage.signature import failure_class
 from fuzz.violation import Violation
 from sim.evidence import WallEvidence
 from sim.motion.base import THESIS
-from sim.verdict import Verdict
+from sim.verdict import ARRIVALS, Verdict
 from worldgen.world import Cut, World
 
 __all__ = ["BREACH", "VERDICT", "BreachOracle", "VerdictOracle", "verdict_oracle"]
@@ -27,7 +27,7 @@ class VerdictOracle(Oracle):
 
     def check(self, trial: Trial) -> Violation | None:
         """Return the verdict as a violation, if it is one."""
-        if isinstance(trial.world.certificate, Cut) or trial.episode.verdict == Verdict.REACHED:
+        if isinstance(trial.world.certificate, Cut) or trial.episode.verdict in ARRIVALS:
             return None
         recorded = replace(trial.episode, trace=trial.trace)
         return Violation(failure_class(trial.world, recorded), recorded.evidence)

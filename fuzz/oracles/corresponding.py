@@ -17,7 +17,7 @@ from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_near_t
 from fuzz.oracles.trial import Trial
 from fuzz.oracles.worlds import mirrored, scaled, shifted, turned
 from sim.options.run import MAX_STEPS
-from sim.verdict import Verdict
+from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.world import Value, World
 
@@ -128,7 +128,7 @@ def _objection(
         # A start between two poses of the lattice was rounded into a wall.
         return None
     here = trial.episode
-    arrived = (here.verdict == Verdict.REACHED, there.verdict == Verdict.REACHED)
+    arrived = (here.verdict in ARRIVALS, there.verdict in ARRIVALS)
     slow = max(here.steps, there.steps * each)
     fast = min(here.steps, there.steps * each)
     if not any(arrived) or (all(arrived) and slow <= factor * max(fast, 1)):

@@ -28,7 +28,7 @@ from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.options.run import switch_sets
-from sim.verdict import Verdict
+from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value
 
@@ -184,7 +184,7 @@ class _ChangedRuns:
         if ran is None:
             return False
         self._count(ran[1].steps)
-        return ran[1].verdict == Verdict.REACHED
+        return ran[1].verdict in ARRIVALS
 
     def boundary(self, name: str) -> Change | None:
         """Return the nearest value of an axis at which the robot arrives, if there is one."""

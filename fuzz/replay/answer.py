@@ -11,7 +11,7 @@ from fuzz.triage.judging import Replay, replay
 from fuzz.triage.proofs import certificate_fault
 from sim.episode import Episode
 from sim.evidence import BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, WallEvidence
-from sim.verdict import Verdict
+from sim.verdict import ARRIVALS, Verdict
 from worldgen.errors import WorldgenError
 
 __all__ = ["ReplayAnswer", "State", "answer", "describe_summary"]
@@ -125,7 +125,7 @@ def _mended(failure: Failure, episode: Episode) -> str:
 
 def _how(failure: Failure, episode: Episode, was: str, wrong: str, outcome: Replay) -> str:
     """Describe how a failure fails now and how it failed before."""
-    if episode.verdict == Verdict.REACHED:  # the oracle still finds a violation
+    if episode.verdict in ARRIVALS:  # the oracle still finds a violation
         return wrong
     now = _in_short(episode.verdict, episode.evidence)
     if now == was:

@@ -13,7 +13,7 @@ from sim.describe import describe_evidence
 from sim.episode import Episode
 from sim.options.run import RunOptions, step_budget
 from sim.scenario import Scenario
-from sim.verdict import UNENDED, Verdict
+from sim.verdict import ARRIVALS, UNENDED
 from worldgen.errors import InvalidWorld
 from worldgen.world import Cut, World
 
@@ -65,7 +65,7 @@ def is_fixed(failure: Failure, controller: str | None = None) -> Checked:
     failure = failure.driven_by(controller)
     world = failure.world
     stored = failure.options
-    budget = step_budget(world, stored.time_step, stored.robot)
+    budget = step_budget(world, stored)
     options = replace(stored, steps=max(stored.steps, budget))
     return _checked(world, failure.scenario, options, oracle_of(failure))
 
@@ -106,7 +106,7 @@ def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Orac
     if isinstance(world.certificate, Cut):
         stays_out = episode.verdict in UNENDED
         return Checked("" if stays_out else f"{ended}, but the target is walled off", seen)
-    if episode.verdict != Verdict.REACHED:
+    if episode.verdict not in ARRIVALS:
         return Checked(f"{ended}, but the target can be reached", seen)
     if trial.flaw:
         return Checked(f"{ended}, but {trial.flaw}", seen)

@@ -24,7 +24,7 @@ from sim.controllers import (
 )
 from sim.motion import MOTIONS
 from sim.motion.base import LATTICE
-from sim.options.run import MAX_STEPS
+from sim.options.run import MAX_STEPS, TARGET
 from sim.outcome import ENDINGS
 from sim.runners.core_calls import Driver, memory_for
 from sim.runners.lattice import LatticeRun
@@ -245,9 +245,11 @@ class Screening:
 def can_screen(scenario: Scenario) -> bool:
     """Return True if native search can run a scenario.
 
-    It can run any controller, under a motion model on the pose lattice.
+    It can run any controller that is to reach its target, under a motion model on the pose
+    lattice.
     """
-    return MOTIONS.get(scenario.run.motion).kernel == LATTICE
+    reaches = scenario.run.task == TARGET
+    return reaches and MOTIONS.get(scenario.run.motion).kernel == LATTICE
 
 
 def evaluate(

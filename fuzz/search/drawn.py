@@ -28,6 +28,7 @@ from fuzz.search.sealed import SEALED_BYTES, decode_sealed
 from fuzz.search.task import Task
 from fuzz.strategies import family_worlds, layouts, scenarios_in
 from sim.episode import prepare
+from sim.options.run import COVER
 from sim.runners.stopping import OutOfTime, check_time
 from sim.scenario import Scenario
 from sim.verdict import Verdict
@@ -116,9 +117,9 @@ def visit_of(task: Task, strategy: str) -> Visit:
 
 def _visit(task: Task, world: World, scenario: Scenario) -> str:
     budget = _SEARCH_STEPS
-    if world.certificate:
-        budget = scenario.options(world).steps
     try:
+        if world.certificate or scenario.run.task == COVER:
+            budget = scenario.options(world).steps
         run = prepare(world, task.controller, scenario.options(world, budget))
         outcome = run.run(budget, find_loop=True, record=False, digest=False)
     except InvalidWorld:

@@ -15,7 +15,15 @@ from sim.evidence import BudgetEvidence, Evidence, FaultEvidence, WallEvidence
 from sim.options.run import FEWEST_STEPS, RunOptions
 from sim.outcome import Outcome
 from sim.scenario import Scenario
-from sim.verdict import AT_ONCE, BY_THE_CONTROLLER, FAILURES, OUT_OF_BUDGET, UNENDED, Verdict
+from sim.verdict import (
+    ARRIVALS,
+    AT_ONCE,
+    BY_THE_CONTROLLER,
+    FAILURES,
+    OUT_OF_BUDGET,
+    UNENDED,
+    Verdict,
+)
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.world import World
 
@@ -201,7 +209,7 @@ class StillFails:
         if self.verdict == Verdict.OVERLAP:
             return outcome.overlap_step >= 0 and self._is_same_manner(outcome.cause)
         # A run that overlaps a wall or arrives is neither a loop nor out of budget.
-        if outcome.overlap_step >= 0 or outcome.ending == Verdict.REACHED:
+        if outcome.overlap_step >= 0 or outcome.ending in ARRIVALS:
             return False
         return outcome.ending == Verdict.LOOP or self.verdict != Verdict.LOOP
 

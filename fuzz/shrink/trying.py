@@ -15,6 +15,7 @@ from sim._core import lib
 from sim.controllers import CompiledController
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
+from sim.options.run import TARGET
 from sim.runners.edited import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_path
 from sim.verdict import Verdict
 
@@ -59,7 +60,9 @@ class Trying:
         self._deadline = deadline
         whole = still_fails.oracle == VERDICT and not still_fails.bucket
         self._quick_is_enough = whole and still_fails.is_proved_by_the_run
-        self._on_lattice = MOTIONS.get(still_fails.scenario.run.motion).kernel != THESIS
+        run = still_fails.scenario.run
+        # The core knows no edited world's cells to cover.
+        self._on_lattice = run.task == TARGET and MOTIONS.get(run.motion).kernel != THESIS
 
     def first(self, case: Case, edits: Sequence[Edit], begin: int) -> tuple[int, Case] | None:
         """Return the first edit from ``begin`` on that keeps the failure, and the edited case.

@@ -238,11 +238,7 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
     def _driven(self, world: World, label: object, message: Message) -> _Driven:
         scenario = self._scenario(label, message)
         steps = message.get("steps")
-        budget = (
-            step_budget(world, scenario.run.time_step, scenario.run.robot)
-            if steps is None
-            else field(message, "steps", int)
-        )
+        budget = step_budget(world, scenario.run) if steps is None else field(message, "steps", int)
         options = scenario.options(world, min(max(budget, 1), MOST_STEPS))
         episode = simulate(world, scenario.controller, options, record=True, lean=True)
         return _Driven(str(label), world, options, episode, CONTROLLERS.get(scenario.controller))

@@ -22,7 +22,7 @@ from sim.episode import Episode
 from sim.evidence import evidence_table
 from sim.motion import MOTIONS
 from sim.scenario import Scenario
-from sim.verdict import OUT_OF_BUDGET, Verdict
+from sim.verdict import ARRIVALS, OUT_OF_BUDGET
 from worldgen.errors import WorldgenError
 from worldgen.world import FailureRecord, Value, World
 
@@ -99,7 +99,7 @@ def failure_of(
     episode = trial.episode
 
     # A robot that needs more than the witness's budget is judged by that budget.
-    late = episode.verdict == Verdict.REACHED and episode.steps > options.steps
+    late = episode.verdict in ARRIVALS and episode.steps > options.steps
     if longer != options and (late or episode.verdict in OUT_OF_BUDGET):
         trial = Trial.recorded(world, scenario.controller, options)
 
@@ -171,7 +171,7 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
     # Records that cannot be failures at all, such as ones edited by hand.
     if failure.oracle is not None and not failure.violation.facts:
         return Replay("error", False, "the evidence does not name an oracle and what it found")
-    if failure.oracle is None and record.verdict == Verdict.REACHED:
+    if failure.oracle is None and record.verdict in ARRIVALS:
         return Replay(
             "reached", False, "the file records that the robot arrived, which is not a failure"
         )

@@ -19,7 +19,7 @@ from sim.controllers import CONTROLLERS, ProcessController
 from sim.outcome import LIMIT, Outcome
 from sim.runners.stopping import OutOfTime, check_time, stopping_when
 from sim.scenario import Scenario
-from sim.verdict import Verdict
+from sim.verdict import ARRIVALS, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
@@ -87,7 +87,7 @@ class Triage:
             if outcome.fault and verdict == Verdict.CRASH
             else outcome.cause
         )
-        kind = "" if verdict == Verdict.REACHED else self.enter(world, scenario, verdict, cause)
+        kind = "" if verdict in ARRIVALS else self.enter(world, scenario, verdict, cause)
         check_time()
         return self.ask(world, scenario) or kind
 
@@ -187,5 +187,5 @@ def first_look(outcome: Outcome) -> str:
     """Return the verdict of a run with a short budget; ``undecided`` if it used all of it."""
     if outcome.ending == LIMIT:
         return Verdict.OVERLAP if outcome.overlap_step >= 0 else "undecided"
-    overlaps = outcome.overlap_step >= 0 and outcome.ending in (Verdict.REACHED, Verdict.LOOP)
+    overlaps = outcome.overlap_step >= 0 and outcome.ending in (*ARRIVALS, Verdict.LOOP)
     return Verdict.OVERLAP if overlaps else outcome.ending

@@ -46,6 +46,11 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
+@click.option(
+    "--task",
+    type=click.Choice(("target", "cover")),
+    help="Reach the target, or cover every cell whose centre can be reached [default: target].",
+)
 @click.option("--steps", type=int, help="Budget in steps [default: 50 times the witness's time].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
 @click.option(
@@ -75,6 +80,7 @@ def run(
     path: Path,
     controller: str,
     motion: str,
+    task: str | None,
     steps: int | None,
     time_step: float | None,
     seed: int,
@@ -102,7 +108,13 @@ def run(
     world = read_world(path)
     duration = RunOptions.time_step if time_step is None else time_step
     scenarios = [
-        Scenario.parse(part, motion=motion, time_step=duration, seed=seed)
+        Scenario.parse(
+            part,
+            motion=motion,
+            time_step=duration,
+            seed=seed,
+            task=task or RunOptions.task,
+        )
         for part in controllers_in(controller, len(world.robots))
     ]
     note_unused(list(dict.fromkeys(scenarios)), seeds=["seed"])
@@ -245,6 +257,7 @@ def _summary(episode: Episode) -> dict[str, object]:
         "path_length": episode.path_length,
         "collisions": episode.collisions,
         "area_covered": episode.area_covered,
+        **({} if episode.cells_left is None else {"cells_left": episode.cells_left}),
         "trace_digest": episode.trace_digest,
         "evidence": evidence_table(episode.evidence),
         **robots,
@@ -255,8 +268,11 @@ def _sentence(episode: Episode) -> str:
     from sim.describe import describe_evidence
     from worldgen.support.plain_text import counted
 
+    left = ""
+    if episode.cells_left:
+        left = f", {counted(episode.cells_left, 'cell')} left to cover"
     return (
-        f"{episode.verdict}{describe_evidence(episode)}: {counted(episode.steps, 'step')}, "
+        f"{episode.verdict}{describe_evidence(episode)}{left}: {counted(episode.steps, 'step')}, "
         f"{episode.time:g} s, "
         f"{episode.path_length:.3f} m driven, {counted(episode.collisions, 'collision')}, trace "
         f"{episode.trace_digest}"

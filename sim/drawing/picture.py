@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from sim.drawing.wall_penetrations import penetrated_cells
 from sim.episode import Episode
@@ -12,9 +13,11 @@ from sim.evidence import JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.fleet.episode import FleetEpisode
 from sim.fleet.run import world_of_robot
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
+from sim.options.run import COVER
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.lattice import exact
+from worldgen.reach import reachable_cells
 from worldgen.render import Drive, EventMark, Trail
 from worldgen.render.overlay import Disturbances, MarkKind, Shove
 from worldgen.world import World
@@ -65,6 +68,7 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
         marks,
         () if world is None else penetrated_cells(episode, world),
         disturbances_in(trace),
+        _missed(trace, world),
     )
 
 
@@ -86,6 +90,18 @@ def drives_of(episode: Episode, world: World) -> list[Drive]:
         drive_of(one, world_of_robot(world, number), f"robot {number + 1}")
         for number, one in enumerate(episode.robots)
     ]
+
+
+def _missed(trace: Trace, world: World | None) -> npt.NDArray[np.bool_] | None:
+    """Return the cells that a coverage task asked for and the robot was not in."""
+    if trace.task != COVER or world is None:
+        return None
+    missed = reachable_cells(world)
+    side = world.cell_size
+    columns = np.clip(np.floor(trace.x / side + 1e-9).astype(np.int64), 0, world.width - 1)
+    rows = np.clip(np.floor(trace.y / side + 1e-9).astype(np.int64), 0, world.height - 1)
+    missed[rows, columns] = False
+    return missed
 
 
 def disturbances_in(trace: Trace) -> Disturbances:

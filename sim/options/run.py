@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+import typing
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any, TypeGuard
+from typing import Annotated, Any, Literal, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
@@ -19,18 +20,23 @@ from sim.options.robot import RobotOptions
 from sim.thesis.options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
-from worldgen.parameters import Bounds, parameters_of_fields
+from worldgen.parameters import Bounds, check_choice, parameters_of_fields
+from worldgen.reach.still.cells import reachable_cells
 from worldgen.support.plain_text import quote
 from worldgen.world import JointWitness, Pose, Value, Witness, World
 
 __all__ = [
     "BUDGET_FACTOR",
+    "COVER",
     "DEFAULT_TIME_STEP",
     "FEWEST_STEPS",
     "MAX_RECORDED",
     "MAX_STEPS",
+    "TARGET",
+    "TASKS",
     "TIME_STEPS",
     "RunOptions",
+    "Task",
     "check_recordable",
     "check_step_length",
     "check_world",
@@ -46,6 +52,10 @@ __all__ = [
     "worlds_of",
 ]
 
+Task = Literal["target", "cover"]
+TASKS: tuple[Task, ...] = typing.get_args(Task)
+TARGET: Task = "target"
+COVER: Task = "cover"
 # Seconds: the thesis's time step.
 DEFAULT_TIME_STEP = 0.015
 # Least and largest time step, s.
@@ -57,6 +67,10 @@ BUDGET_FACTOR = (
     # A run may take this many times the witness's time before it counts as stalled or timed out.
     50
 )
+# Settings of every run that a failure stores.
+_OF_THE_RUN = ("steps", "time_step", "task")
+# The budget of a coverage task, as a multiple of a tour of all cells and back.
+_COVER_FACTOR = 10
 # A budget grows at most this many times for a drift.
 _MOST_OF_A_DRIFT = 10
 # Cells: the tolerated overlap if the model should have none.
@@ -81,6 +95,8 @@ class RunOptions:
         seed: Seed of the run's random numbers.
         thesis: Options of the motion model ``stepped``.
         robot: Dynamics and sensors under the other motion models.
+        task: What the robot is to do: reach the ``target``, or ``cover`` every cell whose centre it
+            can reach.
 
     Raises:
         InvalidParameter: If a value is out of range or of the wrong type.
@@ -92,6 +108,7 @@ class RunOptions:
     seed: int = 0
     thesis: ThesisOptions = field(default_factory=ThesisOptions)
     robot: RobotOptions = field(default_factory=RobotOptions)
+    task: Task = TARGET
 
     def __post_init__(self) -> None:
         for name, kind in (("motion", str), ("thesis", ThesisOptions), ("robot", RobotOptions)):
@@ -105,6 +122,17 @@ class RunOptions:
                     value=quote(getattr(self, name)),
                     wanted=wanted,
                 )
+        check_choice("task", str(self.task), TASKS)
+        if self.task != TARGET and switch_class(self.motion) is ThesisOptions:
+            raise InvalidParameter(
+                "option-without-effect",
+                "option {option!r} means nothing to motion {motion!r}",
+                "take --motion {where}, or leave it out",
+                at_terminal=True,
+                option="task",
+                motion=self.motion,
+                where="swept or endpoint",
+            )
         object.__setattr__(self, "time_step", TIME_STEP.accept(self.time_step, "run"))
         object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, _MAX_SEED))
@@ -124,7 +152,8 @@ class RunOptions:
 
     def parameters(self) -> dict[str, Value]:
         """Return what a failure file stores in addition to motion model and seed."""
-        return {"steps": self.steps, "time_step": self.time_step, **self.changed()}
+        task = {} if self.task == TARGET else {"task": self.task}
+        return {"steps": self.steps, "time_step": self.time_step, **task, **self.changed()}
 
     @classmethod
     def of(cls, motion: str, seed: int, parameters: Mapping[str, Value]) -> RunOptions:
@@ -134,7 +163,7 @@ class RunOptions:
             InvalidParameter: If a name is unknown or a value has the wrong type.
         """
         switches = dict(parameters)
-        own = {name: switches.pop(name) for name in ("steps", "time_step") if name in switches}
+        own = {name: switches.pop(name) for name in _OF_THE_RUN if name in switches}
         return cls(motion, seed=seed, **own, **switch_sets(motion, switches))  # type: ignore[arg-type]
 
 
@@ -232,26 +261,33 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         )
 
 
-def step_budget(
-    world: World, time_step: float = DEFAULT_TIME_STEP, robot: RobotOptions | None = None
-) -> int:
+def step_budget(world: World, run: RunOptions) -> int:
     """Return the steps that a run gets.
 
     They are ``BUDGET_FACTOR`` times the witness's time, at least 4,000; 20,000 without a witness.
-    Time lost to pushes and drift is added first.
+    To cover a world, the witness's time is replaced by that of driving from each cell to the next
+    and back. Time lost to pushes and drift is added first.
 
     Args:
         world: The world, with its certificate.
-        time_step: Time step, s.
-        robot: Options of the robot; if omitted, nothing disturbs it.
+        run: Options of the run, of which the budget itself does not matter.
+
+    Raises:
+        InvalidWorld: If a world that changes is to be covered.
     """
-    if not isinstance(world.certificate, Witness | JointWitness):
+    if run.task == COVER:
+        cells = int(np.count_nonzero(reachable_cells(world)))
+        duration = 2 * cells * exact(world.cell_size) / exact(world.robot_speed)
+        factor = _COVER_FACTOR
+    elif isinstance(world.certificate, Witness | JointWitness):
+        duration = exact(world.certificate.duration)
+        factor = BUDGET_FACTOR
+    else:
         return _STEPS_WITHOUT_WITNESS
-    duration = exact(world.certificate.duration)
-    if robot is not None and robot.moved:
-        delay, factor = delay_of(world, robot)
-        duration = min(factor, Fraction(_MOST_OF_A_DRIFT)) * duration + exact(delay)
-    wanted = math.ceil(BUDGET_FACTOR * duration / exact(time_step))
+    if run.robot.moved:
+        delay, slower = delay_of(world, run.robot)
+        duration = min(slower, Fraction(_MOST_OF_A_DRIFT)) * duration + exact(delay)
+    wanted = math.ceil(factor * duration / exact(run.time_step))
     return min(max(wanted, FEWEST_STEPS), MAX_STEPS)
 
 
@@ -262,9 +298,7 @@ def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
         InvalidParameter: If a name or a value is unknown or out of range.
     """
     own = {
-        name: value
-        for name, value in settings.items()
-        if name in ("motion", "steps", "time_step", "seed")
+        name: value for name, value in settings.items() if name in ("motion", "seed", *_OF_THE_RUN)
     }
     rest = {name: value for name, value in settings.items() if name not in own}
     options = RunOptions(**own)  # type: ignore[arg-type]
@@ -272,7 +306,7 @@ def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
         options = replace(options, **switch_sets(options.motion, rest))
     if "steps" in own:
         return options
-    return replace(options, steps=step_budget(world, options.time_step, options.robot))
+    return replace(options, steps=step_budget(world, options))
 
 
 def options_from(

@@ -21,7 +21,7 @@ from sim.controllers.shared.guarded import ControllerDied, call
 from sim.motion import MOTIONS
 from sim.options.noise import is_noisy
 from sim.options.robot import SIGNALS
-from sim.options.run import MAX_RECORDED, RunOptions, check_recordable, check_step_length
+from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, check_step_length
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.core_calls import (
     EVENT_FIELDS,
@@ -45,6 +45,7 @@ from sim.runners.packing import disc_numbers, event_time, start_overlaps, target
 from sim.runners.python_loop import PythonLoop
 from sim.trace import Trace, Words
 from sim.verdict import Verdict
+from worldgen.errors import InvalidWorld
 from worldgen.lattice import (
     TURN,
     UNIT,
@@ -53,6 +54,7 @@ from worldgen.lattice import (
     lattice_to_metres,
     metres_to_lattice,
 )
+from worldgen.reach.still.cells import reachable_cells
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import CellState
 from worldgen.world import Pose, World
@@ -109,10 +111,31 @@ class LatticeRun:
         self._fill_settings(motion.code, motion.overlap_tolerance)
         self._near = self.memory.own(near_masks(self._cells))
         self._clearance = self.memory.own(self._clearance_table())
-        self._wanted = None
+        self._wanted = self._cells_to_cover()
         self._beams = None
         if len(self.events) == 0:
             self._beams = beam_tables(self._cells, self.settings, self.memory)
+
+    def _cells_to_cover(self) -> npt.NDArray[np.uint8] | None:
+        """Return the cells that a coverage task asks for; ``None`` for another task.
+
+        The target then ends no run, so its disc gets a squared radius that no distance has.
+
+        Raises:
+            InvalidWorld: If the world changes, or there is nothing to cover but the start's cell.
+        """
+        if self.options.task != COVER:
+            return None
+        self.settings.target_radius_sq = -1
+        wanted = np.ascontiguousarray(reachable_cells(self.world), np.uint8)
+        if np.count_nonzero(wanted) < 2:
+            raise InvalidWorld(
+                "nothing-to-cover",
+                "the robot can reach the centre of no cell but its own, so there is nothing to "
+                "cover",
+                "take a larger world or a smaller robot",
+            )
+        return wanted
 
     def _fill_settings(self, motion_code: int, tolerance: float) -> None:
         world = self.world
@@ -562,6 +585,8 @@ class LatticeRun:
             random_draws=int(episode.state.draws) if episode else 0,
             cells_visited=int(report.cells_visited),
             points=int(report.points),
+            cells_left=int(report.cells_left),
+            cells_wanted=0 if self._wanted is None else int(np.count_nonzero(self._wanted)),
             complete=complete,
             fault=fault.evidence if fault else None,
             trace=None if recording is None else self.trace_of(*recording, complete),
@@ -589,6 +614,7 @@ class LatticeRun:
             complete=complete and not lean,
             memory_at=-1 if lean else STATE_WORDS,
             robot=self.options.robot,
+            task=self.options.task,
         )
 
 

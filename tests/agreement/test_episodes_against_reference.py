@@ -110,8 +110,9 @@ def assert_the_same(run, *, recorded):
         assert [int(episode.c.search.log[k]) for k in done] == [int(search.log[k]) for k in done]
 
 
-def prepared(world, name, motion, robot, *, digest):
-    run = prepare(world, name, RunOptions(motion, STEPS, 0.1, 3, robot=RobotOptions(**robot)))
+def prepared(world, name, motion, robot, *, digest, task="target"):
+    options = RunOptions(motion, STEPS, 0.1, 3, robot=RobotOptions(**robot), task=task)
+    run = prepare(world, name, options)
     run.settings.steps = STEPS
     run.settings.digest = int(digest)
     run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
@@ -123,6 +124,13 @@ def prepared(world, name, motion, robot, *, digest):
 @pytest.mark.parametrize("world", WORLDS.values(), ids=WORLDS)
 def test_a_recorded_run_is_that_of_the_reference(world, robot, motion):
     assert_the_same(prepared(world(), "turn-random", motion, robot, digest=True), recorded=True)
+
+
+@pytest.mark.parametrize("digest", [True, False])
+@pytest.mark.parametrize("world", [cup, lambda: generate("corridor", 2, size=10)])
+def test_a_run_that_covers_is_that_of_the_reference(world, digest):
+    run = prepared(world(), "turn-random", "swept", {}, digest=digest, task="cover")
+    assert_the_same(run, recorded=digest)
 
 
 @pytest.mark.parametrize("name", ["turn-left", "turn-random", "q-learning"])

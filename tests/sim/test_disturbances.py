@@ -200,11 +200,11 @@ def test_from_wherever_a_push_leads_the_target_is_reachable(seed, dx, dy):
 
 def test_a_budget_grows_by_what_a_push_or_a_drift_delays():
     world = generate("maze", 1)
-    plain = step_budget(world)
-    pushed = step_budget(world, STEP, RobotOptions(pushes=(10.0, 0.0, 0.0, 1.0)))
+    plain = step_budget(world, RunOptions())
+    pushed = step_budget(world, RunOptions(robot=RobotOptions(pushes=(10.0, 0.0, 0.0, 1.0))))
     assert pushed - plain == pytest.approx(50 * 10.0 / STEP, abs=2)
-    half = RobotOptions(drift=world.robot_speed / 2)
-    assert step_budget(world, STEP, half) == pytest.approx(2 * plain, rel=0.01)
+    half = RunOptions(robot=RobotOptions(drift=world.robot_speed / 2))
+    assert step_budget(world, half) == pytest.approx(2 * plain, rel=0.01)
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ Contents:
     decide_in_time, latest_start, until: with a deadline; how long the robot may wait.
     Confinement: what proves that a deadline cannot be met.
     Swap: what proves that two robots cannot both arrive.
+    reachable_cells, coverage_tour: which cells' centres the disc can reach, and a tour of them.
     widest_disc: the largest disc that gets through.
 Imported when they are first used, because they load shapely:
     check_certificate, CheckReport: check a proof.
@@ -21,6 +22,7 @@ from typing import TYPE_CHECKING
 from worldgen.reach.confinement import Confinement
 from worldgen.reach.deciding import decide, decide_many
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, Swap
+from worldgen.reach.still.cells import coverage_tour, reachable_cells
 from worldgen.reach.still.widest import widest_disc
 from worldgen.reach.timed.deadline import decide_in_time, latest_start, until
 from worldgen.support.lazy import lazy_names
@@ -52,11 +54,13 @@ __all__ = [
     "check_certificate",
     "check_confinement",
     "check_swap",
+    "coverage_tour",
     "decide",
     "decide_in_time",
     "decide_many",
     "delayed",
     "latest_start",
+    "reachable_cells",
     "until",
     "widest_disc",
     "witness_margin",

@@ -19,6 +19,7 @@ from worldgen.render.palette import (
     INK,
     LOOP,
     LOOP_HEAD,
+    MISSED,
     PAPER,
     PIERCED,
     PIERCED_GROUND,
@@ -214,6 +215,8 @@ def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
         keys.append(("push", _push_sample))
     if disturbances.places:
         keys.append(("place that pushes", _swatch(mix(PAPER, PUSH, 0.5))))
+    if trail.missed is not None and trail.missed.any():
+        keys.append(("not covered", _swatch(mix(PAPER, MISSED, 0.55))))
     if disturbances.drift_heading is not None:
         keys.append(("tilted floor", _line(mix(PAPER, PUSH, 0.6), 1.6)))
     if disturbances.decoys:

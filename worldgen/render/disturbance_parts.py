@@ -1,18 +1,22 @@
-"""What disturbs a robot besides walls, on the map and in its key: pushes, drift, decoys."""
+"""What disturbs a robot besides walls, on the map and in its key: pushes, drift, decoys.
+
+And what a coverage task leaves undone.
+"""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Disturbances, Shove
-from worldgen.render.palette import PAPER, PUSH, PUSH_HEAD, TARGET, mix
-from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive
+from worldgen.render.palette import MISSED, PAPER, PUSH, PUSH_HEAD, TARGET, mix
+from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
 from worldgen.render.trail_parts import arrow_head
 
-__all__ = ["above_the_trail", "decoy_mark", "push_arrow", "under_the_walls"]
+__all__ = ["above_the_trail", "decoy_mark", "missed_cells", "push_arrow", "under_the_walls"]
 
 # Arrows of a drift along the longer side of the map.
 _DRIFT_ARROWS = 6
@@ -37,6 +41,17 @@ def under_the_walls(disturbances: Disturbances, frame: Frame) -> list[Primitive]
             size = 9.0 * frame.unit
             x, y = ends[1].tolist()
             parts.append(arrow_head(x, y, angle, size, mix(PAPER, PUSH, 0.45)))
+    return parts
+
+
+def missed_cells(missed: npt.NDArray[np.bool_] | None, frame: Frame) -> list[Primitive]:
+    """Stripes over the cells that the robot should have been in and was not."""
+    if missed is None or not missed.any():
+        return []
+    stripes = 7.0 * frame.unit if frame.cell >= 4.0 * frame.unit else 0.0
+    parts: list[Primitive] = [DrawnCells(missed, MISSED, opacity=0.25)]
+    if stripes:
+        parts.append(DrawnCells(missed, MISSED, opacity=0.6, hatch=stripes))
     return parts
 
 

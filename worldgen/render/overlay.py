@@ -123,6 +123,8 @@ class Trail:
         marks: Events along the path.
         pierced: Wall cells that the robot entered.
         disturbances: What disturbed the robot.
+        missed: (height, width) bool, cells that a coverage task asked for and the robot was not in;
+            ``None`` for another task.
 
     Raises:
         InvalidParameter: If the arrays do not match, are empty or not finite, or the index is out
@@ -135,6 +137,7 @@ class Trail:
     marks: Sequence[EventMark] = field(default_factory=tuple)
     pierced: Sequence[WallPenetration] = ()
     disturbances: Disturbances = Disturbances()
+    missed: npt.NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         for name in ("x", "y"):

@@ -16,6 +16,7 @@ __all__ = [
     "INK",
     "LOOP",
     "LOOP_HEAD",
+    "MISSED",
     "PAPER",
     "PIERCED",
     "PIERCED_GROUND",
@@ -41,6 +42,8 @@ LOOP = "#D55E00"
 FIRE = "#E69F00"
 # Sky blue: what moves the robot besides its wheels.
 PUSH = "#56B4E9"
+# Yellow: cells that a coverage task asked for and the robot missed.
+MISSED = "#E3C800"
 # Reddish purple: where the run broke the world's rules, and cuts.
 TUNNEL = "#CC79A7"
 # Red, with stripes and a frame: walls that the robot entered.

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from worldgen.render.caption import caption
 from worldgen.render.content import Changes, Content
-from worldgen.render.disturbance_parts import above_the_trail, under_the_walls
+from worldgen.render.disturbance_parts import above_the_trail, missed_cells, under_the_walls
 from worldgen.render.fleet_parts import joint_witness_parts, robot_parts
 from worldgen.render.frame import BAND, Frame
 from worldgen.render.outline import corner_count, outlines
@@ -138,6 +138,7 @@ def _map(content: Content) -> list[Primitive]:
     parts: list[Primitive] = [_band(frame), *_floor(world, frame, signal=content.signal)]
     if content.trail:
         parts += under_the_walls(content.trail.disturbances, frame)
+        parts += missed_cells(content.trail.missed, frame)
     parts += [DrawnCells(world.walls, WALL), *_changes(content.changes, frame)]
     if content.witness:
         parts += _certificate(world, frame)
