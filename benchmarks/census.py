@@ -93,6 +93,7 @@ class Row:
 
 
 def _generators() -> Iterator[Row]:
+    # Mazes and caves.
     mazelib = ("mazelib", "0.9.16")
     dataset = ("maze-dataset", "1.4.2")
     pogema = ("pogema", "1.4.0")
@@ -110,6 +111,7 @@ def _generators() -> Iterator[Row]:
     yield Row(
         "labmaze RandomMaze", "labmaze_maps", ("labmaze", "1.0.6"), (("side", "31"), ("rooms", "6"))
     )
+    # Noise, grid worlds and simulators' maps.
     yield Row("tcod noise", "tcod_maps", ("tcod", "21.2.2"))
     yield Row("tcod noise, clear ends", "tcod_maps", ("tcod", "21.2.2"), clear_ends=True)
     for name in ("SimpleCrossingS11N5", "FourRooms"):
@@ -124,12 +126,12 @@ def _generators() -> Iterator[Row]:
 
 
 def _collections() -> Iterator[Row]:
+    # Its generator keeps 0.375 m free, so 0.376 is the first radius that matters.
     metres = (
         "0.35",
         "0.375",
         "0.376",
         "0.45",
-        # Its generator keeps 0.375 m free, so 0.376 is the first radius that matters.
     )
     yield Row("BARN, posts as squares", folders=("{barn}",), radii=metres)
     for name in ("mazes", "random", "rooms", "dao"):

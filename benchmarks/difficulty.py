@@ -43,17 +43,17 @@ WORLDS = 110
 STEPS = 10_000
 # Other names of controllers that are run anyway.
 SKIPPED = ("thesis-1", "thesis-2", "thesis-3")
+# Adding retreat, turning, decisions and visibility does not improve the prediction.
 CANDIDATES = (
     "concavity",
     "detour",
-    # Adding retreat, turning, decisions and visibility does not improve the prediction.
 )
 # Shares of failed runs between which a controller discriminates worlds.
 OFTEN = (0.1, 0.9)
+# They ignore the target's direction: they fail if a wall leads around an island.
 LED_AWAY = (
     "wall-left",
     "wall-right",
-    # They ignore the target's direction: they fail if a wall leads around an island.
 )
 BOOTSTRAP = 1000
 
@@ -64,10 +64,10 @@ def worlds_of(name: str, count: int, seed: int) -> Iterator[World]:
     """Yield the worlds of a family, each with different parameters."""
     rng = RandomStream(seed).child("difficulty", name)
     family = FAMILIES.get(name)
+    # All are 30 x 30 cells of 0.1 m, or as the family sets them.
     free = free_parameters(
         family,
         ("size", "cell_size"),
-        # All are 30 x 30 cells of 0.1 m, or as the family sets them.
     )
     made = 0
     while made < count:
@@ -193,6 +193,7 @@ def fitted(
 
     They are fitted by least squares with projected gradient steps.
     """
+    # Squash every metric to 0 to 1, with a scale near its median.
     scales = {}
     columns = []
     for name in CANDIDATES:
@@ -203,6 +204,7 @@ def fitted(
         scales[name] = float(f"{max(float(np.median(plain[plain > 0])), 0.01):.2g}")
         pairs = zip(raw.tolist(), campaign.radius.tolist(), strict=True)
         columns.append([squashed(name, value, scales[name], radius) for value, radius in pairs])
+    # Fit the weights by projected gradient descent: a weight of the wrong sign becomes 0.
     x = np.array(columns).T[rows]
     share = campaign.share[rows]
     sign = np.array([METRICS[name].harder for name in CANDIDATES], float)
@@ -214,6 +216,7 @@ def fitted(
         weights = weights - 2.0 * (x.T @ slope) / len(x)
         weights = np.where(weights * sign < 0.0, 0.0, weights)
         offset -= 2.0 * float(slope.mean())
+    # Drop weights that hardly matter.
     kept = zip(CANDIDATES, weights.tolist(), strict=True)
     return {
         name: (scales[name], round(weight, 2)) for name, weight in kept if abs(weight) >= 0.05
@@ -250,10 +253,10 @@ def barn_worlds(folder: Path) -> Iterator[tuple[int, World, float]]:
     )
     for number, lost in sorted(outcomes.items()):
         text = (folder / "jackal_helper" / "worlds" / "BARN" / f"world_{number}.world").read_text()
+        # x from -4.65 m, y from -0.15 m; obstacles are one cell wide, 0.15 m.
         walls = np.zeros(
             (92, 32),
             np.bool_,
-            # x from -4.65 m, y from -0.15 m; obstacles are one cell wide, 0.15 m.
         )
         for x, y in pose.findall(text):
             ix = round((float(x) + 4.65) / 0.15 - 0.5)

@@ -60,11 +60,11 @@ __all__ = [
 
 # Worlds of a unit, so that it is known which world it was.
 EXAMPLES = 1
+# Strategies that do not ask oracles about runs that arrive.
 _FAILURES_ALONE = (
     "native",
     "archive",
     "boundary",
-    # Strategies that do not ask oracles about runs that arrive.
 )
 _FLOOR_SECONDS = (
     # Wall seconds on two cores; anything found in as many CPU seconds is found by then.
@@ -76,12 +76,13 @@ _SHRINK_SECONDS = 60.0
 _IDLE = 100
 # Seed of the units done before the clock starts, so that kernels are compiled.
 _OTHER_SEED = 1 << 40
+# From docs/reference/library.md: those that arrive in every static world.
 COMPLETE = (
     "bug1",
     "bug2",
     "mapper",
-    # From docs/reference/library.md: those that arrive in every static world.
 )
+# Oracles that hold for controllers that arrive.
 ORACLES = (
     "repeat",
     "turn",
@@ -91,7 +92,6 @@ ORACLES = (
     "finer",
     "wall",
     "block",
-    # Oracles that hold for controllers that arrive.
 )
 
 
@@ -176,11 +176,11 @@ def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Ro
     config = CampaignConfig(
         scenario, seed=seed, time_steps=(scenario.run.time_step,), examples=EXAMPLES
     )
+    # Compile everything before the clock starts.
     _compile(searcher)
-    next(
-        SEARCHERS["features"](replace(config, seed=seed + _OTHER_SEED, examples=4))
-        # Compiles the fault.
-    )
+    # Compiles the fault.
+    next(SEARCHERS["features"](replace(config, seed=seed + _OTHER_SEED, examples=4)))
+    # Search until a failure reveals the fault or a limit is reached.
     cpu = time.process_time()
     wall = time.monotonic()
     worlds = 0
@@ -519,6 +519,7 @@ def _span(three: Sequence[float | None]) -> str:
 
 def main() -> None:
     """Print the tables."""
+    # Parse the options.
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -562,6 +563,7 @@ def main() -> None:
     limits, seeds = SIZES[given.size]
     if given.out:
         (given.out / "rows").mkdir(parents=True, exist_ok=True)
+    # Compute the tables, or take them from the files of earlier runs.
     rows = list(_rows(given, limits, given.seed or seeds)) if "faults" in parts else []
     alarmed = [
         _once(
@@ -573,6 +575,7 @@ def main() -> None:
         if "alarms" in parts and searcher != "plan"
     ]
     measured = floors() if "floors" in parts else {}
+    # Print them.
     if given.json:
         told = {
             "limits": asdict(limits),

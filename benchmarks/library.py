@@ -147,6 +147,7 @@ def _summary(title: str, tables_of: dict[str, list[Row]], entry: Callable[[Row],
 
 def main() -> None:
     """Print the tables."""
+    # Parse the options.
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})"
@@ -161,12 +162,14 @@ def main() -> None:
     given = parser.parse_args()
     if given.worlds < 1:
         parser.error(f"--worlds {given.worlds} is below 1; give a number of worlds")
+    # Run every table, and print each as soon as it is done.
     names = given.controller or controllers()
     all_rows = dict[str, list[Row]]()
     for title, worlds in tables(given.worlds, given.seed, given.family or FAMILIES.names()):
         all_rows[title] = rows_of(worlds, names, given.steps)
         if not given.json:
             click.echo(_in_words(title, len(worlds), all_rows[title]))
+    # Print everything as one object, or the summaries.
     if given.json:
         plain = {
             title: [

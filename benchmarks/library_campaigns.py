@@ -75,6 +75,7 @@ def _in_words(found: Sequence[Found], strategies: Sequence[str]) -> str:
 
 def main() -> None:
     """Print the table."""
+    # Parse the options.
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--units", type=int, default=UNITS, help=f"units of each strategy (default {UNITS})"
@@ -85,6 +86,7 @@ def main() -> None:
     given = parser.parse_args()
     if given.units < 1:
         parser.error(f"--units {given.units} is below 1; give a number of units")
+    # Search with every controller and strategy.
     strategies = [FEATURES, *FAMILIES.names()]
     found = []
     begun = time.perf_counter()
@@ -94,6 +96,7 @@ def main() -> None:
             click.echo(
                 f"{name} {strategy}: {found[-1].worlds} worlds, {found[-1].failed}", err=True
             )
+    # Print the results.
     if given.json:
         click.echo(
             json.dumps(

@@ -155,10 +155,8 @@ def measure(sizes: list[int], rounds: int) -> dict[str, dict[int, dict[str, floa
             for name, case, make in _cases(side, turn):
                 rate = _rate(side, _seconds(make))
                 rates = best.setdefault(name, {}).setdefault(side, {})
-                rates[case] = (
-                    max(rate, rates.get(case, 0.0)) if turn > 0 else 0.0
-                    # The first one only warms up.
-                )
+                # The first one only warms up.
+                rates[case] = max(rate, rates.get(case, 0.0)) if turn > 0 else 0.0
     return best
 
 
@@ -197,10 +195,8 @@ def _climb(make: Maker, sides: list[int], limit: float) -> dict[int, float]:
     seconds = 0.0
     before = sides[0]
     for side in sides:
-        if (
-            seconds * (side / before) ** 3 > limit
-            # The time of some grows with the square of the cells, or faster.
-        ):
+        # The time of some grows with the square of the cells, or faster.
+        if seconds * (side / before) ** 3 > limit:
             break
         seconds = _seconds(partial(make, (side - 1) // 2))
         before = side

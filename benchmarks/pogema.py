@@ -106,6 +106,7 @@ def least_makespan(instance: Instance) -> int | None:
 
     Breadth-first search over all joint states, a layer at a time.
     """
+    # Number the joint states like digits to the base of the number of cells.
     cells = len(instance.cells)
     agents = len(instance.starts)
     weights = cells ** np.arange(agents, dtype=np.int64)
@@ -113,6 +114,7 @@ def least_makespan(instance: Instance) -> int | None:
     layer = np.array([instance.numbers(instance.starts)], np.int64)
     seen = np.zeros(cells**agents, bool)
     seen[layer @ weights] = True
+    # Go layer by layer; large layers are expanded in chunks to bound the memory.
     steps = 0
     while len(layer):
         if seen[goal]:
@@ -227,6 +229,7 @@ def pibt_step(
     moves: Ints, distances: list[list[int]], places: tuple[int, ...], waits: tuple[int, ...]
 ) -> tuple[int, ...]:
     """Return the agents' next cells: those that have waited longest choose first."""
+    # Nobody has chosen a cell yet.
     next_places = [-1] * len(places)
     occupant = {place: agent for agent, place in enumerate(places)}
     taken: set[int] = set()
@@ -249,6 +252,7 @@ def pibt_step(
         next_places[agent] = places[agent]
         return False
 
+    # Agents choose in order of waiting time, and push others out of their cells.
     for agent in sorted(range(len(places)), key=lambda k: (-waits[k], k)):
         if next_places[agent] < 0:
             choose(agent, None)

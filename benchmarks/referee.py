@@ -123,6 +123,7 @@ def _drive(
     report: Report,
 ) -> None:
     """Check some moves from a place, all together."""
+    # Make random moves, and keep every straight piece of their paths.
     pieces: list[list[tuple[int, int]]] = []
     x, y = place
     for _ in range(MOVES_A_ROOM):
@@ -139,6 +140,7 @@ def _drive(
             x, y = to
         report.moves += 1
         report.contacts += (nx, ny) != (0.0, 0.0)
+    # Let shapely measure how near the pieces come to walls.
     if not pieces:
         return
     lines = shapely.linestrings(np.array(pieces, float))

@@ -53,6 +53,7 @@ Searcher = Callable[[CampaignConfig], Iterator[UnitResult]]
 STILL_FAMILIES = ("trap", "maze", "corridor", "rooms", "forest", "cave", "rubble")
 """Families of static worlds: in worlds that change, no controller arrives everywhere."""
 
+# At higher densities, hardly any path is left for a robot wider than a cell.
 _DENSITIES = (
     0.05,
     0.1,
@@ -60,7 +61,6 @@ _DENSITIES = (
     0.2,
     0.25,
     0.3,
-    # At higher densities, hardly any path is left for a robot wider than a cell.
 )
 # Cells, as in feature layouts.
 _SIDES = (8, 28)

@@ -240,6 +240,7 @@ def _boxes(world: World) -> list[tuple[float, float, float, float]]:
 
 def _plain(name: str) -> Callable[[], Rate]:
     """Return a function that runs the plain disc in the maze of the cases; lengths are cells."""
+    # Describe the maze and the robot to the C function.
     world = maze()
     steps = 2_000_000
     side = world.cell_size
@@ -301,6 +302,7 @@ def _shapely() -> Callable[[], Rate]:
 
 
 def _pymunk() -> Callable[[], Rate]:
+    # Build the maze of static boxes, and the disc.
     pymunk = importlib.import_module("pymunk")
 
     world = maze()
@@ -312,6 +314,7 @@ def _pymunk() -> Callable[[], Rate]:
     body = pymunk.Body(1.0, math.inf)
     space.add(body, pymunk.Circle(body, world.robot_radius))
 
+    # Let the engine take the steps; the controller turns at bumps.
     def once() -> Rate:
         body.position = world.start.x, world.start.y
         drive = _turns(RandomStream(5))
@@ -410,6 +413,7 @@ def _bytes_per_robot() -> int:
 
 def main() -> None:
     """Run all and print the table."""
+    # Parse the options and measure.
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -418,6 +422,7 @@ def main() -> None:
     arguments = parser.parse_args()
     rates, absent = measure(arguments.rounds)
     first = _first_call()
+    # Relate each case to the peers.
     peers = [name for name in PEERS if name in rates]
     cases = {
         name: {
@@ -433,6 +438,7 @@ def main() -> None:
         "first_call_seconds": first,
         "bytes_per_robot": _bytes_per_robot(),
     }
+    # Print one object or the table.
     if arguments.json:
         click.echo(json.dumps(result))
         return

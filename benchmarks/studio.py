@@ -56,12 +56,14 @@ def main() -> None:
 
 
 def _measure(page: Any) -> None:
+    # Open the world, and measure the board.
     page.locator("#tab-files").click()
     page.locator(".file", has_text="big.grid").click()
     page.locator("#proof.good").wait_for()
     _say("board, zoomed", page.evaluate(_FRAMES, True))
     drag(page, (100, 100), (900, 900))
     _say("board, after a stroke", page.evaluate(_FRAMES, True))
+    # Run a robot, and measure the player.
     page.keyboard.press("2")
     page.locator(".result").wait_for()
     page.locator("#play").get_by_label("Motion model").select_option("swept")

@@ -223,6 +223,7 @@ def compile_core(
     Raises:
         subprocess.CalledProcessError: If the compiler rejects something; it has printed the reason.
     """
+    # Write the binding, and collect all headers.
     command = compiler(target)
     work.mkdir(parents=True, exist_ok=True)
     binding = work / "binding.c"
@@ -231,6 +232,7 @@ def compile_core(
     headers = sorted(
         file for folder in (*core.includes, _STABLE_ABI) for file in (ROOT / folder).rglob("*.h")
     )
+    # Compile what has changed: the name of an object has a digest of all that it depends on.
     objects = []
     jobs = []
     for source in [*core.c_files(), binding]:
@@ -245,6 +247,7 @@ def compile_core(
             jobs.append([*line, "-c", str(source), "-o", str(compiled)])
     _run_side_by_side(jobs)
 
+    # Link the module next to its place first.
     made.parent.mkdir(parents=True, exist_ok=True)
     fresh = work / f"linked{suffix(target)}"
     libraries = _libraries(target, work)

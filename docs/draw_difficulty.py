@@ -53,10 +53,12 @@ def depths(world: World, nodes: Nodes) -> npt.NDArray[np.float64]:
 
 def picture(world: World, *, pockets: bool) -> Image.Image:
     """Return one world with its witness, and either its pockets or its decision points."""
+    # Scale the map to pixels.
     nodes, wide, high = nodes_of(world, world.walls), world.width * CELL, world.height * CELL
     image = Image.new("RGB", (wide, high), "white")
     draw = ImageDraw.Draw(image)
     half = CELL / 2
+    # Tint the pockets by their depth.
     if pockets:
         depth = depths(world, nodes)
         for j, i in np.argwhere(depth > 0.01):
@@ -65,11 +67,13 @@ def picture(world: World, *, pockets: bool) -> Image.Image:
             draw.rectangle(
                 (x - half / 2, y - half / 2, x + half / 2, y + half / 2), fill=_tint(share)
             )
+    # Draw the walls.
     for iy, ix in np.argwhere(world.walls):
         draw.rectangle(
             (ix * CELL, high - (iy + 1) * CELL, (ix + 1) * CELL - 1, high - iy * CELL - 1),
             fill=WALL,
         )
+    # Draw the witness, and the decision points along it.
     witness = world.certificate
     if isinstance(witness, Witness):
         scale = CELL / world.cell_size

@@ -288,12 +288,14 @@ class _Search:
         If it does, it fails in the first state that has no ending yet; the search records a crash
         there and resumes with the state after it.
         """
+        # Move all arrays to memory that the other process shares.
         memory = self._run.memory
         after = memory.own(states)
         drew = memory.zeros(len(states), np.int64)
         endings = memory.zeros(len(states), np.int64)
         endings[...] = _NOT_DONE
         arrays = (memory.own(states), memory.own(values), after, endings, drew)
+        # If the process dies, record a crash for that state and resume after it.
         done = 0
         while done < len(states):
             objects = (episode.c, *(pointer(ffi, array[done:], np.int64) for array in arrays))

@@ -264,12 +264,14 @@ class Parameter:
             InvalidParameter: If it has another type than the default, is out of bounds, or isn't
                 one of the choices.
         """
+        # None may stand for the family's choice, or be the default.
         kind = self.kind
         value = _plain(value)
         if value is None and self.chosen is not None:
             return kind(self.chosen)
         if value is None and self.default is None:
             return None
+        # Convert and check the type.
         if kind is tuple:
             return self._accept_list(value, owner)
         if kind is float and type(value) is int:
@@ -288,6 +290,7 @@ class Parameter:
             raise self._wrong_type(value, owner)
         if isinstance(value, float) and not math.isfinite(value):
             raise self._not_finite(value, owner)
+        # Check choices and bounds.
         if self.choices:
             check_choice(self.name, str(value), self.choices)
         if self.bounds is not None and isinstance(value, int | float):

@@ -521,10 +521,8 @@ class World(HoldsFrozen):
         """Return the state of every cell after the first ``count`` events of the timeline."""
         line = self.timeline
         cells = np.where(self.walls, np.uint8(CellState.SOLID), np.uint8(CellState.FREE))
-        cells[line.iy[:count], line.ix[:count]] = line.states[
-            :count
-            # The last of a cell's events wins.
-        ]
+        # The last of a cell's events wins.
+        cells[line.iy[:count], line.ix[:count]] = line.states[:count]
         return cells
 
     @property

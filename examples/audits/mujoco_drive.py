@@ -40,6 +40,7 @@ def drive(model, way, speed, seconds):
 
     Also return whether the ball arrived.
     """
+    # Start at full speed.
     data = mujoco.MjData(model)
     rows = []
     touched = 0
@@ -47,6 +48,7 @@ def drive(model, way, speed, seconds):
     step = model.opt.timestep
     data.qvel[:] = [speed * part for part in _direction(start, way[0])]
     near = max(0.05, 0.5 * speed * step)
+    # Steer towards the next point of the path by a force that corrects the velocity.
     for _ in range(int(seconds / step) + 1):
         place = (start[0] + float(data.qpos[0]), start[1] + float(data.qpos[1]))
         rows.append((float(data.time), *place))

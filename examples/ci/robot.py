@@ -17,10 +17,10 @@ class Robot:
 
     def reset(self):
         """Return the memory to start with."""
+        # Whether it follows a wall; the least distance from the target at which it hit one, m.
         return (
             0.0,
             FAR,
-            # Whether it follows a wall; the least distance from the target at which it hit one, m.
         )
 
     def act(self, seen, memory):

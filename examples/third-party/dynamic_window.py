@@ -100,10 +100,8 @@ def plan(world):
 
     The result has places (n, 2), m.
     """
-    room = (
-        distance_transform_edt(np.pad(~world.walls, 1))[1:-1, 1:-1] - 0.5
-        # Cells from a centre to the nearest wall.
-    )
+    # Cells from a centre to the nearest wall.
+    room = distance_transform_edt(np.pad(~world.walls, 1))[1:-1, 1:-1] - 0.5
     clear = room * world.cell_size >= world.robot_radius
     number = np.arange(world.walls.size).reshape(world.walls.shape)
     edges = []

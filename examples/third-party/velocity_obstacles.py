@@ -65,10 +65,8 @@ class Orca(_Navground):
     """Optimal reciprocal collision avoidance."""
 
     behaviour = behaviors.ORCABehavior
-    settings: ClassVar = {
-        "static_time_horizon": 1.0
-        # Seconds; with the default of 10 s it creeps, even in an empty room.
-    }
+    # Seconds; with the default of 10 s it creeps, even in an empty room.
+    settings: ClassVar = {"static_time_horizon": 1.0}
 
 
 class Hrvo(_Navground):

@@ -12,11 +12,11 @@ from worldgen.world import Value
 
 __all__ = ["describe_boundaries", "is_bounded", "subject_of", "with_boundaries"]
 
+# Axes measured for each failure; the others only if a strategy found them.
 _MEASURED = (
     "radius",
     "speed",
     "time-step",
-    # Axes measured for each failure; the others only if a strategy found them.
 )
 
 

@@ -249,16 +249,12 @@ class Campaign:
         # them, depends only on complete units; otherwise an interrupted campaign would diverge from
         # an uninterrupted one.
         self._memory = SearchState()
-        self._met_whole: Counter[tuple[str, bool]] = (
-            Counter()
-            # Units that found a class, by class and whether it is known.
-        )
+        # Units that found a class, by class and whether it is known.
+        self._met_whole: Counter[tuple[str, bool]] = Counter()
         # Search states by epoch.
         self._known = [SearchState(), SearchState()]
-        self._knows_too_little = (
-            math.inf
-            # First epoch whose search state lacks what a cut unit would have found.
-        )
+        # First epoch whose search state lacks what a cut unit would have found.
+        self._knows_too_little = math.inf
         # Units that wait for a worker.
         self._jobs: list[_ShrinkJob] = []
         self._under_way: dict[int, _Under[UnitResult]] = {}  # units
@@ -392,11 +388,14 @@ class Campaign:
         If the budget is a time, shrinking has its share of it, during the search and after it.
         """
         while self._occupied() < executor.room and len(self._under_way) < executor.room + _AHEAD:
+            # The first failure of each class goes before the search, until the search's share is
+            # due.
             search_first = self._schedule.search_comes_first
             if not search_first:
                 self._queue(self._slid_already())
             job = self._next_job(first_only=search_first)
             unit = None
+            # Search if nothing more urgent waits.
             if job is None and self._schedule.may_search:
                 if (unit := self._unit(executor, self._next)) is not None:
                     self._under_way[self._next], self._next = unit, self._next + 1
@@ -404,6 +403,7 @@ class Campaign:
                 if not self._schedule.is_ready and self._has_more_units():
                     self._get_ready(executor)
                     continue
+            # Otherwise shrink the next failure, if there is one.
             job = job or self._next_job()
             if job is None:
                 return
@@ -513,6 +513,7 @@ class Campaign:
 
         Return the failures to shrink, which are the same for any timing.
         """
+        # Take the result; one that was cut short may be worse than an earlier run's.
         state = self.state
         result = under.future.result()
         if under.seconds is None:
@@ -520,9 +521,11 @@ class Campaign:
             self._handed_in = self._handed_in.plus(result.worlds, result.steps, result.verdicts)
         if result.cut and under.seconds is None:
             result = self._more_of(unit, result)
+        # A unit that knew too little counts as cut, because it must be done again.
         if under.seconds is None and unit // self.config.epoch >= self._knows_too_little:
             state.too_early += not result.cut
             result = replace(result, cut=True)
+        # Add it to the totals.
         self._count_time()
         seconds = state.seconds if under.seconds is None else under.seconds
         state.units += not result.cut
@@ -532,6 +535,7 @@ class Campaign:
         state.steps += result.steps
         state.verdicts += result.verdicts
         state.met += result.met
+        # Keep what is worth storing, and store it.
         jobs, kept = self._enter_failures(unit, result, seconds)
         elites = {
             cell: elite
@@ -542,6 +546,7 @@ class Campaign:
         result = replace(result, failures=kept, elites=elites)
         if under.seconds is None:
             self._store.save_unit(unit, Done(result, seconds))
+        # Cut units change the shown state, but not what later units know.
         state.memory = state.memory.after(result)
         if result.cut:
             self._knows_too_little = min(self._knows_too_little, unit // self.config.epoch + 2)
@@ -611,11 +616,8 @@ class Campaign:
     def _whole(self, kinds: Iterable[str]) -> list[_ShrinkJob]:
         fresh = sorted(set(kinds) - self._kept_whole)
         self._kept_whole.update(fresh)
-        return [
-            _ShrinkJob(min(self._candidates[kind], key=_size), "class")
-            for kind in fresh
-            # Each takes a second.
-        ]
+        # Each takes a second.
+        return [_ShrinkJob(min(self._candidates[kind], key=_size), "class") for kind in fresh]
 
     def _kept(self) -> Iterator[Discovery]:
         """Take finished results off the shrink list, and keep the smallest failure of each class."""
@@ -630,10 +632,8 @@ class Campaign:
             # There was no time left for it.
             if not result.complete and not shrunk.is_shrunk:
                 continue
-            if self._is_known(
-                shrunk
-                # It slid there from a new class, which is processed at the end.
-            ):
+            # It slid there from a new class, which is processed at the end.
+            if self._is_known(shrunk):
                 continue
             kind = shrunk.bucket
             before = self.state.best.get(kind)

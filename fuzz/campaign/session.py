@@ -184,14 +184,13 @@ class CampaignSession:
         )
         self._unsaved: set[str] = set()
         self._status = "running"
-        self._goes_on = (
-            campaign_run.done > 0
-            # Until all earlier results have been processed.
-        )
+        # Until all earlier results have been processed.
+        self._goes_on = campaign_run.done > 0
         self._summarised = time.monotonic()
 
     def run(self) -> int:
         """Do the campaign; return the exit code."""
+        # Search. If workers died or the disk is full, name what was kept and how to continue.
         try:
             with contextlib.closing(self._store):
                 stopped = self._search_and_say_how_it_ended()
@@ -225,14 +224,14 @@ class CampaignSession:
                 reason=str(error),
                 way_on=self._way_on,
             ) from error
-        end = (
-            time.monotonic() + _TO_DRAW
-            # A run of a slow controller may take longer than the budget.
-        )
+        # A run of a slow controller may take longer than the budget.
+        end = time.monotonic() + _TO_DRAW
+        # Report in the terminal and in files.
         with stopping_when(lambda: time.monotonic() > end):
             self._report()
             if self._outputs:
                 self._outputs.write(self._as_report())
+        # Interrupted runs have their own message and exit code.
         if stopped and self._lasts:
             kept = counted(len(self._campaign.state.best), "failure")
             note(
@@ -311,10 +310,8 @@ class CampaignSession:
 
     def _keep_status(self, status: str) -> None:
         self._status = status
-        if (
-            self._goes_on
-            # Earlier results are not all processed, so the numbers of their summary are kept.
-        ):
+        # Earlier results are not all processed, so the numbers of their summary are kept.
+        if self._goes_on:
             self._store.save_status(status)
         else:
             self._store.save_summary(self._summary())
@@ -418,10 +415,8 @@ class CampaignSession:
             return {}
         pending = self._campaign.pending()
         self._campaign.state.best |= pending
-        self._unsaved |= (
-            self._campaign.state.best.keys()
-            # This includes results that arrived after the last event.
-        )
+        # This includes results that arrived after the last event.
+        self._unsaved |= self._campaign.state.best.keys()
         self._save()
         return pending
 
@@ -429,12 +424,14 @@ class CampaignSession:
         return self._out / f"{kind}.grid"
 
     def _report(self) -> None:
+        # Scripts get one object.
         state = self._campaign.state
         hazards = self._hazards()
         if self._quiet:
             lists = {"failures": self._listed(self._failing()), "hazards": self._listed(hazards)}
             emit_json(self._summary() | lists)
             return
+        # Describe every failure, then the hazards.
         for kind, failure in sorted(self._failing().items()):
             click.echo(describe(failure, self._path(kind), met=state.met))
         if hazards:
@@ -443,6 +440,7 @@ class CampaignSession:
             )
         for kind, failure in sorted(hazards.items()):
             click.echo(describe(failure, self._path(kind), met=state.met))
+        # Describe the work: strategies, verdicts, time.
         click.echo(describe_strategies(state))
         verdicts = ", ".join(
             f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
@@ -452,6 +450,7 @@ class CampaignSession:
             f"{counted(state.steps, 'step')} in {describe_time(state)}; at first look "
             f"{verdicts or 'nothing'}"
         )
+        # Add notes about slow or hanging controllers.
         if (share := describe_share(self._config, state)) is not None:
             note(share)
         if state.effort.broken:
@@ -463,6 +462,7 @@ class CampaignSession:
                 "deadline then, and a hang "
                 "is a failure (docs/reference/controllers.md)"
             )
+        # Count the known classes and the hazards.
         if state.known:
             often = ", ".join(
                 f"{shown(kind)} {counted(times, 'time')}"

@@ -66,6 +66,7 @@ def boundary(
     from worldgen.errors import InvalidParameter
     from worldgen.support.progress import working
 
+    # Find the value to start from.
     subject = _subject(path, controller, motion, time_step, seed)
     axis = AXES[name]
     start = axis.index(subject)
@@ -75,12 +76,14 @@ def boundary(
             "{path} is not a world of family trap with its provenance, so it has no depth to vary",
             path=path,
         )
+    # Scan the axis.
     seen: list[BoundaryRun] = []
     with working(f"running it at values of {axis.name}") as work:
         work.say(
             lambda: f"{len(seen)} runs, the last at {seen[-1].value:g} {axis.unit}" if seen else ""
         )
         stretches = scan(BoundaryRuns(subject, axis, seen.append), _scanned(axis, start))
+    # Print the stretches of equal outcome.
     if as_json:
         emit_json(
             {"axis": axis.name, "unit": axis.unit, "stretches": [_plain(one) for one in stretches]}

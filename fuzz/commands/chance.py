@@ -51,6 +51,7 @@ def chance(
     from sim.scenario import Scenario
     from worldgen.files.grid import read_world
 
+    # Take the scenario from the options or from the failure.
     world = read_world(path)
     if controller is not None:
         scenario = Scenario.parse(
@@ -64,6 +65,7 @@ def chance(
         scenario = failure.scenario
     else:
         raise click.UsageError("give --controller; only a failure's file names its own")
+    # Explore all states, or fall back to counting seeds.
     with working(f"looking at every draw of {scenario.label()}") as work:
         found = chance_of(
             world, scenario.controller, scenario.options(world), most=most or MOST_STATES
@@ -71,6 +73,7 @@ def chance(
         if not found.states:
             work.say(f"too many states; running {seeds} seeds")
         counted = {} if found.states else share_that_fails(world, scenario, seeds)
+    # Print the answer.
     if as_json:
         emit_json(found.as_dict() | counted)
     else:

@@ -116,6 +116,7 @@ def show(
     from worldgen.errors import WorldgenError
     from worldgen.files.whole import check_output
 
+    # Draw the contact sheet.
     entries = _read(paths, patterns).entries
     if png is not None:
         check_output(png, force)
@@ -130,6 +131,7 @@ def show(
         )
     if as_json or png is not None:
         return
+    # Describe every failure; one that cannot be run gets a single line.
     for entry in entries:
         failure = Failure.read(entry.path)
         try:
@@ -238,6 +240,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
     from fuzz.corpus import judge_all, remove
     from worldgen.errors import OutputError
 
+    # Refuse what is not a folder of failures.
     if not folder.is_dir():
         raise OutputError(
             "wrong-kind-of-file",
@@ -245,6 +248,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
             "unpack an archive first, or delete a single file yourself",
             folder=folder,
         )
+    # Judge everything before anything is deleted.
     judged = []
     for judgement in judge_all(_read((folder,), patterns).entries):
         judged.append(judgement)
@@ -255,6 +259,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
     unsure = [judgement for judgement in judged if not judgement.judged]
     for judgement in () if dry_run else dropped:
         remove(judgement.entry)
+    # Print what happened.
     if as_json:
         rows = [
             {"file": str(j.entry.path), "keep": j.keep, "judged": j.judged, "reason": j.reason}

@@ -44,6 +44,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
     from fuzz.report import write_report
     from worldgen.errors import OutputError
 
+    # Make the folder, a world and a run in it.
     if out.exists() and not force:
         raise OutputError(
             "file-exists",
@@ -54,6 +55,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
         )
     out.mkdir(parents=True, exist_ok=True)
     _world_and_run(out, controller)
+    # Search for failures.
     failures = out / "failures"
     amount = f"--units {_UNITS} --examples {_EXAMPLES} --seed 1"
     _say(f"worldgen fuzz --controller {controller} --motion {motion} {amount} --out {failures}")
@@ -62,6 +64,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
     code = CampaignSession(campaign_run, local_executor(os.cpu_count() or 1), quiet=as_json).run()
     if code not in (0, 1):
         raise SystemExit(code)
+    # Replay, draw and report them.
     replayed = _replay_and_draw(failures)
     page = out / "report.html"
     _say(f"worldgen report {failures} --out {page}")

@@ -33,6 +33,7 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
     from worldgen.errors import WorldgenError
     from worldgen.files.worlds import read_worlds
 
+    # Explain one failure after another; skip files that have none.
     explained: list[dict[str, object]] = []
     unexplained = 0
     for path, world in read_worlds(paths):
@@ -53,6 +54,7 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
             click.echo(f"{shown(path)}: {shown(failure.who)}: {failure.verdict}")
             click.echo(f"  {shown(found.describe())}")
         explained.append({"file": str(path), "verdict": failure.verdict, **found.table()})
+    # Print the object, and fail if a file could not be explained.
     if as_json:
         emit_json({"explained": len(explained), "failures": explained})
     if unexplained:

@@ -166,6 +166,7 @@ def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
     from worldgen.support.plain_text import counted
     from worldgen.support.progress import working
 
+    # Search, and remember how the search ended.
     stopped = False
     broken = None
     try:
@@ -178,6 +179,7 @@ def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
         stopped = True
     except WorkersLost as error:
         broken = error
+    # Whatever ended it, write the nearest world.
     if search.best is not None:
         write_world(search.best.world, out, force=force)
     if broken is not None:

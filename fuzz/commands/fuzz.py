@@ -128,6 +128,7 @@ def fuzz(
     from fuzz.report import write_report
     from sim.runners.controller_time import Effort
 
+    # Refuse contradicting options before any work.
     loaded = Effort.so_far()
     if budget is not None and units is not None:
         raise click.UsageError("give --budget or --units, not both")
@@ -135,6 +136,7 @@ def fuzz(
         raise click.UsageError(
             "give --scheduler or --workers, not both: a cluster has its own workers"
         )
+    # Begin or continue the campaign.
     with store.errors_recorded(resume or begun["out"]):
         outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
         outputs.check(report, made=begun["out"])
@@ -153,6 +155,7 @@ def fuzz(
                 f"{campaign_run.config.seed}, "
                 f"{campaign_run.done} units done"
             )
+        # Choose the baseline and the workers.
         was_known = Baseline.of(known, campaign_run.config.scenario, note)
         if scheduler:
             executor = cluster_executor(scheduler, campaign_run.config)
@@ -168,6 +171,7 @@ def fuzz(
             began=began,
             own=loaded.since().own,
         )
+        # Search, then write the report.
         code = session.run()
         if report is not None:
             write_report([campaign_run.store.out], report, force=force)

@@ -73,6 +73,7 @@ def init(
     from fuzz.ci.project import SEED, Project
     from worldgen.files.whole import write_bytes
 
+    # Refuse what the project cannot have before the search.
     project = Project(folder, controller, motion, families, units, ci or _service_of(folder))
     project.check(force=force)
     # The controller's path is relative to the project, whose folder CI starts in.
@@ -80,6 +81,7 @@ def init(
         config = configure(
             CampaignOptions(controller=controller, motion=motion, families=families), SEED
         )
+        # Search for today's failures in a temporary folder.
         note(f"searching for the failures that {controller} has today")
         campaign_run = store.begin(config, Path(scratch) / "found", store.Budget(units=units))
         with contextlib.redirect_stdout(None):
@@ -92,6 +94,7 @@ def init(
             found.name: found.read_bytes()
             for found in sorted((Path(scratch) / "found").glob("*.grid"))
         }
+    # Write the project's files, and the failures as known ones.
     written = project.write(force=force)
     for name, text in failures.items():
         write_bytes(project.known / name, text, force=True)

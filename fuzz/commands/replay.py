@@ -55,12 +55,14 @@ def replay(
     from worldgen.files.worlds import read_worlds
     from worldgen.support.plain_text import shown_lines
 
+    # Check that the reports can be written.
     reports = Outputs(**outputs, force=force)
     reports.check()
     results: list[dict[str, object]] = []
     findings: list[CiFinding] = []
     states: list[Now] = []
     without = 0
+    # Replay one failure after another; skip files that have none.
     for path, world in read_worlds(paths):
         failure = Failure.found_in(world)
         if failure is None:
@@ -77,6 +79,7 @@ def replay(
         ):
             work.say(f"{path}, failure {len(results) + 1}")
             now = answer(failure, controller)
+        # Record the result for the terminal, for JSON and for the reports.
         outcome = now.replay
         states.append(now.state)
         results.append(
@@ -97,6 +100,7 @@ def replay(
         if reports:
             state: State = "confirmed" if outcome.confirmed else "not confirmed"
             findings.append(CiFinding.of(failure, path, state, now.words, controller))
+    # Write the reports and the summary; the exit code tells whether all are confirmed.
     reports.write(Report("replay", tuple(findings)))
     confirmed = sum(bool(result["confirmed"]) for result in results)
     if as_json:

@@ -52,6 +52,7 @@ def studio(
     from worldgen.errors import FormatError, InvalidParameter
     from worldgen.plugins.installation import pip_install
 
+    # Refuse what cannot be served, with the command that helps.
     missing = [
         name
         for name in ("msgspec", "starlette", "uvicorn", "websockets")
@@ -83,6 +84,7 @@ def studio(
 
     from fuzz.studio.starting import check_controller, check_world
 
+    # Check the controllers and the world before the page opens.
     for label in controllers:
         check_controller(label)
     if path.is_file():
@@ -91,6 +93,7 @@ def studio(
     from fuzz.studio import Folder, Gate, Studio
     from fuzz.studio.serving import bind, called, serve
 
+    # Open the socket, and warn if other machines can reach it.
     listener = bind(host, port)
     address, number = listener.getsockname()[:2]
     gate = Gate(called(host, listener), number)
@@ -100,11 +103,12 @@ def studio(
             f"write the folder"
         )
         note(warning, always=True)
+    # Serve.
     folder, file = (path, None) if path.is_dir() else (path.parent, path.name)
     shared = Folder(folder)
+    # Without the address nobody finds the page.
     note(
         f"studio of {shared.root}: open {gate.address}",
         always=True,
-        # Without the address nobody finds the page.
     )
     serve(Studio(shared, gate, controllers, file), listener, browse=browser, said=note)

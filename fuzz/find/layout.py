@@ -131,6 +131,7 @@ class Layout:
 
     def _kept(self, boxes: tuple[Box, ...]) -> Layout | None:
         """Return the layout with other boxes if they fit and keep start and target clear."""
+        # Boxes must fit inside the border, and stay on the leash.
         width = self.empty.width
         height = self.empty.height
         if any(
@@ -146,6 +147,7 @@ class Layout:
                 for side, before in zip(box, old, strict=True)
             ):
                 return None
+        # Start and target must stay clear.
         layout = replace(self, boxes=boxes)
         side = self.empty.cell_size
         reach = self.empty.robot_radius

@@ -180,10 +180,8 @@ class Batch:
         """Return the results of the runs, in this process's memory."""
         if not self.memory.is_shared:
             return self.looks
-        return (
-            self.looks.view(np.uint8).copy().view(LOOK)
-            # This includes the padding between columns, so that bytes can be compared.
-        )
+        # This includes the padding between columns, so that bytes can be compared.
+        return self.looks.view(np.uint8).copy().view(LOOK)
 
     def leave_out(self, runs: Any) -> None:
         """Mark runs as not run."""

@@ -45,10 +45,8 @@ _KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
 _FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
 # More than the key of a run without a crash can be.
 _MOST_KEYS = 1 << 16
-_PORTION = (
-    1 << 20
-    # Steps of a compiled controller, about 0.1 s; Ctrl-C is checked between two portions.
-)
+# Steps of a compiled controller, about 0.1 s; Ctrl-C is checked between two portions.
+_PORTION = 1 << 20
 
 # Patience of screening runs: as long as a witness's budget, so that a run that spends it has
 # failed, except on the longest paths.
@@ -396,6 +394,7 @@ class _Packed:
         """Fill in the results."""
         if len(batch) == 0:
             return
+        # Compiled controllers run inside the core.
         if isinstance(self.controller, CompiledController):
             memory = self.controller.memory
             driver = Driver(self.controller, memory)
@@ -406,6 +405,7 @@ class _Packed:
             while lib.wg_looks_run(seat.c, _PORTION) == lib.WG_GOES_ON:
                 pass
             return
+        # Programs and vector classes act for many robots at a time, unless they break a rule.
         alone = OneByOne(self.controller, batch, world)
         if isinstance(self.controller, ProcessController):
             if self.controller.offer is None:

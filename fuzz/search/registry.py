@@ -91,8 +91,8 @@ def check_strategy(name: str, scenario: Scenario) -> None:
     if name == SEALED and not can_breach(scenario):
         raise InvalidParameter(
             "strategy-needs-keep-going",
-            "family {name!r} has walled-off targets, which only a robot that continues past a wall reaches "
-            "a wall",
+            "family {name!r} has walled-off targets, which only a robot that continues past "
+            "a wall can reach",
             "take --motion stepped without +keep_going, or another family",
             at_terminal=True,
             name=name,

@@ -44,6 +44,7 @@ def decode_sealed(data: bytes) -> World:
     Returns:
         An arena of 10 to 20 cells a side inside a border of solid cells, without certificate.
     """
+    # Lay the wall, bent or straight, in a frame in which it blocks the first axis.
     size = [_SMALLEST + data[k] % _SPREAD for k in (0, 1)]
     form = data[2]
     # The axis that the wall blocks; it runs along the other one.
@@ -55,9 +56,11 @@ def decode_sealed(data: bytes) -> World:
     solid: Cells = [(wall, k) for k in range(bend, along)]
     if bend:
         solid += [(k, bend) for k in range(wall, across)]
+    # Put start and target on its two sides.
     start = [_INNER + data[5] % (wall - _EDGE + 1), _INNER + data[6] % (along - 2 * _INNER)]
     target = [_beyond(wall, across, data[7]), _beyond(bend, along, data[8])]
     places = [*solid, (start[0], start[1]), (target[0], target[1])]
+    # Mirror and turn the frame.
     if form // 2 % 2:
         places = [(across - 1 - a, b) for a, b in places]
     if form // 4 % 2:

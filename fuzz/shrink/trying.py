@@ -72,10 +72,11 @@ class Trying:
         Raises:
             TimeoutError: If the deadline has passed.
         """
-        # A pass proposes either edits of cells only, or none.
+        # A pass proposes edits of cells only, or none at all.
         cells = [edit for edit in edits if isinstance(edit, CellEdit)]
         runs = self._edited_runs(case) if cells else None
         at = begin
+        # Try edits in order, many at a time if the core can run them.
         while at < len(edits):
             if self._deadline is not None and time.monotonic() > self._deadline:
                 raise TimeoutError

@@ -183,11 +183,13 @@ class WallAnswers(Opened):
 
         Those whose names are not valid are reported.
         """
+        # Only world files count, and hidden ones do not.
         found: list[CorpusEntry] = []
         there = archive.relative_to(self.folder.root).as_posix()
         packed = (
             one for one in members(archive) if is_world_file(one.name) and not _is_hidden(one.name)
         )
+        # Read the members, and report faults without giving up on the rest.
         try:
             for number, member in enumerate(islice(packed, MOST_FAILURES + 1)):
                 if number == MOST_FAILURES:

@@ -71,10 +71,12 @@ def audit(
     from worldgen.files.grid import read_world
     from worldgen.files.whole import check_output
 
+    # Refuse bad output before the work.
     if picture is not None and picture.suffix != ".png":
         raise click.UsageError(f"--picture {picture}: name a .png file")
     if picture is not None:
         check_output(picture, force)
+    # Read and audit.
     world = read_world(world_path)
     trajectory = read_trajectory(trajectory_path)
     with working(f"auditing {trajectory_path}"):
@@ -86,6 +88,7 @@ def audit(
             straight=straight,
             from_start=from_start,
         )
+    # Report, draw, and tell by the exit code whether the trajectory was possible.
     if as_json:
         emit_json(as_object(result, tolerance))
     else:

@@ -41,11 +41,13 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
     from sim.controllers.behaviours.chart import chart_svg
     from worldgen.files.whole import check_output
 
+    # Without a controller, list the library.
     if controller is None:
         if chart is not None:
             raise click.UsageError("--chart draws a controller: name one")
         _list_library(as_json)
         return
+    # Check the chart's file before the work.
     if chart is not None:
         check_output(chart, force)
         if chart.suffix != ".svg":
@@ -56,6 +58,7 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
             f"{controller} does not arbitrate among behaviours; compose some: "
             "behaviours:avoid,follow,wander"
         )
+    # Print, then draw.
     if as_json:
         emit_json(_facts(arbitration))
     else:

@@ -105,6 +105,7 @@ def compare(
     from sim.compare.report import as_json as plain
     from worldgen.files.whole import check_output
 
+    # Refuse bad output before the work.
     if picture is not None and picture.suffix != ".png":
         raise click.UsageError(f"--picture {picture}: name a .png file")
     for out in (table, picture):
@@ -112,6 +113,7 @@ def compare(
             check_output(out, force)
     if table is not None and picture is not None and table.resolve() == picture.resolve():
         raise click.UsageError(f"--csv and --picture both name {table}; give two names")
+    # Read the figures, the controllers and the worlds.
     figures = _figures(paths, against)
     scenarios = _scenarios(controllers, _motion(motion, figures), time_step, seed)
     if picture is not None and len(scenarios) > MAX_CONTROLLERS:
@@ -121,9 +123,11 @@ def compare(
     worlds = [_with_time(world, figures) for world in _worlds(paths)]
     _note_strangers(figures, worlds, scenarios)
     note_unused(scenarios.values(), seeds=["seed", "seeds"])
+    # Run everything.
     with working("comparing") as work:
         comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=work.say)
     beside = agreement(comparison, figures) if figures else None
+    # Print the table, then write the files.
     if as_json:
         emit_json(plain(comparison, beside))
     else:

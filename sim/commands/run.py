@@ -105,6 +105,7 @@ def run(
     from worldgen.files.whole import check_output
     from worldgen.support.plain_text import shown_lines
 
+    # Read the world and the controllers.
     world = read_world(path)
     duration = RunOptions.time_step if time_step is None else time_step
     scenarios = [
@@ -118,21 +119,25 @@ def run(
         for part in controllers_in(controller, len(world.robots))
     ]
     note_unused(list(dict.fromkeys(scenarios)), seeds=["seed"])
+    # Refuse bad output before the run.
     check_transcript(scenarios, transcript)
     for out in (trail, trace):
         if out is not None:
             check_output(out, force)
     if trail is not None and trail.suffix not in _PICTURES:
         raise click.UsageError(f"--trail {trail}: name a {', '.join(_PICTURES)} file")
+    # Run; record only if something needs the recording.
     with (
         transcribed(scenarios[0].controller, transcript, force=force),
         working(f"running {_label(scenarios)} in {path}"),
     ):
         record = bool(trail or trace or (as_json and counts_behaviours(scenarios, world, steps)))
         episode = _simulated(world, scenarios, steps, record=record)
+    # Explain what went wrong, if anything did.
     check_contract(_at_fault(scenarios, episode), episode.evidence, episode.steps)
     reachable = _is_reachable(world, episode)
     uncertain = _why_uncertain(world, scenarios)
+    # Print the result and what may explain it.
     if as_json:
         emit_json(
             {
@@ -152,6 +157,7 @@ def run(
         note(_BLOCKED if reachable is False else undecided)
     if uncertain and episode.verdict not in ARRIVALS:
         note(f"with these disturbances no controller is sure to arrive: {uncertain}")
+    # Write the trace and the picture.
     states = _csv(episode, who_acted(scenarios, episode))
     if trace is not None and states:
         write_bytes(trace, states.encode(), force=force)

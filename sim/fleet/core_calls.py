@@ -102,6 +102,7 @@ class CoreFleet:
         loop_entry: int = 0,
     ) -> None:
         # All robots share the cells, which the timeline changes for all of them at once.
+        # Give the robots one arena and one set of settings.
         first = runs[0].arena()
         arenas = [first, *(_in_the_same_cells(run, first) for run in runs[1:])]
         kinds, clear_sq = _distances(runs)
@@ -117,6 +118,7 @@ class CoreFleet:
         for run in runs:
             run.settings.steps = steps
             run.settings.find_loop = lib.WG_NO_LOOP
+        # Make the fleet; what it points to must live as long as it does.
         made = ffi.new("WgFleet **")
         check(
             lib.wg_fleet_new(

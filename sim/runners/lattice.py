@@ -138,6 +138,7 @@ class LatticeRun:
         return wanted
 
     def _fill_settings(self, motion_code: int, tolerance: float) -> None:
+        # Start, target and disc, in lattice units.
         world = self.world
         settings = self.settings
         step = self.options.time_step
@@ -158,6 +159,7 @@ class LatticeRun:
         settings.top_speed = world.robot_speed
         settings.radius = world.robot_radius
         settings.tolerance = tolerance * UNIT
+        # A compiled controller may start at a speed of its own.
         if isinstance(self.controller, CompiledController):
             settings.start_speed = min(self.controller.start_speed, world.robot_speed)
         self._fill_dynamics()
@@ -343,6 +345,7 @@ class LatticeRun:
             (n,) reports of type :data:`sim.runners.core_calls.REPORT`; fewer if the controller
             failed in a run, which is then the last.
         """
+        # Prepare one episode, which all runs use in turn.
         settings = copy_of(self.settings, self.memory)
         settings.steps = self.options.steps
         settings.digest = int(digest)

@@ -140,7 +140,5 @@ def _defaults(
 def _has_one_value(parameter: click.Parameter) -> bool:
     if not isinstance(parameter, click.Option) or parameter.multiple or parameter.count:
         return False
-    return not parameter.is_flag or bool(
-        parameter.secondary_opts
-        # --json twice means the same.
-    )
+    # --json twice means the same.
+    return not parameter.is_flag or bool(parameter.secondary_opts)

@@ -166,7 +166,9 @@ def _say_how_to_import(error: NotAGrid) -> None:
 
 def main() -> NoReturn:
     """Run the command line and end the process with the documented exit code."""
+    # Our own packages come first, even if the user has a folder called sim.
     prefer_own_packages()
+    # Every error becomes one line and the documented exit code.
     try:
         with no_ctrl_c_lost(), display_on_stderr():
             code = cli.main(standalone_mode=False)
@@ -184,6 +186,7 @@ def main() -> NoReturn:
         if isinstance(error, NotAGrid):
             _say_how_to_import(error)
         code = 2
+    # The reader of a pipe has gone: writing to it again would fail once more.
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0

@@ -121,12 +121,14 @@ def census(
     from worldgen.interop import census as library
     from worldgen.interop.census.case import DEFAULT_RADII
 
+    # Refuse bad output before the work.
     asked = tuple(dict.fromkeys(library.Radius.parse(text) for text in radii)) or DEFAULT_RADII
     if table is not None:
         check_output(table, force)
     if out is not None:
         _check_folder(out, force=force)
     what = library.CensusOptions(asked, pairs, draw_seed(seed), clear_ends)
+    # Take the census, keeping worlds as they come.
     with working("taking a census") as work:
         maps = _maps(sources, what, count, options, cell_size, unknown)
         total = sum(map(len, maps))
@@ -139,6 +141,7 @@ def census(
             each=keep,
             progress=lambda: work.count(next(done), total, "maps"),
         )
+    # Print the table, then write the files.
     _check_any(found)
     if as_json:
         emit_json(library.as_json(found))
@@ -169,6 +172,7 @@ def _maps(
     from worldgen.interop.census import folder_maps, generated_maps
     from worldgen.world import DEFAULT_CELL_SIZE
 
+    # Tell generators from files and folders.
     if cell_size is not None:
         check_between("cell_size", cell_size, *CELL_SIZES, "m")
     generators = [source for source in sources if ":" in source and not Path(source).exists()]
@@ -179,6 +183,7 @@ def _maps(
             "option is for a generator, and none is named",
             "name one as ./file.py:function",
         )
+    # Read the files and folders.
     found: list[FolderMaps | GeneratedMaps] = []
     if paths:
         asked = {
@@ -190,6 +195,7 @@ def _maps(
         if files.passed_over:
             note(f"{files.passed_over} other files are not maps")
         found.append(files)
+    # Add the generators.
     given = dict(_option(text) for text in options)
     side = DEFAULT_CELL_SIZE if cell_size is None else cell_size
     for name in generators:

@@ -39,6 +39,7 @@ def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: b
     from worldgen.family import FAMILIES
     from worldgen.support.progress import working
 
+    # Refuse names of checks that do not exist.
     known = [check.name for check in (*testing.FAMILY_CHECKS, *testing.CHECKS)]
     for word in left_out:
         if word not in known:
@@ -49,6 +50,7 @@ def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: b
                 name=word,
                 known=known,
             )
+    # Run the checks.
     family = FAMILIES.get(name)
     pinned = {}
     results = []
@@ -59,6 +61,7 @@ def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: b
         for found in testing.run_checks(family, without=left_out):
             results.append(found)
             work.count(len(results), noun="checks done")
+    # Print the broken promises and the digests.
     broken = [found for found in results if found.fault]
     if as_json:
         checks = [

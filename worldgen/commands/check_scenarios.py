@@ -57,12 +57,14 @@ def check_scenarios(
 
     if table is not None:
         check_output(table, force)
+    # Solve the problems of every scenario file.
     with working("checking scenarios") as work:
         found = library.find_scenarios(paths)
         reports = list(found.refused)
         for done, (scenario, maps) in enumerate(found.pairs):
             work.count(done, len(found.pairs), "scenario files")
             reports += library.check_scenario(scenario, maps, rows=rows, seed=seed)
+    # Print and write the report.
     if as_json:
         emit_json({**library.total(reports), "reports": [vars(report) for report in reports]})
     else:

@@ -117,6 +117,7 @@ def import_map(
     from worldgen import interop
     from worldgen.files.grid import write_world
 
+    # Collect what the user gave.
     robot = interop.ImportedRobot(
         None if start is None else interop.parse_point("start", start, "HEADING"),
         None if target is None else interop.parse_point("target", target, "RADIUS"),
@@ -124,15 +125,18 @@ def import_map(
     )  # fmt: skip
     given = {"cell_size": cell_size, "slice_height": slice_height, "unknown": unknown}
     asked = {option: value for option, value in given.items() if value is not None}
+    # Import the map and decide the world.
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
         imported = interop.import_world(path, robot, name=name, options=asked)
     file = None if imported.withheld else str(out)
+    # Write the world, unless obstacles that were not read make a path worthless.
     if not imported.withheld:
         write_world(imported.world, out, force=force)
     for sentence in imported.notes:
         note(sentence)
     for sentence in imported.warnings:
         note(f"warning: {sentence}")
+    # Report; the exit code tells whether the target can be reached.
     if as_json:
         emit_json(interop.as_json(file, imported))
     else:

@@ -69,6 +69,7 @@ def show(
         with working(f"drawing {path}"):
             return draw(world, signal=signal, witness=witness, title=path.name, pixels=pixels)
 
+    # Draw all pictures before any is written.
     pictures: list[tuple[Path, bytes]] = []
     if png is not None:
         pictures.append((png, look(render.draw_png)))
@@ -79,6 +80,7 @@ def show(
     for out, data in pictures:
         write_bytes(out, data, force=force)
         note(f"wrote {out}")
+    # Print facts, or the drawing if there are no pictures.
     if as_json:
         emit_json(_facts(world, path, [out for out, _ in pictures]))
         return

@@ -123,6 +123,7 @@ def verify_world(
     from worldgen.reach.decision import Decision, check_deadline, check_radius
     from worldgen.world import Cut, Witness
 
+    # Use the file's own certificate if it is about this question; otherwise decide.
     asked = max(robot.radius for robot in world.robots) if radius is None else radius
     check_radius(asked, world.cell_size)
     check_deadline(deadline)
@@ -131,6 +132,7 @@ def verify_world(
     if not _answers(world, radius, deadline):
         decision = decide_in_time(world, deadline, radius=radius)
         afresh = True
+    # Begin with an answer for the case that nothing is proved.
     certificate = decision.certificate
     answer: dict[str, Any] = {
         "result": UNDECIDED,
@@ -141,6 +143,7 @@ def verify_world(
     answer |= {"clearance": None, "radius": asked, "reason": decision.reason}
     answer |= {} if deadline is None else {"deadline": deadline}
     answer |= {"robots": len(world.robots)} if world.others else {}
+    # Check the proof, with code that shares nothing with the prover.
     ahead = world if deadline is None else until(world, deadline)
     if certificate is not None:
         report = check_certificate(

@@ -101,6 +101,7 @@ def make_wanted(
     from worldgen.difficulty.search import Search, constraint_for, found
     from worldgen.sets import plan_wanted_set
 
+    # A range of difficulty asks for a stratified set, or for one world anywhere in it.
     if difficulty is not None and len(difficulty) == 2:
         if count is not None and out is not None:
             _make_stratified(
@@ -114,6 +115,7 @@ def make_wanted(
     )
     search: Search | None = None
     results: list[dict[str, Any]] = []
+    # Search for a set, or for one world.
     try:
         with working(f"searching for {wish.text}") as work:
 
@@ -149,6 +151,7 @@ def make_wanted(
                         as_json=as_json,
                     )
                 )
+    # Report the nearest world if none fits.
     except GenerationFailed as failure:
         note(f"worldgen: {failure}", always=True)
         if as_json:

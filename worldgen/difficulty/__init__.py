@@ -19,10 +19,10 @@ from worldgen.support.lazy import lazy_names
 if TYPE_CHECKING:
     from worldgen.difficulty.search import Search, search_world
 
+# This import needs the families.
 __getattr__, __dir__ = lazy_names(
     __name__,
     {"search": ("Search", "search_world")},
-    # This import needs the families.
 )
 
 __all__ = [

@@ -35,10 +35,8 @@ __all__ = ["bottleneck", "narrowest_gap_sq"]
 
 # Relative precision of the radius where a pose next to the target's centre may take a larger disc.
 _CLOSE = 1e-7
-_LEAST = (
-    1 / 64
-    # Cells: if the target's centre cannot be reached, smaller discs are not tried.
-)
+# Cells: if the target's centre cannot be reached, smaller discs are not tried.
+_LEAST = 1 / 64
 
 
 def bottleneck(world: World, solid: Bools) -> float:
@@ -101,6 +99,7 @@ class _DiscQuery:
 
     def passes(self, radius: float) -> bool:
         """Return True if a disc of this radius, in cells, gets to the target."""
+        # The disc must fit at the start.
         exactly = Fraction(radius)
         start = (self.start[0], self.start[1])
         if radius <= 0.0:
@@ -108,6 +107,7 @@ class _DiscQuery:
         walls = Walls(self.solid, exactly)
         if not walls.is_clear(start, start):
             return False
+        # Look for a pose of the target that no chain separates from the start.
         poses = deciding_poses(walls, self.disc)
         # Thousands of corners can be near a large target.
         if poses is None:
@@ -204,10 +204,12 @@ def _below_ray(cells: Ints, pad: int, pose: Any) -> Ints:
 
 def _crosses(cells: Ints, dx: int, dy: int, pose: Any) -> npt.NDArray[np.uint8]:
     """Return, per cell, if its link at an offset crosses the ray upwards an odd number of times."""
+    # Find a unit in which all coordinates are integers.
     fine = math.lcm(*(Fraction(value).denominator for value in pose))
     unit = UNIT * fine
     half = UNIT * fine // 2
     px, py = (int(value * fine) for value in pose)
+    # Only cells near the ray's column can have links that cross it.
     close = np.flatnonzero(
         (cells[:, 0] + max(dx, 0) >= px // unit - 1) & (cells[:, 0] + min(dx, 0) <= px // unit + 1)
     )
@@ -217,6 +219,7 @@ def _crosses(cells: Ints, dx: int, dy: int, pose: Any) -> npt.NDArray[np.uint8]:
     ay = unit * chosen[:, 1] + half
     sx = (dx > 0) - (dx < 0)
     sy = (dy > 0) - (dy < 0)
+    # Count the crossings of the link's three pieces.
     corners = [
         (0, 0),
         (half * sx, half * sy),

@@ -197,6 +197,7 @@ class StrataSearch:
 
     def _try(self, aim: int) -> InStratum | None:
         """Make a world for a stratum; None if it is refused, or no more are wanted where it is."""
+        # Make a world; the first has just the given parameters.
         stratum = self._strata[aim]
         self._asked += 1
         stratum.asked += 1
@@ -206,6 +207,7 @@ class StrataSearch:
         except (InvalidParameter, GenerationFailed):
             return None
         stratum.tried += 1
+        # Measure it, and find the stratum that it belongs to.
         metrics = measure(world, only=self._names).as_dict()
         difficulty = metrics.get("difficulty")
         at = None if difficulty is None else self._stratum_of(difficulty)
@@ -213,6 +215,7 @@ class StrataSearch:
             return None
         if self._where is not None and self._where.violation(metrics, world.robot_radius) > 0.0:
             return None
+        # It becomes a parent even if its stratum is full.
         came = self._strata[at]
         came.parents = [*(one for one in came.parents if one != values), values][-_PARENTS:]
         if not came.open:
@@ -235,10 +238,8 @@ class StrataSearch:
         nearest = min(known, key=lambda k: (abs(k - aim), k))
         parent = rng.choice(self._strata[nearest].parents)
         kind = rng.below(8)
-        if (
-            kind < 3 and nearest == aim
-            # The parameters are the same: chance alone gives another world of about this difficulty.
-        ):
+        # The parameters are the same: chance alone gives another world of about this difficulty.
+        if kind < 3 and nearest == aim:
             return seed, dict(parent)
         if kind == 3:
             other = rng.choice(self._strata[rng.choice(known)].parents)

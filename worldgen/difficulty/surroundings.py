@@ -82,10 +82,8 @@ def samples_of(way: WitnessPath) -> Samples:
     while math.fsum(lengths.tolist()) / apart > _MOST:
         apart *= 2.0
     share, power = np.frexp(np.maximum(lengths / apart, 1.0))
-    parts = 2 ** np.where(share == 0.5, power - 1, power).astype(
-        np.int64
-        # The next power of two, found without logarithms.
-    )
+    # The next power of two, found without logarithms.
+    parts = 2 ** np.where(share == 0.5, power - 1, power).astype(np.int64)
     piece = np.repeat(np.arange(len(parts)), parts)
     number = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
     share = (2 * number + 1) / (2 * parts[piece])

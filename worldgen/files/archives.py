@@ -244,6 +244,7 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
 
 def _tar_members(stream: SupportsRead, source: str, packed: int) -> Iterator[Member]:
     """Read tar by hand, because the library trusts the length of a long header."""
+    # Read the headers, block by block.
     while len(head := stream.read(_BLOCK)) == _BLOCK and head.strip(b"\0"):
         entry = tarfile.TarInfo.frombuf(head, "utf-8", "surrogateescape")
         if entry.size < 0:
@@ -261,6 +262,7 @@ def _tar_members(stream: SupportsRead, source: str, packed: int) -> Iterator[Mem
             left -= size
             return data
 
+        # Yield regular files, and skip what was not read.
         if entry.type in (tarfile.REGTYPE, tarfile.AREGTYPE):
             yield Member(entry.name, packed, read)
         while left > 0:

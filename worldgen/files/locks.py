@@ -64,10 +64,10 @@ def holder(path: Path) -> int | None:
                     or not 1 < int(number) < 1 << 31
                 ):
                     return None
+                # So that an abandoned file is available to a process that wants it.
                 os.kill(
                     int(number),
                     0,
-                    # So that an abandoned file is available to a process that wants it.
                 )
                 fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -236,18 +236,16 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
     written: list[Path] = []
     try:
         for path, data in zip(paths[::-1], list(export.files.values())[::-1], strict=True):
+            # The main file comes last, because it names the others.
             write_bytes(
                 path,
                 data,
                 force=force,
-                # The main file comes last, because it names the others.
             )
             written.append(path)
     except OutputError:
-        for path in new.intersection(
-            written
-            # Delete what is useless alone; keep what another program has written meanwhile.
-        ):
+        # Delete what is useless alone; keep what another program has written meanwhile.
+        for path in new.intersection(written):
             path.unlink(missing_ok=True)
         raise
     stale = paths[0].with_name(paths[0].name + SUFFIX)

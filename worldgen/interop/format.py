@@ -106,12 +106,8 @@ def decimal(value: float, shift: float = 0.0) -> str:
 
 def decimal_text(value: Fraction) -> str:
     """Return a fraction that is a decimal number, exactly and without exponent."""
-    places = next(
-        n
-        for n in range(2000)
-        if (value * 10**n).denominator == 1
-        # Sums and halves of decimals are decimals, so this division ends.
-    )
+    # Sums and halves of decimals are decimals, so this division ends.
+    places = next(n for n in range(2000) if (value * 10**n).denominator == 1)
     sign = "-" if value < 0 else ""
     digits = str(abs(int(value * 10**places))).rjust(places + 1, "0")
     return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)

@@ -220,12 +220,12 @@ def _at_programs_start(
     if robot.start is not None or robot.seed is not None or found.start is None:
         return robot, ()
     x, y = found.start[:2]
+    # _complete has already set the radius.
     if is_clear(
         found.walls,
         found.cell_size,
         robot.radius or 0.0,
         (x, y),
-        # _complete has already set the radius.
     ):
         return replace(robot, start=found.start), ()
     return robot, (

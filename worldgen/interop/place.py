@@ -32,11 +32,11 @@ from worldgen.support.grid_search import Floods
 __all__ = ["Placement", "heading_towards", "is_clear", "place"]
 
 _HALF = UNIT // 2
+# Radii of clearance around a chosen place, the widest first.
 _ROOMY = (
     Fraction(2),
     Fraction(3, 2),
     Fraction(5, 4),
-    # Radii of clearance around a chosen place, the widest first.
 )
 # Share of a region that must be nearer than a chosen place with room to turn.
 _FAR = 0.5
@@ -81,6 +81,7 @@ def place(
         InvalidWorld: If a given point is outside, the start is not clear (the message names the
             wall, its distance, and the nearest clear place), or there is no room for the disc.
     """
+    # Check what is given.
     for name, point in (("start", start), ("target", target)):
         if point is not None:
             _check_inside(name, point, walls, cell_size)
@@ -89,11 +90,13 @@ def place(
         _check_start(walls, cell_size, radius, start)
     if start is not None and target is not None:
         return Placement(start, target)
+    # Choose the missing end as far as possible from the given one.
     places = _ClearPoints(walls, cell_size, radius)
     given = start if start is not None else target
     if given is not None:
         other = places.metres(places.farthest(places.near(given)))
         return Placement(given, other) if start is not None else Placement(other, given)
+    # Choose both ends in the largest region, by two sweeps.
     region = places.largest_region()
     first = places.farthest(places.any_of(region, RandomStream(seed).child("import")))
     last = places.farthest(first)

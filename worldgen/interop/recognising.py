@@ -47,6 +47,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
         InvalidParameter: If no format has that name, or it can only be written.
         FormatError: If the file has no known format, or might have several.
     """
+    # The user may have named the format.
     if name is not None:
         known = FORMATS.get(name)
         if known.read is None:
@@ -57,12 +58,14 @@ def find_format(path: Path, name: str | None = None) -> Format:
                 format=known.name,
             )
         return known
+    # Otherwise the contents decide.
     head = _head(path)
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise FormatError("not-utf8", "is text in UTF-16", "save it as UTF-8", source=str(path))
     found = _by_contents(path, head)
     if found:
         return _only(found, path)
+    # Explain the files that look like maps but are not readable ones.
     if path.suffix.lower() == ".scen" or re.match(rb"version\s+1", head):
         raise FormatError(
             "no-map-found",
@@ -81,6 +84,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
                 summary=written.summary,
                 source=str(path),
             )
+    # As a last resort, the suffix decides.
     by_name = [known for known in readable_formats() if path.suffix.lower() in known.suffixes]
     if by_name:
         return _only(by_name, path)
@@ -162,10 +166,8 @@ def _head(path: Path) -> bytes:
     try:
         if path.is_file():
             with path.open("rb") as stream:
-                return stream.read(_HEAD).removeprefix(
-                    b"\xef\xbb\xbf"
-                    # Windows starts text files with it.
-                )
+                # Windows starts text files with it.
+                return stream.read(_HEAD).removeprefix(b"\xef\xbb\xbf")
     except (OSError, ValueError):
         pass
     # Reading it reports what is wrong with the file.

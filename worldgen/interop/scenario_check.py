@@ -105,6 +105,7 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
     Raises:
         InvalidParameter: If there is no scenario file, or a path is missing.
     """
+    # Collect scenario files and maps.
     maps: dict[str, list[Path]] = {}
     scenarios: dict[Path, None] = {}
     for path in paths:
@@ -129,6 +130,7 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
             "name files that end in .scen, or their folder",
             paths=named,
         )
+    # Find each scenario's map by the name that it gives.
     pairs = []
     refused = []
     for file in scenarios:

@@ -103,12 +103,8 @@ def wrapped(text: str, width: float, size: float, most: int) -> list[str]:
 def _cut_off(line: str, width: float, size: float) -> str:
     if text_width(line, size) <= width:
         return line
-    line = line[
-        : int(
-            width / (0.25 * size)
-        )
-        # No letter is narrower, which bounds the work on a long line.
-    ]
+    # No letter is narrower, which bounds the work on a long line.
+    line = line[: int(width / (0.25 * size))]
     while line and text_width(line + "...", size) > width:
         line = line[:-1]
     return line + "..."
@@ -158,6 +154,7 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
     changes = content.changes
     if world.others:
         return _robot_keys(content)
+    # Start, target, signal and proof.
     keys: list[tuple[str, Sample]] = [("start", _start_sample), ("target", _target_sample)]
     if content.signal:
         keys.append(("signal, halves per ring", _signal_sample))
@@ -165,6 +162,7 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
         keys.append(("a way that fits", _line(START, 1.8, dash=(7.0, 5.0))))
     if content.witness and isinstance(world.certificate, Cut):
         keys.append(("cut: every gap too narrow", _line(TUNNEL, 3.0)))
+    # The run, and what changes.
     if trail is not None:
         keys += _trail_keys(trail, on_the_spot=stays_put(trail, content.frame, world.robot_radius))
     if changes.burns.any():
@@ -193,12 +191,14 @@ def _robot_keys(content: Content) -> list[tuple[str, Sample]]:
 
 
 def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
+    # The path and its loop.
     if trail.loop_from is None:
         keys: list[tuple[str, Sample]] = [("robot's way", _line(LOOP, 2.2, arrow=True))]
     else:
         keys = [("approach", _line(APPROACH, 1.8))] if trail.loop_from > 0 else []
         spot = ("loop, forever on this spot", _end_sample)
         keys.append(spot if on_the_spot else ("loop, for ever", _line(LOOP, 3.2, arrow=True)))
+    # What the robot hit.
     kinds = {mark.kind for mark in trail.marks}
     if "end" in kinds or trail.loop_from is None:
         keys.append(("end", _end_sample))
@@ -210,6 +210,7 @@ def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
         keys.append(("overlap", _overlap_sample))
     if "tunnel" in kinds and not trail.pierced:
         keys.append(("through a wall", _tunnel_sample))
+    # What moved the robot.
     disturbances = trail.disturbances
     if disturbances.pushes:
         keys.append(("push", _push_sample))

@@ -72,6 +72,7 @@ def draw_html(
 def _known(world: World) -> list[tuple[str, str]]:
     start = world.start
     target = world.target
+    # The world.
     rows = [
         ("world", facts(world)),
         ("cells", f"{world.width} x {world.height}, {world.solid_cells} solid"),
@@ -81,6 +82,7 @@ def _known(world: World) -> list[tuple[str, str]]:
     ]
     if world.is_dynamic:
         rows.append(("changes", f"{len(world.timeline)} until {world.timeline.last_time:.6g} s"))
+    # Its proof.
     proof = world.certificate
     if isinstance(proof, Witness):
         rows.append(
@@ -100,6 +102,7 @@ def _known(world: World) -> list[tuple[str, str]]:
                 f"a cut of {len(proof.cells)} cells that stops all above {proof.clearance:.6g} m",
             )
         )
+    # Its origin and its failure.
     made = world.provenance
     if made is not None:
         rows.append(("made by", f"{made.family}, version {made.version}, seed {made.seed}"))

@@ -69,6 +69,7 @@ def draw_sheet(
     Raises:
         InvalidParameter: If there is no world, or there are more robots than colours.
     """
+    # Refuse what cannot be drawn.
     if not panels:
         raise InvalidParameter("empty", "there is no world to draw", "give at least one")
     if len(robots) > len(COLOURS):
@@ -80,6 +81,7 @@ def draw_sheet(
             most=len(COLOURS),
         )
     columns = columns or min(len(panels), 5 if len(panels) > 8 else 4)
+    # Draw the panels, and arrange them in rows.
     drawn = [_panel(panel, pixels) for panel in panels]
     width = max(image.width for image in drawn)
     rows = [drawn[k : k + columns] for k in range(0, len(drawn), columns)]
@@ -88,6 +90,7 @@ def draw_sheet(
     sheet = Image.new("RGB", (columns * (width + _GAP) + _GAP, legend + sum(heights) + _GAP), PAPER)
     if robots:
         _draw_legend(sheet, robots)
+    # Paste them.
     top = legend + _GAP
     for row, height in zip(rows, heights, strict=True):
         for k, image in enumerate(row):
@@ -99,6 +102,7 @@ def draw_sheet(
 
 
 def _panel(panel: Panel, pixels: int) -> Image.Image:
+    # Draw the map with the robots' paths.
     frame = Frame.of(panel.world, pixels)
     parts = map_parts(panel.world, frame)
     for k, trail in enumerate(panel.trails):
@@ -114,6 +118,7 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
         frame.bottom + frame.band,
     )
     chart = picture.crop(box)
+    # Add the title above it and the notes below.
     font = ImageFont.load_default(_TYPE)
     text = max(font.getlength(line) for line in (panel.title, *panel.notes))
     # A narrow world keeps its text.

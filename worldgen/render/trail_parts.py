@@ -38,12 +38,12 @@ __all__ = [
 ]
 
 Points = npt.NDArray[np.float64]
+# Deviations of a drawn trail from the true one, px; the first that gives a short enough line is
+# used.
 THIN = (
     0.15,
     0.5,
     1.5,
-    # Deviations of a drawn trail from the true one, px; the first that gives a short enough line is
-    # used.
 )
 # Most points of a drawn trail; more make an SVG of megabytes.
 MOST_POINTS = 20_000
@@ -193,10 +193,10 @@ def pierced_parts(
     mask[[cell.iy for cell in inside], [cell.ix for cell in inside]] = True
     parts: list[Primitive] = []
     if inside:
+        # PIERCED_GROUND on a wall.
         parts += [
             DrawnCells(mask, FLOOR, opacity=0.6),
             DrawnCells(mask, PIERCED, opacity=0.25),
-            # PIERCED_GROUND on a wall.
         ]
         parts.append(DrawnCells(mask, PIERCED, hatch=max(4.0 * unit, 0.2 * frame.cell)))
     for cell in cells:

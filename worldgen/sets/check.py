@@ -55,10 +55,10 @@ def manifest_of(path: Path) -> Manifest:
                     most=_MOST,
                     source=f"{path}/{MANIFEST}",
                 )
+            # Read line by line, because the file may be a decompression bomb.
             return parse_manifest(
                 io.BytesIO(data),
                 f"{path}/{MANIFEST}",
-                # Read line by line, because the file may be a decompression bomb.
             )
     raise FormatError(
         "no-manifest", "holds no {manifest}; it is not a set", manifest=MANIFEST, source=str(path)
@@ -80,10 +80,8 @@ def check_set(place: Path, manifest: Manifest) -> list[SetDifference]:
     for name, sha256 in (
         _archived(place) if is_archive(place) and place.is_file() else _in_folder(place)
     ):
-        if (
-            found.setdefault(name, sha256) != sha256
-            # It is twice in an archive, and programs that unpack it take the first.
-        ):
+        # It is twice in an archive, and programs that unpack it take the first.
+        if found.setdefault(name, sha256) != sha256:
             extra.append(name)
     differences = []
     for entry in manifest.entries:

@@ -31,10 +31,8 @@ def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generi
     if isinstance(values, np.ndarray) and values.dtype == dtype and _is_ours(values):
         return values
     array = np.array(values, dtype=dtype)
-    if (
-        array.dtype == np.bool_
-        # An image's 255 seen as a bool is true, but cannot index two letters.
-    ):
+    # An image's 255 seen as a bool is true, but cannot index two letters.
+    if array.dtype == np.bool_:
         array = array.view(np.uint8) != 0
     return _keep(array)
 

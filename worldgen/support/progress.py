@@ -224,10 +224,8 @@ class Display:
             dict.fromkeys([*(shown(work.message) for work in works[:-1]), works[-1].text()])
         )
         spent = now - works[0].begun
-        took = (
-            f" ({_duration(spent)})" if spent >= _WORTH_SAYING else ""
-            # Short work after other short work.
-        )
+        # Short work after other short work.
+        took = f" ({_duration(spent)})" if spent >= _WORTH_SAYING else ""
         if terminal:
             self._drawn = True
             self._put(_CLEAR + _fitted(parts, took, _columns() - 1))

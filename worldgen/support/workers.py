@@ -42,6 +42,7 @@ def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Cal
     Args:
         at_once: Called when Ctrl-C comes.
     """
+    # Only the main thread gets Ctrl-C, and only if it is not ignored.
     if threading.current_thread() is not threading.main_thread():
         yield lambda: None
         return
@@ -64,6 +65,7 @@ def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Cal
             signal.signal(signal.SIGINT, note)
             raise KeyboardInterrupt
 
+    # Until the caller checks, Ctrl-C is only noted.
     signal.signal(signal.SIGINT, note)
     try:
         yield listen

@@ -73,6 +73,7 @@ class RobotArrays:
     """
 
     def __init__(self, rules: Rules, numbers: Any, count: int, size: int) -> None:
+        # Each robot's own state.
         self.world = np.zeros(count, np.int64)
         self.seed = np.zeros(count, np.uint64)
         self.episode = np.zeros(count, np.int64)

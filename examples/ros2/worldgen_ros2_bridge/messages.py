@@ -163,10 +163,8 @@ def twist_between(before: Pose, after: Pose, seconds: float) -> Twist:
     """Return the mean velocity between two poses, in the base frame as nav_msgs/Odometry requires."""
     x = after.x - before.x
     y = after.y - before.y
-    ahead = (
-        math.cos(after.heading) * x + math.sin(after.heading) * y
-        # The robot turns first, then drives.
-    )
+    # The robot turns first, then drives.
+    ahead = math.cos(after.heading) * x + math.sin(after.heading) * y
     return Twist(
         ahead / seconds, math.remainder(after.heading - before.heading, 2.0 * math.pi) / seconds
     )

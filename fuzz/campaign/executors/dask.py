@@ -24,10 +24,8 @@ __all__ = ["DaskExecutor"]
 P = ParamSpec("P")
 T = TypeVar("T")
 
-_ADDRESS = re.compile(
-    r"([a-z]+://)?[^\s/]+:[0-9]{1,5}"
-    # For any other address, Dask leaves a half-built client behind.
-)
+# For any other address, Dask leaves a half-built client behind.
+_ADDRESS = re.compile(r"([a-z]+://)?[^\s/]+:[0-9]{1,5}")
 # Units in progress per worker: one that it does, and one that waits there.
 _PER_WORKER = 2
 # Seconds between two checks of the list of workers.
@@ -116,10 +114,8 @@ class DaskExecutor:
         Raises:
             InvalidParameter: If no scheduler answers.
         """
-        logging.getLogger("distributed").setLevel(
-            logging.CRITICAL
-            # We report errors ourselves, once.
-        )
+        # We report errors ourselves, once.
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)
         try:
             self._client = _Client(self._address, timeout=_TO_CONNECT, set_as_default=False)
         except (

@@ -114,10 +114,8 @@ def _configuration(config: CampaignConfig) -> dict[str, Any]:
         "parameters": replace(scenario.run, steps=1).parameters(),
     }
     plain["fixed_map"] = None if config.fixed_map is None else dumps(config.fixed_map).decode()
-    configuration: dict[str, Any] = json.loads(
-        json.dumps(plain, default=asdict)
-        # With lists for tuples, as it will be read.
-    )
+    # With lists for tuples, as it will be read.
+    configuration: dict[str, Any] = json.loads(json.dumps(plain, default=asdict))
     return configuration
 
 

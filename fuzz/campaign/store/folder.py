@@ -181,10 +181,8 @@ class FolderStore(CampaignStore):
             OutputError: If it cannot be removed.
         """
         with refused_writes(self._path):
-            (self._path / "campaign.json").unlink(
-                missing_ok=True
-                # This one first: the rest is then no longer a campaign.
-            )
+            # This one first: the rest is then no longer a campaign.
+            (self._path / "campaign.json").unlink(missing_ok=True)
             (self._path / SUMMARY_FILE).unlink(missing_ok=True)
             (self._path / _WRITTEN).unlink(missing_ok=True)
             for part in _PARTS:

@@ -22,10 +22,8 @@ _VERSION = 1
 # Most characters of a template.
 _LONGEST = 4_000
 _FIELD = re.compile(r"[a-z][a-z0-9_]*")
-_SPEC = re.compile(
-    r"[#,]?(?:\.\d)?[a-zA-Z%]?|[a-z ]{0,40}"
-    # No width, which could ask for gigabytes.
-)
+# No width, which could ask for gigabytes.
+_SPEC = re.compile(r"[#,]?(?:\.\d)?[a-zA-Z%]?|[a-z ]{0,40}")
 
 
 def _file(out: Path) -> Path:
@@ -56,10 +54,10 @@ def record_error(out: Path, error: WorldgenError) -> None:
         "at_terminal": error.message.at_terminal,
         "templates": {"problem": problem, "remedy": remedy},
     }
+    # A full disk may be the reason; ValueError: a number of 5,000 digits.
     with contextlib.suppress(
         OutputError,
         ValueError,
-        # A full disk may be the reason; ValueError: a number of 5,000 digits.
     ):
         write_bytes(
             _file(out), (json.dumps(record, indent=1, default=str) + "\n").encode(), force=True

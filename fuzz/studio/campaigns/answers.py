@@ -215,6 +215,7 @@ class CampaignAnswers(Opened):
         Raises:
             OutputError: If it does not begin; with the process's own message.
         """
+        # Two campaigns must not share a folder.
         if running_process(out) is not None:
             raise OutputError(
                 "campaign-is-running",
@@ -225,6 +226,7 @@ class CampaignAnswers(Opened):
         # Remember the folders created here, so that they can be removed if it does not begin.
         memory = out / MEMORY
         made = [folder for folder in (memory, out, *out.parents) if not folder.exists()]
+        # Start the command, and wait until it has begun or refused.
         with contextlib.ExitStack() as stack:
             try:
                 memory.mkdir(parents=True, exist_ok=True)
@@ -249,6 +251,7 @@ class CampaignAnswers(Opened):
                 interrupt(process.pid)  # it was stopped at the moment when it began
         if why_not is None:
             return
+        # It did not begin: leave everything as it was.
         (memory / SAID).unlink(missing_ok=True)
         forget_error(out)
         for folder in made:

@@ -347,6 +347,7 @@ def call(
         ControllerDied: If the process ended, or a step did not return; the next call starts a new
             process.
     """
+    # Describe the call in the shared memory.
     function = int(ffi.cast("uintptr_t", work))
     with _here.one_call:
         server = _server_for(frozenset((function, act)))
@@ -356,6 +357,7 @@ def call(
             asked.objects[k] = ffi.cast("void *", one)
         asked.number = number
         asked.report = ffi.cast("WgReport *", report)
+        # Make the call, and start a new process if the old one is gone.
         if not server.ask():  # Something ended the process while it waited.
             renew()
             return call(work, act, objects, number, report=report, progress=progress)
@@ -367,6 +369,7 @@ def call(
         except BaseException:
             renew()
             raise
+        # Copy what the controller said, because the memory is reused.
         error = ffi.string(asked.error).decode("utf-8", "replace") if asked.has_error else ""
         return CallResult(int(asked.result), error)
 

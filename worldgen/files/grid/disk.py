@@ -112,10 +112,8 @@ def unpack_world(member: Member, source: str) -> World:
 
 def _read_archived(archive: Path, name: str, source: str) -> World:
     for member in members(archive):
-        if (
-            PurePosixPath(member.name).as_posix() == name
-            # tar writes ./w.grid for a folder that is packed as . (a dot).
-        ):
+        # tar writes ./w.grid for a folder that is packed as . (a dot).
+        if PurePosixPath(member.name).as_posix() == name:
             return unpack_world(member, source)
     raise FormatError(
         "no-such-file",

@@ -136,10 +136,10 @@ class Header:
         depth = dots = 0
         for token in _TOKEN.finditer(self._text):
             kind = token.lastgroup
+            # tomllib reports the fault, and reads no further.
             if kind in (
                 "unclosed",
                 "unclosed_long",
-                # tomllib reports the fault, and reads no further.
             ):
                 self._last_line = self._line_at(token.start())
                 return

@@ -70,6 +70,7 @@ def loads(data: bytes, source: str | None = None) -> World:
     Raises:
         FormatError: If anything is wrong, with the line, what came, the rule and the remedy.
     """
+    # Check the form of the file, then the header.
     file = _File(data, source)
     header_end = _header_end(file)
     header = Header(_decode(file, file.first_line_end, header_end), 2, source)
@@ -79,6 +80,7 @@ def loads(data: bytes, source: str | None = None) -> World:
     fault = number_fault("cell_size", cell_size, CELL_SIZES, "m")
     if fault is not None:
         raise header.fault(fault, "cell_size")
+    # Read the robots, whose places the cells may mark.
     robots: list[Robot] = []
     radius = speed = 0.0
     if file.is_fleet:
@@ -94,6 +96,7 @@ def loads(data: bytes, source: str | None = None) -> World:
     else:
         start, target = _ends(header, cells, cell_size)
         robots = [Robot(start, target, radius, speed)]
+    # Read the rest, and let the world check itself.
     timeline = _timeline(blocks, cells.walls.shape)
     certificate = _certificate(header, blocks, len(robots))
     first = robots[0]
@@ -178,10 +181,12 @@ def _header_end(file: _File) -> int:
 
 
 def _first_line_fault(file: _File) -> FormatError:
+    # Tell the commonest mistakes apart, so that the remedy fits.
     first = file.data[:200].split(b"\n")[0]
     text = first.decode("utf-8", "replace")
     way_out = "the first line is `{magic}`"
     magics = [line.encode("ascii") for line in (MAGIC, FLEET_MAGIC)]
+    # The remedy depends on what the file seems to be.
     if not file.data:
         message = Message("empty", "the file is empty", way_out, magic=MAGIC)
     elif first.startswith(b"\xef\xbb\xbf"):

@@ -320,6 +320,7 @@ def read_provenance(header: Header) -> Provenance | None:
 
 def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | None:
     """Return the ``[certificate]`` table of a world with this many robots."""
+    # Check the kind.
     table = _table(header, "certificate")
     if table is None:
         return None
@@ -333,10 +334,12 @@ def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | Non
             "certificate",
             "kind",
         )
+    # A single robot's certificate has one clearance.
     path = ("certificate", "clearance")
     clearance = table["clearance"]
     if robots == 1:
         return CertificateRecord(str(kind), (finite_at(header, clearance, "clearance", path),))
+    # A joint witness has a clearance for each robot.
     if kind == "witness":
         if "robot" in table:
             message = Message(
@@ -361,6 +364,7 @@ def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | Non
             finite_at(header, each, f"clearance[{k}]", path) for k, each in enumerate(clearance)
         ]
         return CertificateRecord(str(kind), tuple(numbers))
+    # A cut names the robot that it stops.
     if "robot" not in table:
         message = Message(
             "missing-key",

@@ -94,10 +94,8 @@ OPTIONAL_KEYS: Final = frozenset(
     {"robot", "robot_speed", "speed", "params", "metrics", "parameters", "evidence", "details"}
 )
 
-MAX_HEADER_BYTES: Final = (
-    1 << 20
-    # A header is a few pages at most; TOML takes 100 times its size in memory.
-)
+# A header is a few pages at most; TOML takes 100 times its size in memory.
+MAX_HEADER_BYTES: Final = 1 << 20
 # The largest world, 20000 x 20000, takes 382 MiB.
 MAX_FILE_BYTES: Final = 512 << 20
 # deflate can reach 1032; more than this is a bomb, or an empty plain.

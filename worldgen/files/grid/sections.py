@@ -21,10 +21,8 @@ from worldgen.support.rows import flip_rows
 
 __all__ = ["Block", "CellBlock", "LetterMark", "read_cells", "read_columns"]
 
-_CHUNK = (
-    1 << 20
-    # Bytes of lines split into words at a time; words take 20 times their text in memory.
-)
+# Bytes of lines split into words at a time; words take 20 times their text in memory.
+_CHUNK = 1 << 20
 _CELL_BYTES = (SOLID + FREE + START + TARGET).encode("ascii")
 
 

@@ -223,13 +223,13 @@ def _mesh(kind: str, number: int) -> dict[str, Any]:
 
 def _material(kind: str) -> dict[str, Any]:
     shares = [channel / 255.0 for channel in palette.rgb(_COLOURS[kind])]
+    # Colours are linear, to a good approximation.
     return {
         "name": kind,
         "pbrMetallicRoughness": {
             "baseColorFactor": [
                 *(round(share * share, 4) for share in shares),
                 1,
-                # Colours are linear, to a good approximation.
             ],
             "metallicFactor": 0,
             "roughnessFactor": 0.9,

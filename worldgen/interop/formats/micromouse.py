@@ -50,6 +50,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
         FormatError: If a part isn't a post, wall or square, with line and column, or there are two
             starts.
     """
+    # Read the rows; editors may have removed blanks at their ends.
     data = read_bounded(path, _MOST_BYTES)
     source = str(path)
     rows = [row.rstrip() for row in unix_text(data).split(b"\n")]
@@ -64,6 +65,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
             rows=len(rows),
             source=source,
         )
+    # Read walls and marks.
     walls = np.zeros((len(rows), width), np.bool_)
     marks: dict[str, list[tuple[int, int]]] = {"S": [], "G": []}
     for row, line in enumerate(rows):
@@ -72,6 +74,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
         for column, (_, mark) in enumerate(parts):
             if mark:
                 marks[mark].append((row, column))
+    # Find start and target.
     if len(marks["S"]) > 1:
         raise FormatError(
             "twice",

@@ -59,6 +59,7 @@ def read_minigrid(
     Raises:
         FormatError: If two characters do not make a cell, or there are two agents.
     """
+    # Read the cells, two characters each.
     data = read_bounded(path)
     source = str(path)
     rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
@@ -72,10 +73,12 @@ def read_minigrid(
     first = drawn[:, :, 0]
     second = drawn[:, :, 1]
     _check_words(rows, source)
+    # Decide which cells are solid.
     solid = (first == ord("W")) | ((first == ord("V")) & (second != ord("V")))
     shut = np.isin(first, list(b"DL"))
     lying = np.isin(first, list(b"KAB"))
     solid |= (shut & (doors == "solid")) | (lying & (things == "solid"))
+    # Find the agent and its goal.
     agents = _agents(drawn)
     goals = np.argwhere(first == ord("G")).tolist()
     if len(agents) > 1:
@@ -87,6 +90,7 @@ def read_minigrid(
             line=agents[1][0] + 1,
             source=source,
         )
+    # Report what the options decided.
     notes = _notes(
         {"doors": int(shut.sum()), "things": int(lying.sum())}, {"doors": doors, "things": things}
     )
@@ -155,10 +159,12 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
         world: The world.
         destination: Where the file is written.
     """
+    # Draw floor and walls.
     walls = flip_rows(world.walls)
     cells = np.empty((*walls.shape, 2), np.uint8)
     cells[:] = np.frombuffer(_FREE, np.uint8)
     cells[walls] = np.frombuffer(_WALL, np.uint8)
+    # Draw the goal and the agent, and report what gets lost.
     start = cell_of(world, world.start.x, world.start.y)
     target = cell_of(world, world.target.x, world.target.y)
     turned = math.remainder(world.start.heading, 2 * math.pi)
@@ -166,10 +172,10 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
         _HEADINGS, key=lambda word: abs(math.remainder(turned - _HEADINGS[word], 2 * math.pi))
     )
     altered = off_centre(world, (start, target))
+    # The agent is drawn on top.
     for name, (column, row), word in (
         ("target", target, _GOAL),
         ("start", start, nearest),
-        # The agent is drawn on top.
     ):
         if walls[row, column]:
             altered[name] = f"the {name} is not drawn, for its cell is solid"
@@ -181,6 +187,7 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
         altered["heading"] = (
             f"the heading, {world.start.heading:g} rad, is stored as the nearest quarter turn"
         )
+    # Warn about an open border.
     notes: tuple[str, ...] = ()
     if not (walls[0].all() and walls[-1].all() and walls[:, 0].all() and walls[:, -1].all()):
         notes = ("the border is open; MiniGrid's own agents fail where they leave the grid",)

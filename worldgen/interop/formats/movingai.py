@@ -424,12 +424,14 @@ def read_problems(path: Path) -> Problems:
         FormatError: If a line isn't a problem, has a cell outside its map, or is for another map or
             another size than the first.
     """
+    # Limit the file's size and the number of its problems.
     source = str(path)
     map_name, _ = scenario_contents(path)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
     # As lists of objects, problems would take five times the file's size.
     numbers = array("q")
     published = array("d")
+    # Check every problem; all must be about the same map.
     for number, line in enumerate(lines[1:], 2):
         if not line.strip():
             continue
@@ -472,6 +474,7 @@ def read_problems(path: Path) -> Problems:
             )
         numbers.extend(row)
         published.append(float(fields[8]))
+    # Split the columns.
     table = np.array(numbers, np.int64).reshape(-1, 3, 2)
     version = lines[0].split()[1].decode()
     return Problems(

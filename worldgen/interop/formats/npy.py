@@ -90,10 +90,8 @@ def _header(
 ) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     if version == (1, 0):
         return np.lib.format.read_array_header_1_0(stream)
-    return np.lib.format.read_array_header_2_0(
-        stream
-        # Later versions are written differently, and refused.
-    )
+    # Later versions are written differently, and refused.
+    return np.lib.format.read_array_header_2_0(stream)
 
 
 def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:

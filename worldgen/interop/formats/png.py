@@ -153,14 +153,12 @@ def write_png(world: World, destination: Destination) -> Exported:
     return Exported({destination.name: walls_png(world.walls, text)})
 
 
+# A picture is a map only if it contains the keyword.
 png = Format(
     "png",
     "picture, dark is solid, .png, .pgm or .bmp",
     (".png", ".pgm", ".bmp"),
-    re.compile(
-        rb"(?s)\x89PNG\r\n\x1a\n.{4}IHDR.{21}tEXtworldgen\0"
-        # A picture is a map only if it contains the keyword.
-    ),
+    re.compile(rb"(?s)\x89PNG\r\n\x1a\n.{4}IHDR.{21}tEXtworldgen\0"),
     read_picture,
     write_png,
     holds=frozenset(HELD),

@@ -245,6 +245,7 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
         FormatError: If it isn't YAML, a key is missing or wrong, the map is turned, or the
             picture's path leads out of the folder.
     """
+    # Check that all keys are there.
     source = str(path)
     table = read_yaml(text, source, "a ROS map has `image: map.pgm` and the like")
     missing = [key for key in _REQUIRED if key not in table]
@@ -257,6 +258,7 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
             keys=list(_REQUIRED),
             source=source,
         )
+    # Check the numbers.
     resolution = table.number("resolution")
     occupied = table.number("occupied_thresh")
     free = table.number("free_thresh")
@@ -279,6 +281,7 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
             occupied=occupied,
         )
         raise table.fault("free_thresh", message)
+    # Read the origin, and our own places if there are any.
     *origin, yaw = _origin(table)
     negate = table.truth("negate")
     corner = (origin[0], origin[1])

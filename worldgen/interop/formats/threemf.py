@@ -30,6 +30,7 @@ __all__ = ["read_3mf", "threemf", "write_3mf"]
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _OWN = "urn:worldgen:3mf"
 _PACKAGE = "http://schemas.openxmlformats.org/package/2006"
+# The earliest time that an archive can store, so that the bytes do not depend on the clock.
 _EPOCH = (
     1980,
     1,
@@ -37,7 +38,6 @@ _EPOCH = (
     0,
     0,
     0,
-    # The earliest time that an archive can store, so that the bytes do not depend on the clock.
 )
 _TYPES = (
     f'<?xml version="1.0" encoding="UTF-8"?>\n<Types xmlns="{_PACKAGE}/content-types">'

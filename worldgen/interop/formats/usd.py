@@ -20,11 +20,11 @@ from worldgen.world import World
 __all__ = ["usd", "write_usd"]
 
 _HALF = Fraction(1, 2)
+# Colours are linear.
 _COLOURS = {
     "wall": (0.034, 0.042, 0.056),
     "start": (0.0, 0.342, 0.171),
     "target": (0.0, 0.168, 0.445),
-    # Colours are linear.
 }
 _CUBE = ((-_HALF, -_HALF, -_HALF), (_HALF, _HALF, _HALF))
 
@@ -114,6 +114,7 @@ def _cube(box: PlacedBox) -> Iterator[str]:
 
 def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
     """Yield start or target: a frame on the floor, with a disc that does not collide."""
+    # Work out the place and the size.
     start = world.start
     target = world.target
     point, radius = (start, world.robot_radius) if name == "start" else (target, target.radius)
@@ -122,6 +123,7 @@ def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
     turn = degrees_text(start.heading) if name == "start" else "0"
     middle = exact(height) / 2
     low, high = (tuple(sign * exact(value) for value in (radius, radius)) for sign in (-1, 1))
+    # Write the frame on the floor.
     yield f'    def Xform "{name}"'
     yield "    {"
     yield f"        double xformOp:rotateZ = {turn}"
@@ -131,6 +133,7 @@ def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
     )
     yield '        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateZ"]'
     yield ""
+    # Write the disc in it.
     yield '        def Cylinder "disc"'
     yield "        {"
     yield '            uniform token axis = "Z"'

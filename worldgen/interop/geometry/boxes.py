@@ -74,10 +74,10 @@ def _lines(padded: _Bools) -> _Lines:
     height, width = padded.shape
     inside = np.zeros((height - 1, width + 1), np.int8)
     inside[:, 1:] = padded[:-1] & padded[1:]
+    # x counts padded cells, so it is one more than that of the left corner.
     edges = np.diff(
         inside,
         axis=1,
-        # x counts padded cells, so it is one more than that of the left corner.
     )
     y, begin = np.nonzero(edges == 1)
     return _Lines(y, begin - 1, np.nonzero(edges == -1)[1] - 1)
@@ -115,12 +115,14 @@ def _apart(level: _Lines, upright: _Lines, shape: tuple[int, ...]) -> tuple[_Boo
     It follows from a largest matching by Koenig's theorem. The nodes reachable from unmatched ones
     are the same for every such matching, so the answer does not depend on the order.
     """
+    # Two lines touch if they share a corner.
     first = _corners_on(level, shape)
     second = _corners_on(upright, shape[::-1]).T
     meet = (first >= 0) & (second >= 0)
     neighbours: list[list[int]] = [[] for _ in level.y]
     for one, other in zip(first[meet].tolist(), second[meet].tolist(), strict=True):
         neighbours[one].append(other)
+    # Grow a largest matching, one alternating tree at a time.
     mate = [-1] * len(level.y)
     mate_of = [-1] * len(upright.y)
     kept = np.zeros(len(level.y), np.bool_)
@@ -129,6 +131,7 @@ def _apart(level: _Lines, upright: _Lines, shape: tuple[int, ...]) -> tuple[_Boo
         queue = [root]
         reached: dict[int, int] = {}
         free = _grow(queue, reached, neighbours, mate_of, dropped)
+        # A tree without an augmenting path decides which of its lines to keep.
         if free < 0:
             kept[queue] = True
             dropped[list(reached)] = True

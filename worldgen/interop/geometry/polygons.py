@@ -103,6 +103,7 @@ def _rings(
     x: list[int], y: list[int], after: list[int]
 ) -> tuple[list[Ring], npt.NDArray[np.int64]]:
     """Return rings that do not touch themselves, and the ring of each corner's next side."""
+    # Follow the corners from every one that has no ring yet.
     rings: list[Ring] = []
     owner = [-1] * len(x)
     for begin in range(len(x)):
@@ -152,10 +153,8 @@ def _shells(
     shells = list(range(len(rings)))
     for number in sorted(range(len(rings)), key=lambda number: rings[number][0][1]):
         (x, y), (_, second) = rings[number][:2]
-        if (
-            second == y
-            # An outline leaves its first corner eastwards, a hole's ring northwards.
-        ):
+        # An outline leaves its first corner eastwards, a hole's ring northwards.
+        if second == y:
             continue
         below = solid[:y, x][::-1]
         depth = y if below.all() else int(np.argmin(below))

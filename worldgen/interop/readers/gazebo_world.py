@@ -138,6 +138,7 @@ def read_gazebo_world(
     Raises:
         FormatError: If the file breaks a rule, with the line if there is one.
     """
+    # Parse the file.
     data = read_bounded(path, MAX_BYTES)
     source = str(path)
     root = read_xml(data, source)
@@ -148,9 +149,11 @@ def read_gazebo_world(
             "has no <world>; a world of Gazebo is <sdf><world> ... </world></sdf>",
             source=source,
         )
+    # Collect the shapes of all models.
     scene = _GazeboScene(source)
     own = world.first(f"{OURS}grid")
     _add_models(scene, world, passed_over="" if own is None else _ROBOT)
+    # Turn them into cells.
     barn = _is_barn(scene)
     frame = _frame(scene, own, cell_size, barn=barn)
     walls, notes = _cells(scene, frame, inner=raster == "inner")
@@ -162,6 +165,7 @@ def read_gazebo_world(
         "sha256": digest(data),
         "raster": raster,
     }
+    # Find start, target and robot.
     start, target = _ends(scene, frame, barn=barn and own is None, ours=own is not None)
     radius = None
     speed = _number(world, f"{OURS}robot_speed", scene)
@@ -304,6 +308,7 @@ def _add_model(scene: _GazeboScene, model: XmlElement, pose: _BodyPose) -> None:
 
 
 def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, upright: bool) -> None:
+    # Find out how tall the shape is; skip what cannot be read.
     if shape.name == "empty":
         return
     if shape.name == "plane":
@@ -318,6 +323,7 @@ def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, uprig
     else:
         scene.unread[f"shapes of <{shape.name}>"] += 1
         return
+    # Tilted shapes cannot be cut; shapes above or below the robot do not matter.
     if shape.name != "sphere" and not (upright and pose.upright):
         scene.unread[f"tilted shapes of <{shape.name}>"] += 1
     elif pose.z + tall / 2 <= _FLOOR or pose.z - tall / 2 >= _ABOVE:

@@ -115,6 +115,7 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
 
     An instance counts each time it is placed.
     """
+    # Each node may have one parent.
     nodes = document.get("nodes", [])
     parent = [-1] * len(nodes)
     for number, node in enumerate(nodes):
@@ -148,6 +149,7 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
             source=source,
         )
 
+    # Bound the number of triangles, counting every instance.
     sizes = [_faces(document, mesh) for mesh in document.get("meshes", [])]
     total = sum(sizes[node["mesh"]] for node in nodes if "mesh" in node)
     if total > MOST_FACES:

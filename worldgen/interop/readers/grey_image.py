@@ -229,10 +229,8 @@ def _line(data: bytes, at: int) -> int:
 def _read_with_pillow(data: bytes, source: str) -> GreyImage:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter(
-                "ignore"
-                # check_sides below rejects a decompression bomb before it is unpacked.
-            )
+            # check_sides below rejects a decompression bomb before it is unpacked.
+            warnings.simplefilter("ignore")
             with Image.open(io.BytesIO(data), formats=_PILLOW_FORMATS) as image:
                 check_sides(*image.size, source=source)
                 return _to_grey(image)

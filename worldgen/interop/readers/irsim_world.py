@@ -177,6 +177,7 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
 
     There are ``number`` of them, each with a shape and a state; the last ones serve for the rest.
     """
+    # Check the number of obstacles.
     number = int(_fraction(table, "number", Fraction(1)))
     if not 0 <= number <= _MOST_OBJECTS:
         raise table.fault(
@@ -188,6 +189,7 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
                 most_objects=_MOST_OBJECTS,
             ),
         )
+    # Skip obstacles that do not stand still in known places.
     count = f"{number} obstacle{'s' * (number != 1)} at line {table.line}"
     kinematics = _tables(table, "kinematics")
     if kinematics and _word(kinematics[0], "name", "static") != "static":
@@ -199,6 +201,7 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
     if _placing(table) != "manual":
         scene.unread.append(f"{count} placed by chance; write their states into the file")
         return
+    # Add one shape after another.
     states = table.rows("state") if "state" in table else [_STATE]
     shapes: list[YamlTable | None] = [*_tables(table, "shape")] or [None]
     flat = len(states) == 1
@@ -368,10 +371,8 @@ def _paint(raster: Raster, scene: _IrsimScene, size: Fraction) -> None:
         rows, columns = scene.image[0].shape
         raster.picture(scene.image[0], scene.width / int(columns), scene.height / int(rows))
     scene.shapes.paint(raster)
-    raster.box(
-        RasterBox(scene.width, Fraction(0), width * size, height * size)
-        # The last cells may extend beyond the world.
-    )
+    # The last cells may extend beyond the world.
+    raster.box(RasterBox(scene.width, Fraction(0), width * size, height * size))
     raster.box(RasterBox(Fraction(0), scene.height, width * size, height * size))
 
 
@@ -380,6 +381,7 @@ _Point = tuple[float, ...] | None
 
 def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | None, float | None]:
     """Return start, target, radius and speed of the first robot."""
+    # Take the first robot.
     tables = _tables(top, "robot")
     if not tables:
         scene.notes.append("there is no robot in the file")
@@ -390,6 +392,7 @@ def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | 
         scene.notes.append(
             f"the file has {number} robots; the first was taken, the others left out"
         )
+    # Read its start and its last goal.
     start: _Point = None
     target: _Point = None
     reach = float(_length(first, "goal_threshold", Fraction(1, 10)))
@@ -405,6 +408,7 @@ def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | 
             f"IR-SIM places the robot by chance ({_placing(first)}); start and target are placed "
             f"here"
         )
+    # Read its speed.
     speeds = first.rows("vel_max")[0] if "vel_max" in first else [Fraction(1)]
     if speeds[0] <= 0:
         raise first.fault(

@@ -188,6 +188,7 @@ def _in_one_frame(
     scene: Any, source: str
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], int]:
     """Return all triangles of a scene, each instance in its place, and how many parts have none."""
+    # Collect the vertices and triangles of every part.
     places: list[npt.NDArray[np.float64]] = [np.zeros((0, 3))]
     triangles: list[npt.NDArray[np.int64]] = [np.zeros((0, 3), np.int64)]
     count = 0
@@ -214,6 +215,7 @@ def _in_one_frame(
             raise FormatError(
                 "out-of-range", "has a triangle without vertices", "export it again", source=source
             )
+        # Move the part into place; a mirror turns its triangles inside out.
         with np.errstate(all="ignore"):
             # Round each product and sum once, so that every machine gets the same bits.
             moved = sum(vertices[:, [axis]] * matrix[:3, axis] for axis in range(3)) + matrix[:3, 3]

@@ -265,6 +265,7 @@ def _tokens(
     text: str, source: str, include: Callable[[str, int], tuple[str, str] | None], depth: int
 ) -> Iterator[_Token]:
     """Yield the tokens, with those of included files in place."""
+    # Read token by token, and follow includes.
     at = 0
     line = 1
     including = False
@@ -283,6 +284,7 @@ def _tokens(
         line += kind == "end"
         if kind in ("space", "end"):
             continue
+        # A file's name follows the word include.
         token = _Token(kind, match[kind], line, source)
         if including:
             if kind != "text":

@@ -35,6 +35,7 @@ _MAX_BYTES = 1 << 20
 _MOST_INCLUDES = 100
 # Largest grey, of 255, of a wall's pixel.
 _BLACK = 127
+# Beginnings of the names of included objects.
 _ROBOTS = (
     "position",
     "pioneer",
@@ -43,7 +44,6 @@ _ROBOTS = (
     "erratic",
     "amigobot",
     "robot",
-    # Beginnings of the names of included objects.
 )
 _UNITS = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000)}
 
@@ -178,6 +178,7 @@ def _picture(floor: Entity, path: Path) -> Path:
 
 
 def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan:
+    # Find the bounding box of the black pixels.
     grey = read_grey_image(read_bounded(image), str(image))
     solid = flip_rows(grey.values.astype(np.int64) * 255 // grey.maximum <= _BLACK)
     rows, columns = (np.flatnonzero(solid.any(axis=axis)) for axis in (1, 0))
@@ -188,6 +189,7 @@ def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan
             "draw some",
             source=str(image),
         )
+    # Check the floor plan's size and pose.
     size = floor.numbers("size")
     pose = [*floor.numbers("pose"), *[Fraction(0)] * 4][:4]
     if len(size) < 2 or min(size[:2]) <= 0:
@@ -209,6 +211,7 @@ def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan
         )
     if floor.numbers("obstacle_return") == [0]:
         notes.append("obstacle_return is 0: Stage's own robots drive through these walls")
+    # Stretch the box over the size, as Stage does.
     (low, high), (left, right) = ((int(index[0]), int(index[-1]) + 1) for index in (rows, columns))
     if (right - left, high - low) != solid.shape[::-1]:
         notes.append(

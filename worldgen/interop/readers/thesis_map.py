@@ -94,10 +94,8 @@ def filtered(values: Ints, target: tuple[int, int]) -> Ints:
     lowered = (0.9 * light).astype(np.int32)
     result = values.copy()
     size = values.shape[0]
-    for down in range(
-        2 * _REACH + 1
-        # Row and column of the wall relative to the cell, in scan order.
-    ):
+    # Row and column of the wall relative to the cell, in scan order.
+    for down in range(2 * _REACH + 1):
         for right in range(2 * _REACH + 1):
             there = np.s_[down : down + size, right : right + size]
             struck = walls[there] & (result > 0)

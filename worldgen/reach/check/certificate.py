@@ -100,10 +100,12 @@ def check_certificate(
 
 def _check_joint(world: World, joint: JointWitness, radius: float | None) -> CheckReport:
     """Check the path of each robot alone, and then the distances between the robots."""
+    # There must be a path for every robot.
     count = len(world.robots)
     if len(joint.paths) != count:
         return CheckReport(False, f"{len(joint.paths)} paths for {count} robots", 0.0)
     clearance = math.inf
+    # Check each path alone.
     for number, path in enumerate(joint.paths, start=1):
         alone = world.alone(number)
         # Where it has parked, it has to be safe until the last robot arrives.
@@ -113,6 +115,7 @@ def _check_joint(world: World, joint: JointWitness, radius: float | None) -> Che
         if not report.valid:
             return CheckReport(False, f"robot {number}: {report.reason}", report.clearance)
         clearance = min(clearance, report.clearance)
+    # Check that the robots stay apart.
     radii = [robot.radius if radius is None else radius for robot in world.robots]
     pair, half = nearest_pair(world, joint.paths, radii)
     clearance = min(clearance, half)
@@ -185,6 +188,7 @@ class BlockedSpans:
 
 def blocked_spans(world: World) -> BlockedSpans:
     """Return one row per uninterrupted state of each cell that changes."""
+    # Sort the events by cell, then by time.
     line = world.timeline
     order = np.lexsort((np.arange(len(line)), line.times, line.iy, line.ix))
     ix = line.ix[order]
@@ -196,8 +200,10 @@ def blocked_spans(world: World) -> BlockedSpans:
     last = np.ones(len(ix), np.bool_)
     first[1:] = changes
     last[:-1] = changes
+    # A state lasts until the cell's next event.
     end = np.full(len(ix), math.inf)
     end[:-1][~changes] = begin[1:][~changes]
+    # Add each changing cell's state before its first event.
     ix = np.concatenate([ix, ix[first]])
     iy = np.concatenate([iy, iy[first]])
     begin, end = (
@@ -287,6 +293,7 @@ def _check_witness(world: World, witness: Witness, radius: float, measured: list
 
 def path_of(world: World, witness: Witness) -> WitnessPoints:
     """Return the witness if it starts and ends right, stays in the grid and keeps to the speed."""
+    # The times must begin at 0 and never go back.
     times = witness.times
     x = witness.x
     y = witness.y
@@ -296,6 +303,7 @@ def path_of(world: World, witness: Witness) -> WitnessPoints:
     _require(bool(times[0] == 0.0), f"the witness starts at {times[0]} s, not at 0 s")
     falls = np.nonzero(times[1:] < times[:-1])[0]
     _require(not len(falls), f"the witness goes back in time after point {_first(falls)}")
+    # The path must stay in the grid, and lead from the start into the target.
     x = x / size
     y = y / size
     inside = (x >= 0) & (y >= 0) & (x <= world.width + TOLERANCE) & (y <= world.height + TOLERANCE)
@@ -311,6 +319,7 @@ def path_of(world: World, witness: Witness) -> WitnessPoints:
     _require(
         missed <= TOLERANCE, f"the witness ends {missed * size:.3g} m outside the target's disc"
     )
+    # The robot must be able to drive that fast.
     steps = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2)
     waits = np.diff(times)
     fast = np.nonzero(steps > world.robot_speed / size * waits * (1 + SPEED_TOLERANCE) + 1e-11)[0]
@@ -358,6 +367,7 @@ def _timed_clearance(
 
     The result is at most the claim plus one cell.
     """
+    # Spans that begin after the arrival do not matter.
     spans = blocked_spans(world)
     begin = path.times[:-1]
     end = path.times[1:]
@@ -366,6 +376,7 @@ def _timed_clearance(
     iy = spans.iy[early]
     since = spans.begin[early]
     until = spans.end[early]
+    # Find the pieces that come near a blocked cell while it is blocked.
     reach = max(0.0, min(clearance, claim + 1.0))
     boxes = shapely.box(ix, iy, ix + 1, iy + 1)
     cell, piece = shapely.STRtree(path.shapes()).query(boxes, predicate="dwithin", distance=reach)
@@ -374,6 +385,7 @@ def _timed_clearance(
     piece = piece[meet]
     if not len(cell):
         return reach, where
+    # Measure the parts driven meanwhile.
     low = np.maximum(since[cell], begin[piece])
     high = np.minimum(until[cell], end[piece])
     distances = shapely.distance(path.parts(piece, low, high), boxes[cell])
@@ -388,6 +400,7 @@ def _timed_clearance(
 
 
 def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> str:
+    # Measure the gaps, and compare them with the claim and the disc.
     cells = [(int(ix), int(iy)) for ix, iy in cut.cells]
     _require(len(cells) > 0, "the cut has no cells")
     gaps = [_gap_sq(a, b) for a, b in zip(cells, [*cells[1:], cells[0]], strict=True)]
@@ -402,6 +415,7 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
         f"the cut claims to stop discs above {cut.clearance} m and has a gap of twice "
         f"{measured[0]:.9g} m",
     )
+    # Cells must be in the grid or just outside it.
     for ix, iy in cells:
         near = -1 <= ix <= world.width and -1 <= iy <= world.height
         _require(near, f"cell ({ix}, {iy}) of the cut lies beyond the ring of cells round the grid")
@@ -412,11 +426,13 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
         f"the gap between cells {cells[at]} and {cells[(at + 1) % len(cells)]} is not narrower "
         f"than the disc",
     )
+    # The start or the grid may rule out the disc at once.
     spans = blocked_spans(world)
     if _start_is_covered(world, cells, in_cells, spans):
         return "the start is nearer to a solid cell than the radius"
     if 2 * in_cells > min(world.width, world.height):
         return "the disc is wider than the grid"
+    # Every cell must be blocked at all times.
     blocked = _always_blocked(world, spans)
     for ix, iy in cells:
         outside = not (0 <= ix < world.width and 0 <= iy < world.height)

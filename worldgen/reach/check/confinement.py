@@ -62,6 +62,7 @@ def _decimal(value: float) -> Fraction:
 
 class _Check:
     def __init__(self, world: World, proof: Confinement, radius: float) -> None:
+        # The slab must be short enough for the robot to stay within one tile of where it was.
         self.world = world
         self.proof = proof
         self.k = proof.k
@@ -73,6 +74,7 @@ class _Check:
             raise _ConfinementRefused(
                 f"in a slab of {float(proof.slab):g} s the robot gets farther than one tile's side"
             )
+        # Convert the robot, its start and its target to tiles.
         self.radius = _decimal(radius) / size
         # Tiles per slab.
         self.pace = float(proof.slab * speed * proof.k / size)
@@ -90,6 +92,7 @@ class _Check:
         self.start = float(self._tiles(world.start.x)), float(self._tiles(world.start.y))
         self.target = float(self._tiles(world.target.x)), float(self._tiles(world.target.y))
         self.reach = float(self._tiles(world.target.radius))
+        # Sort the blocked spans by cell.
         self.fixed = world.still_walls
         self.spans: dict[Tile, list[tuple[Fraction | float, Fraction | float]]] = defaultdict(list)
         spans = blocked_spans(world)

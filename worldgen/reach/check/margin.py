@@ -46,10 +46,8 @@ def witness_margin(world: World, witness: Witness, *, radius: float | None = Non
     radius = world.robot_radius if radius is None else radius
     path = path_of(world, witness)
     spans = blocked_spans(world)
-    reach = (
-        radius / world.cell_size - TOLERANCE / 2
-        # Half, so that the result is within the checker's own tolerance.
-    )
+    # Half, so that the result is within the checker's own tolerance.
+    reach = radius / world.cell_size - TOLERANCE / 2
     boxes = shapely.box(spans.ix, spans.iy, spans.ix + 1, spans.iy + 1)
     cell, piece = shapely.STRtree(path.shapes()).query(boxes, predicate="dwithin", distance=reach)
     first, last = _near(path, piece, spans.ix[cell], spans.iy[cell], reach)
@@ -58,10 +56,8 @@ def witness_margin(world: World, witness: Witness, *, radius: float | None = Non
     length = np.diff(path.times)[piece]
     since = begin + first * length
     until = begin + last * length
-    ahead = met & (
-        spans.end[cell] > (since + until) / 2
-        # Those further back are over before the disc comes near.
-    )
+    # Those further back are over before the disc comes near.
+    ahead = met & (spans.end[cell] > (since + until) / 2)
     left = spans.begin[cell][ahead] - until[ahead]
     return float(max(left.min(initial=np.inf), 0.0))
 

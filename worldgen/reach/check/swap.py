@@ -39,6 +39,7 @@ def check_swap(world: World, swap: Swap, *, radius: float | None = None) -> Chec
 
 def _fault(world: World, swap: Swap, radius: float | None) -> str:
     """Return what is wrong with the claim; empty if it holds."""
+    # Both robots must be in one room.
     if not 1 <= swap.first < swap.second <= len(world.robots):
         return f"there are no robots {swap.first} and {swap.second}"
     one = world.robots[swap.first - 1]

@@ -59,12 +59,14 @@ def find_plan(question: JointQuestion) -> PlanResult:
 
 def _one_after_the_other(question: JointQuestion, described: Any) -> Ints | None:
     """Plan by priority; those that find no way get the highest priority in the next try."""
+    # Begin with the robots that have the farthest to go.
     starts = [end.node for end in question.ends]
     far = question.distances[np.arange(len(starts)), starts]
     order = np.argsort(-far, kind="stable").astype(np.int64)
     tried: set[bytes] = set()
     made = ffi.new("WgJointPlan **")
     failed = ffi.new("int64_t *")
+    # If one gets stuck, move it to the front; if it was first, to the end.
     for _ in range(min(2 * len(starts) + 2, _MOST_ORDERS)):
         tried.add(order.tobytes())
         check(

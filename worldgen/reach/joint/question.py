@@ -92,6 +92,7 @@ class JointQuestion:
 
     def described(self) -> tuple[Any, list[Any]]:
         """Return the question as C reads it, and the arrays that must outlive it."""
+        # Group the robots by radius.
         classes = sorted(set(self.radii))
         class_of = np.array([classes.index(radius) for radius in self.radii], np.int64)
         limits = conflict_limits(classes, self.rasters.k)
@@ -100,6 +101,7 @@ class JointQuestion:
             raster_of = np.ascontiguousarray(raster_of[min(1, len(raster_of) - 1) :])
         starts = np.array([end.node for end in self.ends], np.int64)
         rows, columns = self.rasters.clear.shape[-2:]
+        # Keep the arrays alive as long as the question.
         held = [
             pointer(ffi, np.ascontiguousarray(self.rasters.clear), np.bool_),
             pointer(ffi, np.ascontiguousarray(self.rasters.middle), np.bool_),
@@ -109,6 +111,7 @@ class JointQuestion:
             pointer(ffi, starts, np.int64),
             pointer(ffi, self.distances, np.int32),
         ]
+        # Fill in the question.
         made = ffi.new("WgJoint *")
         made.robots = len(self.radii)
         made.classes = len(classes)
@@ -224,6 +227,7 @@ def _choose_nodes(
     options: list[list[int]], starts: list[ExactPoint], radii: list[Fraction], k: int, stride: int
 ) -> list[int] | None:
     """Choose a node for each robot such that all can go there at once, straight from their starts."""
+    # Try the nodes of each robot in turn, and go back if none fits.
     unit = UNIT // k
     chosen: list[int] = []
     tried = [0] * (len(options) + 1)
@@ -239,6 +243,7 @@ def _choose_nodes(
         node = options[robot][tried[robot]]
         tried[robot] += 1
         looked += 1
+        # The robot's first leg must stay clear of the legs chosen before.
         move = (starts[robot], (node % stride * unit, node // stride * unit))
         fits = True
         for other, there in enumerate(chosen):

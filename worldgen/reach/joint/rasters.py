@@ -89,6 +89,7 @@ def make_rasters(
         for place, begin, end in zip(cell.tolist(), first.tolist(), last.tolist(), strict=True):
             low, high = np.searchsorted(ticks, [begin, end + 1])
             flat[low:high, place] = True
+    # Build a graph for every raster and radius.
     graphs = [[build_graph(cells, radius, k) for radius in radii] for cells in blocked]
     clear = np.array([[graph.clear for graph in row] for row in graphs])
     middle = np.array([[graph.middle for graph in row] for row in graphs])

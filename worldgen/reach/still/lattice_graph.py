@@ -118,10 +118,8 @@ def nodes_within(disc: Disc, graph: Graph) -> npt.NDArray[np.int64]:
     unit = UNIT // graph.k * scale
     found = []
     for j in range(max(0, -((radius - y) // unit)), min(rows - 1, (y + radius) // unit) + 1):
-        half = math.isqrt(
-            radius**2 - (j * unit - y) ** 2
-            # Half the chord at this height, rounded down.
-        )
+        # Half the chord at this height, rounded down.
+        half = math.isqrt(radius**2 - (j * unit - y) ** 2)
         first = max(0, -((half - x) // unit))
         last = min(columns - 1, (x + half) // unit)
         found.append(np.nonzero(graph.clear[j, first : last + 1])[0] + (j * graph.stride + first))

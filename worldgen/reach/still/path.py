@@ -48,6 +48,7 @@ def merge_straight(points: list[ExactPoint]) -> list[ExactPoint]:
     uy: Number
     # The last step.
     ux = uy = 0
+    # Keep a point only if it is new, and drop the one before if the direction is the same.
     for point in points:
         if not kept:
             kept.append(point)

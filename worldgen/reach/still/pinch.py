@@ -53,6 +53,7 @@ def _slanting_gaps(walls: Walls, graph: Graph) -> list[tuple[int, int, int, int]
     rows, columns = rim.shape
     reach = math.ceil(2 * walls.radius) + _WIDE + 1
     half = graph.k // 2
+    # List the gaps that are just wide enough, narrowest first.
     found = []
     gaps = [(gx, gy) for gx in range(1, reach) for gy in range(1, reach) if gx != gy]
     near = [
@@ -66,6 +67,7 @@ def _slanting_gaps(walls: Walls, graph: Graph) -> list[tuple[int, int, int, int]
         common = math.gcd(gx, gy)
         if dx >= columns or dy >= rows:
             continue
+        # Find pairs of cells with such a gap, in both slants.
         for sign in (1, -1):
             low = rim[: rows - dy]
             high = rim[dy:]
@@ -74,6 +76,7 @@ def _slanting_gaps(walls: Walls, graph: Graph) -> list[tuple[int, int, int, int]
                 if sign > 0
                 else low[:, dx:] & high[:, : columns - dx]
             )
+            # Keep those whose middle is clear.
             for iy, ix in np.argwhere(both).tolist():
                 left = ix + (0 if sign > 0 else dx) - 1
                 x = half * (2 * left + 1 + sign * dx)

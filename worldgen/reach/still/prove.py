@@ -82,12 +82,14 @@ def decide(
 
 
 def _decide_changing(world: World, radius: float, margin: float) -> Decision:
+    # The start must be clear at time 0.
     spans = Spans(world, margin)
     still = replace(world, timeline=Timeline(), certificate=None)
     at_once = _ReachQuery(replace(still, walls=spans.at_start), radius)
     bad_start = at_once.judge_start()
     if bad_start is not None:
         return bad_start
+    # Search for a timed path on finer and finer graphs.
     walls = ChangingWalls(world, spans, at_once.walls.radius)
     for k in (2, *_FINER):
         if k > 2 and k * k * world.walls.size > _MOST_TIMED_NODES:
@@ -99,12 +101,14 @@ def _decide_changing(world: World, radius: float, margin: float) -> Decision:
                 f"a timed path of {witness.length:.4g} m arrives after {witness.duration:.4g} s"
             )
             return Decision(REACHABLE, witness, reason)
+        # The cells that are always blocked may leave a cut.
         if k == 2:
             for_ever = _ReachQuery(replace(still, walls=spans.always), radius).answer(
                 certificate=False
             )
             if for_ever.result == BLOCKED:
                 return for_ever
+    # A path that avoids everything that is ever blocked needs no timing.
     untouched = _ReachQuery(replace(still, walls=spans.ever), radius).answer()
     # A path between nodes, which the timed graphs do not have, may exist.
     if untouched.result == REACHABLE:
@@ -170,6 +174,7 @@ class _ReachQuery:
 
     def answer(self, *, certificate: bool = True, cut: bool = True) -> Decision:
         """Return the decision, with its witness or its cut if wanted."""
+        # Small worlds are decided in one call of C.
         self.wants_cut = cut
         answer, has_path = self._at_once(certificate)
         if answer is not None:
@@ -181,6 +186,7 @@ class _ReachQuery:
             centre = lattice_centre(self.disc)
             if centre is not None and self._is_clear(centre):
                 self.goal = centre
+        # Search the graph, then for a cut, then off the graph.
         found = [] if has_path is False else self._coarse_path() or self._path(2)
         if not found:
             blocked = self._cut()
@@ -192,6 +198,7 @@ class _ReachQuery:
                 "there is a way, only just wide enough for the disc, and no path along it was found"
             )
             return Decision(UNDECIDED, None, reason)
+        # Build the witness if it is wanted.
         if not certificate:
             return Decision(REACHABLE, None, _NOT_ASKED)
         points: list[ExactPoint] = [*shorten(self.walls, found)]
@@ -207,6 +214,7 @@ class _ReachQuery:
         If that is inconclusive, return whether half cells have a path; None if even that is
         unknown.
         """
+        # Ask C, unless the world is too large or its numbers are too long.
         world = self.world
         if world.walls.size > FROM_CELLS:
             return None, None
@@ -219,6 +227,7 @@ class _ReachQuery:
         asked.wants_cut = self.wants_cut
         check(lib.wg_still_decide(self.walls.described, asked))
         outcome = asked.outcome
+        # Turn the answer into a decision.
         if outcome == lib.WG_REACHED:
             if not certificate:
                 return Decision(REACHABLE, None, _NOT_ASKED), True
@@ -269,6 +278,7 @@ class _ReachQuery:
             pinched: Whether to use bridges too.
             cornered: Whether to enter and leave the graph around a corner too.
         """
+        # Link start and goal to the graph.
         graph = self._halves
         if k > 2:
             graph = build_graph(self.world.walls, self.walls.radius, k)
@@ -280,6 +290,7 @@ class _ReachQuery:
         ends = [*ends, *off]
         if not sources:
             return []
+        # Search for the goal first, then for any clear node of the target.
         toward = _nearest_node(self.disc, unit)
         nodes: list[int] = []
         # There is usually no need to look for other ends.
@@ -293,6 +304,7 @@ class _ReachQuery:
             nodes = find_path(graph, sources, ends, spare, toward, extra)
         if not nodes:
             return []
+        # Turn nodes into points.
         stride = graph.stride
         points: list[ExactPoint] = [(node % stride * unit, node // stride * unit) for node in nodes]
         points = [self.start, onto.get(nodes[0], self.start), *points]

@@ -176,6 +176,7 @@ def segment_box_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> tuple[Number, Nu
     # The segment is itself a box, as most pieces are: three times as fast.
     if ex == 0 or ey == 0:
         return _boxes_apart_sq(p, q, cell), 1
+    # An end may be nearest.
     best = min(point_box_sq(p, cell), point_box_sq(q, cell))
     over = 1
     length_sq: Number = ex * ex + ey * ey
@@ -185,6 +186,7 @@ def segment_box_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> tuple[Number, Nu
     y0 = cell[1] * UNIT
     if segment_meets_box(p, q, x0, y0, UNIT):
         return 0, 1
+    # Otherwise a corner of the cell is nearest to the inside of the segment.
     divisor: Number = over
     for cx, cy in ((x0, y0), (x0 + UNIT, y0), (x0, y0 + UNIT), (x0 + UNIT, y0 + UNIT)):
         ux = cx - p[0]

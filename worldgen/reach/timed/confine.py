@@ -61,19 +61,20 @@ def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> R
     Returns:
         None if a robot crosses a tile in less than a tick.
     """
+    # A slab is the time in which the robot crosses a tile, in whole ticks.
     spans = Spans(world)
     slab = math.floor(exact(world.cell_size) * spans.ticks / (k * exact(world.robot_speed)))
     if slab < 1:
         return None
+    # Find when each tile is alive.
     classes = _covering(radius, k)
     alive = _alive(spans.fixed, classes, k)
     safe = safe_intervals(alive, _inner(spans), classes)
     home, goal = _distances(world, alive.shape, k)
     states = _States.of(safe, slab)
-    pace = float(
-        exact(world.robot_speed) * slab * k / (spans.ticks * exact(world.cell_size))
-        # Tiles per slab.
-    )
+    # Leave out states that the robot cannot reach, or cannot arrive from.
+    # Tiles per slab.
+    pace = float(exact(world.robot_speed) * slab * k / (spans.ticks * exact(world.cell_size)))
     states.begin_no_earlier(np.ceil((home - _SLACK) / pace) - 1)
     if deadline is not None:
         way = float(exact(deadline) * exact(world.robot_speed) * k / exact(world.cell_size))
@@ -81,6 +82,7 @@ def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> R
         states.high = np.minimum(
             states.high, min(math.floor(exact(deadline) * spans.ticks / slab), NEVER_ENDS)
         )
+    # Spread from the start, and keep the states that were reached.
     start = tuple(in_cells(value, world.cell_size) * k for value in (world.start.x, world.start.y))
     came, reached = _spread(
         states, alive.shape, (math.floor(start[0]), math.floor(start[1])), goal <= _SLACK

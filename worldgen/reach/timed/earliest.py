@@ -230,6 +230,7 @@ def _search(
     lean: tuple[int, int, int], ticks: tuple[int, int],
 ) -> tuple[int, Any, Any, Any, Any]:  # fmt: skip
     """Run the search; return its final state, and all states' node, cost, predecessor, departure."""
+    # Describe the search to C.
     size = len(nodes.first) - 1
     count = len(nodes.begin)
     node_of = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))
@@ -259,6 +260,7 @@ def _search(
     made = ffi.new("WgTimedSearch **")
     progress = ffi.new("WgProgress *")
     final = ffi.new("int64_t *")
+    # Search in portions, so that Ctrl-C is noticed.
     check(lib.wg_timed_new(asked, pointer(ffi, begun, np.int64), len(begun), made))
     try:
         while True:

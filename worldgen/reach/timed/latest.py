@@ -48,6 +48,7 @@ def find_latest_start(
     Returns:
         Infinite if there is no such limit; None if there is no path.
     """
+    # Mirror the time: intervals end where they began.
     spans = walls.spans
     graph = build_graph(spans.fixed, walls.radius, k)
     ends = nodes_within(disc, graph)
@@ -56,6 +57,7 @@ def find_latest_start(
     mirrored = CellSpans(spans.changing, spans.first, FOREVER - spans.end, FOREVER - spans.begin)
     nodes = safe_intervals(graph.clear, mirrored, touching(walls.radius, k, 0))
     middles = safe_intervals(graph.middle, mirrored, touching(walls.radius, k, 1))
+    # Begin at the target, at its deadline.
     soonest = 0 if deadline is None else max(FOREVER - math.floor(exact(deadline) * spans.ticks), 0)
     begun = [
         (state, max(int(nodes.begin[state]), soonest))
@@ -63,11 +65,13 @@ def find_latest_start(
         for state in range(nodes.first[node], nodes.first[node + 1])
         if soonest < nodes.end[state]
     ]
+    # Search backwards.
     unit = UNIT // k
     pace = (world.cell_size, world.robot_speed, spans.ticks)
     ticks = (travel_ticks((0, 0), (unit, 0), *pace), travel_ticks((0, 0), (unit, unit), *pace))
     begun_at = np.array(begun, np.int64).reshape(-1, 2)
     cost = search_costs(nodes, middles, graph.stride, begun_at, ticks)
+    # Link the start to the nodes around it.
     latest = -1
     for node, point in nodes_round(start, graph.clear, unit):
         takes = travel_ticks(start, point, *pace)
