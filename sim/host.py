@@ -22,7 +22,7 @@ from sim.controllers import (
     PythonController,
     VectorController,
 )
-from sim.controllers.base import wants_world
+from sim.controllers.base import Neighbour, wants_world
 from sim.controllers.contract import ContractBroken, no_memory
 from sim.controllers.vector import OneOfMany
 from worldgen.errors import InvalidParameter, WorldgenError
@@ -59,7 +59,10 @@ def _observation(message: dict[str, Any]) -> Observation:
     seen: dict[str, Any] = {
         name: tuple(item) if isinstance(item, list) else item for name, item in message.items()
     }
-    return Observation(**seen)
+    neighbours = tuple(
+        Neighbour(**{**one, "message": tuple(one["message"])}) for one in seen.pop("neighbours", ())
+    )
+    return Observation(**seen, neighbours=neighbours)
 
 
 def _answer(command: Command) -> bytes:
@@ -67,6 +70,8 @@ def _answer(command: Command) -> bytes:
     answer: dict[str, Any] = {"speed": float(command.speed), "turn_rate": float(command.turn_rate)}
     if command.used_random:
         answer["used_random"] = True
+    if command.message:
+        answer["message"] = [float(number) for number in command.message]
     return json.dumps(answer).encode() + b"\n"
 
 

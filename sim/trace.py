@@ -51,6 +51,7 @@ class Trace:
         recall: Shows the memory of a lean recording, which was too large to hold it. Such a
             recording has no ``words``, and its ``states`` lack the memory.
         recalled: How many numbers of memory ``recall`` shows.
+        message_size: How many numbers at the end of a state are the robot's message to others.
         robot: Options of the robot in the run; ``None`` for the thesis's robot.
         task: What the robot was to do: ``target`` or ``cover``.
     """
@@ -71,6 +72,7 @@ class Trace:
     active: npt.NDArray[np.int8] | None = None
     recall: Recall | None = None
     recalled: int = 0
+    message_size: int = 0
     robot: RobotOptions | None = None
     task: str = "target"
 
@@ -84,7 +86,9 @@ class Trace:
         """How many numbers of the controller's memory can be seen."""
         if self.recall is not None:
             return self.recalled
-        return max(0, self.states.shape[1] - self.memory_at) if self.memory_at >= 0 else 0
+        if self.memory_at < 0:
+            return 0
+        return max(0, int(self.states.shape[1]) - self.memory_at - self.message_size)
 
     def memory(self, step: int) -> Floats:
         """Return the controller's memory after a step, (m,)."""
@@ -104,9 +108,9 @@ class Trace:
         if self.recall is not None:
             self.recall(steps, take)
             return
-        first = self.states.shape[1] - self.memory_size
+        first = self.states.shape[1] - self.message_size - self.memory_size
         for step in steps.tolist():
-            take(step, self.states[step, first:].view(np.float64))
+            take(step, self.states[step, first : first + self.memory_size].view(np.float64))
 
     def __repr__(self) -> str:
         return f"Trace({self.steps} steps, {self.time_step:g} s each, {len(self.path_x)} points)"

@@ -52,7 +52,7 @@ class AsClass:
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """Return its command and its new memory."""
-        seen = np.array((*observation[:-1], *observation.beams))
+        seen = np.array((*observation[: layout.OBS_SIZE], *observation.beams))
         kept = np.array(memory)
         command = np.zeros(layout.CMD_SIZE)
         _act(self.controller)(seen, kept, command)

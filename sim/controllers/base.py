@@ -30,6 +30,7 @@ __all__ = [
     "CompiledController",
     "Controller",
     "Memory",
+    "Neighbour",
     "Observation",
     "Observations",
     "PythonController",
@@ -46,6 +47,26 @@ Act: TypeAlias = Callable[[Floats, Floats, Floats], None]
 Memory: TypeAlias = tuple[float, ...]
 
 _PLAIN = RobotOptions()
+
+
+class Neighbour(NamedTuple):
+    """Another robot within the range of the sense, relative to the robot that senses it.
+
+    Args:
+        x: m, ahead of the robot.
+        y: m, to its left.
+        heading: rad, the neighbour's heading relative to the robot's.
+        speed: m/s, of the neighbour along its heading.
+        radius: m, of the neighbour.
+        message: Numbers that the neighbour sent in the step before; empty without a channel.
+    """
+
+    x: float
+    y: float
+    heading: float
+    speed: float
+    radius: float
+    message: tuple[float, ...] = ()
 
 
 class Observation(NamedTuple):
@@ -69,15 +90,20 @@ class Observation(NamedTuple):
     odometry_y: float
     odometry_heading: float
     beams: tuple[float, ...]
+    neighbours: tuple[Neighbour, ...] = ()
 
     @classmethod
     def of(cls, array: Floats) -> Observation:
         """Read the flat array that the core fills."""
         values: list[Any] = array.tolist()
-        values[layout.OBS_SIZE :] = (tuple(values[layout.OBS_SIZE :]),)
+        values[layout.OBS_SIZE :] = (tuple(values[layout.OBS_SIZE :]), ())
         values[layout.OBS_BUMP] = values[layout.OBS_BUMP] != 0.0
         # The same as _make in half the time, which counts because it runs in every step.
         return tuple.__new__(cls, values)
+
+
+NO_NEIGHBOURS: Floats = np.zeros((0, 0, layout.NEIGHBOUR_MESSAGE))
+"""What robots that sense no others see of them."""
 
 
 class Observations(NamedTuple):
@@ -102,13 +128,15 @@ class Observations(NamedTuple):
     odometry_heading: Floats
     beams: Floats
     """(n, beams) m, distance to the first wall along each range beam."""
+    neighbours: Floats = NO_NEIGHBOURS
+    """(n, most, 5 + message) the fields of each :class:`Neighbour`; nan where there is none."""
 
     @classmethod
     def of(cls, array: Floats) -> Observations:
         """Read the rows that the core fills, (n, OBS_SIZE + beams)."""
         columns: list[Any] = [array[:, k] for k in range(layout.OBS_SIZE)]
         columns[layout.OBS_BUMP] = columns[layout.OBS_BUMP] != 0.0
-        return cls._make([*columns, array[:, layout.OBS_SIZE :]])
+        return cls._make([*columns, array[:, layout.OBS_SIZE :], NO_NEIGHBOURS])
 
 
 DEFAULT_SENSES = tuple(name for name in Observation._fields if name != "time")
@@ -125,11 +153,14 @@ class Command(NamedTuple):
         speed: m/s along the heading, negative for backwards; clamped to the robot's top speed.
         turn_rate: rad/s, counter-clockwise; takes effect before the next move.
         used_random: Whether ``observation.random`` was used, so that the next one must be new.
+        message: Numbers to send to the neighbours, at most as many as the run's ``message`` option
+            allows; ignored for a robot that is alone.
     """
 
     speed: float = 0.0
     turn_rate: float = 0.0
     used_random: bool = False
+    message: tuple[float, ...] = ()
 
 
 class Commands(NamedTuple):
@@ -141,6 +172,7 @@ class Commands(NamedTuple):
     speed: npt.ArrayLike = 0.0
     turn_rate: npt.ArrayLike = 0.0
     used_random: npt.ArrayLike = False
+    message: npt.ArrayLike = ()
 
 
 @dataclass(frozen=True)
@@ -304,6 +336,7 @@ _COSTLY_SENSES: dict[str, int] = {
     "odometry_y": lib.WG_SENSE_ODOMETRY,
     "odometry_heading": lib.WG_SENSE_ODOMETRY,
     "beams": lib.WG_SENSE_BEAMS,
+    "neighbours": lib.WG_SENSE_NEIGHBOURS,
 }
 
 

@@ -10,6 +10,7 @@ import warnings
 from typing import Any
 
 from sim.controllers.base import Act
+from sim.kernels import layout
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.installation import pip_install
 
@@ -68,6 +69,7 @@ def flat_address(act: Act) -> int:
     """
     compiled = compiled_act(act)
     numba = _numba(act)
+    command_size = layout.CMD_SIZE + layout.MESSAGE_SIZE
     numbers = numba.types.CPointer(numba.float64)
 
     @numba.cfunc(numba.int64(numbers, numba.int64, numbers, numba.int64, numbers))  # type: ignore[untyped-decorator]
@@ -78,7 +80,7 @@ def flat_address(act: Act) -> int:
             compiled(
                 numba.carray(observation, (observation_size,)),
                 numba.carray(memory, (memory_size,)),
-                numba.carray(command, (3,)),
+                numba.carray(command, (command_size,)),
             )
         except Exception:  # noqa: BLE001 - anything may be raised; a second run finds out what
             return 1

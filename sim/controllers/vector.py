@@ -42,17 +42,21 @@ class Asker:
         self._seen = _locked(seen)
         self._memory = _locked(memory)
         self._command = command
+        self.message: npt.ArrayLike = ()
         self._count = -1
         self._observed = Observations.of(self._seen[:0])
         self._memories = self._memory[:0]
 
     @breakable
-    def ask(self, count: int, after: Floats) -> None:
+    def ask(self, count: int, after: Floats, neighbours: Floats | None = None) -> None:
         """Let the controller act for the robots in the first ``count`` rows.
+
+        What it sends to other robots is in ``message`` then.
 
         Args:
             count: Rows, at least 1.
             after: (count, m) filled with the memories after the step.
+            neighbours: (count, most, 5 + message) what the robots sense of each other, if they do.
 
         Raises:
             ContractBroken: If the result does not fit. Exceptions of the controller pass through.
@@ -66,6 +70,8 @@ class Asker:
             # `bump` is a copy, the one column that its view does not keep up to date.
             bump = self._seen[:count, layout.OBS_BUMP] != 0.0
             self._observed = Observations._make((bump, *self._observed[1:]))
+        if neighbours is not None:
+            self._observed = self._observed._replace(neighbours=neighbours)
         answer = self._act(self._observed, self._memories)
 
         # The answer must have one command and one memory for each robot.
@@ -77,7 +83,7 @@ class Asker:
             asked = asked if type(asked) is Commands else Commands(*asked)
         except TypeError:
             raise no_command(asked, "act_many") from None
-        for name, value in zip(Commands._fields, asked, strict=True):
+        for name, value in zip(Commands._fields[: layout.CMD_SIZE], asked, strict=False):
             if np.shape(value) not in ((), (count,)):
                 error = f"{name} is of shape {np.shape(value)} for {count} robots"
                 raise ContractBroken(error, value, "give one number, or one for each robot")
@@ -95,6 +101,7 @@ class Asker:
         command[:, layout.CMD_TURN_RATE] = asked.turn_rate
         command[:, layout.CMD_DRAW] = np.asarray(asked.used_random) != 0
         after[...] = kept
+        self.message = asked.message
 
 
 @dataclass(frozen=True)
@@ -109,7 +116,7 @@ class OneOfMany:
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """Return the command and the memory of the only robot."""
-        seen = np.array([[*observation[:-1], *observation.beams]])
+        seen = np.array([[*observation[: layout.OBS_SIZE], *observation.beams]])
         before = np.array([memory])
         command = np.zeros((1, layout.CMD_SIZE))
         after = np.empty_like(before)

@@ -10,6 +10,7 @@
 // by the same direction. The point where a ray leaves its lane is known to 1/32 of a lattice unit,
 // so a ray that passes a corner that closely is left to the walk.
 
+#include <math.h>
 #include <string.h>
 
 #include "rays.h"
@@ -200,6 +201,29 @@ static void measure(const WgArena *arena, const WgSettings *settings, const WgSt
     }
 }
 
+// Shortens the beams that meet other robots.
+//
+// Source: ray against sphere, Ericson, Real-Time Collision Detection (2005), 5.3.2.
+static void meet_others(const WgArena *arena, const WgSettings *settings, const WgState *state, double *beams)
+{
+    const WgOthers *others = arena->others;
+    for (int64_t beam = 0; beam < settings->beams; beam++) {
+        int64_t heading = wg_beam_heading(state->heading, beam, settings->beams, settings->beam_field);
+        double along = wg_cosine(arena->headings, heading);
+        double across = wg_sine(arena->headings, heading);
+        for (int64_t k = 0; k < others->count; k++) {
+            const WgOther *other = &others->robots[k];
+            double dx = (double)(other->x - state->x);
+            double dy = (double)(other->y - state->y);
+            double ahead = dx * along + dy * across;
+            double inside = ahead * ahead - (dx * dx + dy * dy - other->radius * other->radius);
+            if (ahead > 0.0 && inside >= 0.0) {
+                beams[beam] = wg_lower(beams[beam], wg_higher(0.0, ahead - sqrt(inside)));
+            }
+        }
+    }
+}
+
 // Applies noise to a distance.
 static double disturbed(const WgSettings *settings, int64_t step, int64_t beam, double distance)
 {
@@ -235,6 +259,9 @@ void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgSt
             beams[beam] = wg_ray_distance(wg_grid(arena), arena->headings, state->x, state->y, heading,
                                           settings->beam_range);
         }
+    }
+    if (arena->others != NULL) {
+        meet_others(arena, settings, state, beams);
     }
     if (settings->beam_noise > 0.0 || settings->beam_dropout > 0.0) {
         for (int64_t beam = 0; beam < settings->beams; beam++) {

@@ -87,7 +87,7 @@ static inline bool act(Plain *plain, bool touches, int64_t step)
     }
 
     WgCommand *command = &workspace->command;
-    *command = (WgCommand){0.0, 0.0, 0.0, NULL};
+    *command = (WgCommand){0};
     if (!wg_call(plain->controller, workspace, robot)) {
         return false;
     }

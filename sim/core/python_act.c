@@ -55,7 +55,7 @@ static PyObject *floats(const double *numbers, int64_t count)
 static PyObject *observation_of(const WgWorkspace *workspace, const Tools *tools)
 {
     const double *seen = workspace->flat;
-    PyObject *fields = PyTuple_New(WG_SENSES + 1);
+    PyObject *fields = PyTuple_New(WG_SENSES + 2);
     if (fields == NULL) {
         return NULL;
     }
@@ -66,6 +66,9 @@ static PyObject *observation_of(const WgWorkspace *workspace, const Tools *tools
     }
     PyObject *beams = made ? floats(seen + WG_SENSES, workspace->observation.beam_count) : NULL;
     made = beams != NULL && PyTuple_SetItem(fields, WG_SENSES, beams) == 0;
+    // A robot that is driven from here is alone: it has no neighbours.
+    PyObject *neighbours = made ? PyTuple_New(0) : NULL;
+    made = neighbours != NULL && PyTuple_SetItem(fields, WG_SENSES + 1, neighbours) == 0;
     PyObject *observation =
         made ? PyObject_CallFunctionObjArgs(tools->new_tuple, tools->observation, fields, NULL) : NULL;
     Py_DecRef(fields);
@@ -98,7 +101,7 @@ static bool read_numbers(PyObject *tuple, int64_t count, const Tools *tools, dou
     return true;
 }
 
-// Reads an answer that is a tuple of a command, which is a Command or a tuple of two or three, and
+// Reads an answer that is a tuple of a command, which is a Command or a tuple of two to four, and
 // a tuple of numbers. Returns the memory to continue with; NULL without an exception for any other
 // answer, which Python must judge.
 static PyObject *take_quickly(PyObject *answer, int64_t size, const Tools *tools, double *taken)
@@ -112,11 +115,11 @@ static PyObject *take_quickly(PyObject *answer, int64_t size, const Tools *tools
         return NULL;
     }
     Py_ssize_t fields = PyTuple_Size(asked);
-    if (fields < 2 || fields > 3 || !is_just(after, tools->tuple) || PyTuple_Size(after) != size) {
+    if (fields < 2 || fields > 4 || !is_just(after, tools->tuple) || PyTuple_Size(after) != size) {
         return NULL;
     }
 
-    int used_random = fields == 3 ? PyObject_IsTrue(PyTuple_GetItem(asked, 2)) : 0;
+    int used_random = fields >= 3 ? PyObject_IsTrue(PyTuple_GetItem(asked, 2)) : 0;
     if (used_random < 0) {
         return NULL;
     }

@@ -304,12 +304,31 @@ void wg_take_answer(WgEpisode *episode)
     memcpy(episode->robot.body->memory, answer + WG_ANSWER, size);
 }
 
+// Copies the neighbours into rows of a flat array; rows without one are NaN.
+static void flatten_neighbours(const WgWorkspace *workspace, double *rows)
+{
+    const WgObservation *seen = &workspace->observation;
+    int64_t width = WG_NEIGHBOUR_NUMBERS + seen->message_size;
+    for (int64_t k = 0; k < workspace->neighbour_room; k++) {
+        double *row = rows + k * width;
+        for (int64_t n = 0; n < width; n++) {
+            row[n] = NAN;
+        }
+        if (k < seen->neighbour_count) {
+            memcpy(row, &seen->neighbours[k], (size_t)width * sizeof *row);
+        }
+    }
+}
+
 void wg_flatten(WgWorkspace *workspace)
 {
     memcpy(workspace->flat, &workspace->observation, WG_SENSES * sizeof(double));
     int64_t beams = workspace->observation.beam_count;
     if (beams > 0) {
         memcpy(workspace->flat + WG_SENSES, workspace->beams, (size_t)beams * sizeof(double));
+    }
+    if (workspace->neighbour_room > 0) {
+        flatten_neighbours(workspace, workspace->flat + WG_SENSES + beams);
     }
 }
 
@@ -318,14 +337,19 @@ void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double 
     // Anything that a controller writes into the observation is cleared after the step: otherwise
     // it would be memory outside the state.
     wg_flatten(workspace);
-    double command[3] = {0.0, 0.0, 0.0};
-    int64_t size = WG_SENSES + workspace->observation.beam_count;
+    double command[3 + WG_MOST_MESSAGE] = {0.0};
+    const WgObservation *seen = &workspace->observation;
+    int64_t size =
+        WG_SENSES + seen->beam_count + workspace->neighbour_room * (WG_NEIGHBOUR_NUMBERS + seen->message_size);
     if (controller->flat(workspace->flat, size, memory, controller->memory_size, command) != 0) {
         workspace->command.error = "the controller failed";
     }
     workspace->command.speed = command[0];
     workspace->command.turn_rate = command[1];
     workspace->command.used_random = command[2];
+    if (workspace->command.message != NULL) {
+        memcpy(workspace->command.message, command + 3, (size_t)seen->message_size * sizeof *command);
+    }
 }
 
 static uint64_t hash(uint64_t digest, uint64_t word)

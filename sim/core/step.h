@@ -20,6 +20,7 @@
 
 enum {
     WG_STATE_WORDS = 5,  // of a WgState
+    WG_NEIGHBOUR_NUMBERS = 5,  // numbers of a neighbour in a flat array before its message
     WG_SENSES = 17,      // numbers of an observation before its beams
     WG_ANSWER = 4,       // numbers of an answer before the memory
 };
@@ -290,7 +291,7 @@ static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *set
     }
     wg_sense(arena, settings, &robot->body->state, &robot->odometry, robot->contact, step, &workspace->observation,
              workspace->beams);
-    workspace->command = (WgCommand){0.0, 0.0, 0.0, NULL};
+    workspace->command = (WgCommand){0};
     return true;
 }
 

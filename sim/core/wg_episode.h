@@ -73,6 +73,8 @@ typedef struct WgWorkspace {
     double *beams;   // what observation.beams points to
     double *flat;    // (17 + beams,) copy of the observation, for controllers that take flat arrays
     double *answer;  // (4 + memory,)
+    WgNeighbour *neighbours;  // (neighbour_room,) what observation.neighbours points to
+    int64_t neighbour_room;   // 0 for a robot alone; in `flat`, so many rows of neighbours follow the beams
 } WgWorkspace;
 
 // Data of the search for a recurrence: see recurrence.h.

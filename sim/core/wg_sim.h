@@ -101,6 +101,21 @@ typedef struct WgRay {
     int64_t slope;    // the first divided by the second, 2^-32, rounded down; 0 on the axis
 } WgRay;
 
+// Another robot, as sensors see it.
+typedef struct WgOther {
+    int64_t x;         // lattice units
+    int64_t y;
+    int64_t away_sq;   // squared distance to the robot that senses it
+    double radius;     // lattice units
+    int64_t robot;     // its index
+} WgOther;
+
+// The robots around a robot.
+typedef struct WgOthers {
+    const WgOther *robots;  // (count,)
+    int64_t count;
+} WgOthers;
+
 // The robot's surroundings. `cells`, `near` and `visited` change during an episode.
 typedef struct WgArena {
     int64_t width;   // cells
@@ -120,6 +135,8 @@ typedef struct WgArena {
     const WgRay *rays;      // (8193,) wg_ray_table
     const int64_t *spread;  // (beams,) wg_beam_spread
     const uint16_t *runs;   // (height + 2, width + 2, 4) wg_free_runs
+
+    const WgOthers *others;  // the robots that range beams may meet; NULL for a robot alone
 } WgArena;
 
 // The settings of an episode, and the robot's dynamics and sensors. A limit that is off is
@@ -162,6 +179,7 @@ typedef struct WgSettings {
     int64_t sensor_cells;  // how many cells around it the signal sensor sees
     int64_t signal;        // WG_SIGNAL_OPEN, ...
     int64_t beams;
+    int64_t neighbours;    // how many other robots it senses at most
     int64_t plain_sensor;  // 1: the signal sensor is the thesis's, without noise or limits
     int64_t smoke_reach;   // cells around a burning one that its smoke fills
     int64_t coin;          // number of values that a random number has; 0: any in [0, 1)
@@ -191,6 +209,7 @@ typedef struct WgSettings {
     double sensor_field;  // half the angle that the signal sensor looks into, heading units
     double sensor_noise;  // largest share by which a reading is wrong
     double smoke;         // share of the signal that a cell in smoke takes
+    double neighbour_range;  // lattice units, from centre to centre; 0: no other robot is sensed
     double beam_range;    // lattice units
     double beam_field;    // angle between the first and the last beam, heading units; a whole turn: evenly all round
     double beam_noise;    // largest share by which a distance is wrong

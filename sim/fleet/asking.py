@@ -18,10 +18,12 @@ from sim.controllers.base import (
     Observation,
     VectorController,
 )
+from sim.controllers.contract import ContractBroken
 from sim.controllers.programs.process import ProcessController
 from sim.controllers.programs.program import ControllerError, WantsMemory
 from sim.controllers.vector import Asker
 from sim.fleet.core_calls import CoreFleet
+from sim.kernels import layout
 from sim.runners.controller_time import timed
 from sim.runners.core_calls import Workspace
 from sim.runners.python_act import settled
@@ -162,11 +164,36 @@ class _One:
     def ask(self) -> None:
         """Let it act, and hand its answer to the core."""
         workspace = self._workspace
-        answer = self._act(Observation.of(workspace.observation), self._memory)
+        seen = Observation.of(workspace.observation)
+        if self.member.c.workspace.neighbour_room:
+            seen = seen._replace(neighbours=self.member.neighbours())
+        answer = self._act(seen, self._memory)
+        self.member.send(_message_in(answer))
         speed, turn_rate, used_random, *memory = settled(answer, len(self._memory))
         workspace.command[:] = (speed, turn_rate, used_random)
         self._memory = tuple(memory)
         workspace.memory[:] = self._memory
+
+
+def _message_in(answer: Any) -> tuple[float, ...]:
+    """Return the message in an answer; empty if the answer is not a command and a memory.
+
+    Raises:
+        ContractBroken: If the message is not a tuple of numbers.
+    """
+    try:
+        asked, _ = answer
+        message = asked[layout.CMD_SIZE]
+    except (TypeError, ValueError, IndexError, KeyError):
+        return ()
+    numbers = isinstance(message, tuple | list) and all(
+        isinstance(one, int | float | np.number) for one in message
+    )
+    if not numbers:
+        raise ContractBroken(
+            "the message is not a tuple of numbers", message, "write message=(1.0, 0.5)"
+        )
+    return tuple(float(one) for one in message)
 
 
 class _Many:
@@ -175,6 +202,7 @@ class _Many:
     def __init__(self, fleet: CoreFleet, controller: Any, numbers: list[int]) -> None:
         self.controller = controller
         self.numbers = numbers
+        self._members = {number: fleet.members[number] for number in numbers}
         self._workspaces = {number: Workspace(fleet.members[number]) for number in numbers}
         first = self._workspaces[numbers[0]]
         self._seen = np.zeros((len(numbers), first.observation.size))
@@ -189,7 +217,30 @@ class _Many:
             self._kept[row] = self._workspaces[number].memory
         self._command[:] = 0.0
         after = np.empty((len(waiting), self._kept.shape[1]))
-        self._asker.ask(len(waiting), after)
+        self._asker.ask(len(waiting), after, self._neighbours(waiting))
+        message = np.asarray(self._asker.message, np.float64)
+        sends = message.size > 0
+        if sends and (message.ndim != 2 or len(message) != len(waiting)):
+            raise ContractBroken(
+                f"message is of shape {message.shape} for {len(waiting)} robots",
+                message,
+                "give a row of numbers for each robot",
+            )
         for row, number in enumerate(waiting):
+            if sends:
+                self._members[number].send(message[row].tolist())
             self._workspaces[number].command[:] = self._command[row]
             self._workspaces[number].memory[:] = after[row]
+
+    def _neighbours(self, waiting: list[int]) -> Floats | None:
+        """Return what the robots sense of each other; ``None`` if they do not."""
+        workspace = self._members[waiting[0]].c.workspace
+        room = int(workspace.neighbour_room)
+        if not room:
+            return None
+        width = layout.NEIGHBOUR_MESSAGE + int(workspace.observation.message_size)
+        found = np.full((len(waiting), room, width), np.nan)
+        for row, number in enumerate(waiting):
+            for place, one in enumerate(self._members[number].neighbours()):
+                found[row, place] = (*one[: layout.NEIGHBOUR_MESSAGE], *one.message)
+        return found

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
-from sim.controllers.base import CompiledController
+from sim.controllers.base import CompiledController, Neighbour
 from sim.runners.core_calls import CoreArena, Driver
 from sim.runners.lattice import LatticeRun
 from worldgen.lattice import clear_distance_sq, radius_in_cells
@@ -57,6 +57,21 @@ class FleetMember:
     def words(self) -> int:
         """Words of the robot's state, with its memory and its message."""
         return int(self.c.search.words)
+
+    def neighbours(self) -> tuple[Neighbour, ...]:
+        """Return what the robot senses of others, the nearest first."""
+        seen = self.c.workspace.observation
+        size = int(seen.message_size)
+        found = (seen.neighbours[k] for k in range(int(seen.neighbour_count)))
+        return tuple(
+            Neighbour(one.x, one.y, one.heading, one.speed, one.radius, tuple(one.message[0:size]))
+            for one in found
+        )
+
+    def send(self, message: Sequence[float]) -> None:
+        """Send numbers to the robots that sense this one; those beyond its channel are dropped."""
+        for k in range(min(len(message), int(self.c.workspace.observation.message_size))):
+            self.c.workspace.command.message[k] = message[k]
 
     def state_words(self) -> Ints:
         """Return (words,) int64, the robot's state."""
@@ -112,6 +127,7 @@ class CoreFleet:
         settings.find_loop = find_loop
         settings.loop_entry = loop_entry
         settings.log_steps = steps if find_loop == lib.WG_SEEK_LOOP else 0
+        settings.message = max(run.options.robot.message for run in runs)
         settings.kinds = len(clear_sq)
         settings.kind = pointer(ffi, kinds, np.int64)
         settings.clear_sq = pointer(ffi, clear_sq, np.int64)

@@ -320,7 +320,11 @@ class FleetRun:
             recording = recordings[number] if recordings else None
             if recording is not None:
                 recording = _written(recording, int(member.report.steps), fault is not None)
-            members.append(self.runs[number].outcome_of(member, recording, complete, fault))
+            outcome = self.runs[number].outcome_of(member, recording, complete, fault)
+            if outcome.trace is not None:
+                size = int(member.c.workspace.observation.message_size)
+                outcome = replace(outcome, trace=replace(outcome.trace, message_size=size))
+            members.append(outcome)
         return FleetOutcome(
             ending=ending,
             steps=int(report.steps),

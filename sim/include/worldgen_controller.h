@@ -22,6 +22,9 @@ enum { WG_CONTROLLER_ABI = 1 };
 // The largest number of range beams that a robot can have.
 enum { WG_MOST_BEAMS = 1000 };
 
+// The largest number of other robots that a robot can sense, and of numbers in a message.
+enum { WG_MOST_NEIGHBOURS = 64, WG_MOST_MESSAGE = 8 };
+
 // Senses that take time to compute, or that rule out proofs. All other fields are always available.
 enum {
     WG_SENSE_BUMP_BEARING = 1,
@@ -34,11 +37,22 @@ enum {
     WG_SENSE_ODOMETRY = 128,
     WG_SENSE_BEAMS = 256,
     WG_SENSE_NOTHING_ELSE = 512,  // only the fields that are always available
+    WG_SENSE_NEIGHBOURS = 1024,   // and the messages that they sent
 };
+
+// Another robot within the range that a run gives this sense, relative to the robot that senses it.
+typedef struct WgNeighbour {
+    double x;                         // m: ahead of the robot
+    double y;                         // m: to its left
+    double heading;                   // rad: the neighbour's heading, relative to the robot's
+    double speed;                     // m/s: of the neighbour along its heading
+    double radius;                    // m: of the neighbour
+    double message[WG_MOST_MESSAGE];  // sent by the neighbour in the step before; zeros without a channel
+} WgNeighbour;
 
 // What a controller observes after each step. A sense that it does not declare may be NaN.
 typedef struct WgObservation {
-    double bump;              // 1 if a wall stopped or bent the last move, else 0
+    double bump;              // 1 if a wall or a robot stopped or bent the last move, else 0
     double bump_bearing;      // rad: direction of that contact, relative to the robot's heading
     double signal;            // strength of the target's signal: 1 / (1 + squared distance in cells)
     double signal_heading;    // rad: world heading towards the neighbouring cell with the strongest signal
@@ -55,8 +69,11 @@ typedef struct WgObservation {
     double odometry_x;        // m: the robot's position as its wheels measure it
     double odometry_y;        // m
     double odometry_heading;  // rad: its heading as its wheels measure it
-    const double *beams;      // m: distance to the first wall along each range beam, counter-clockwise
+    const double *beams;      // m: distance to the first wall or robot along each range beam, counter-clockwise
     int64_t beam_count;       // length of `beams`
+    const WgNeighbour *neighbours;  // other robots within range, the nearest first; NULL if there can be none
+    int64_t neighbour_count;        // length of `neighbours`
+    int64_t message_size;           // numbers that a message has; 0 without a channel
 } WgObservation;
 
 // What a controller commands. All fields are zero (NULL) when the controller is called.
@@ -65,6 +82,7 @@ typedef struct WgCommand {
     double turn_rate;    // rad/s, counter-clockwise; takes effect before the next move
     double used_random;  // 1 if WgObservation.random was used, so that the next one must be new
     const char *error;   // NULL, or a message that outlives the run, which then ends as a crash
+    double *message;     // (WgObservation.message_size,) zeros, to be sent to the neighbours; NULL without a channel
 } WgCommand;
 
 // Acts for one step. All of the controller's state is in `memory`, whose size it declares; only then are loops proved.
@@ -85,6 +103,8 @@ typedef struct WgControllerInfo {
     int64_t beams;        // number of range beams that it needs, at most WG_MOST_BEAMS; a run can override it
     double beam_range;    // m: range of beams that it needs; 0: the simulator's default
     double start_speed;   // m/s: speed in the first step, before it has observed anything
+    double neighbour_range;  // m: range within which it needs to sense other robots; 0: not at all
+    int64_t message;         // numbers of the messages that it needs to send, at most WG_MOST_MESSAGE
 } WgControllerInfo;
 
 #ifdef __cplusplus

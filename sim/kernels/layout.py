@@ -7,7 +7,7 @@ Such a controller is a function ``act(observation, memory, command)``. The names
 
 from __future__ import annotations
 
-from sim._core import ffi
+from sim._core import ffi, lib
 
 _NUMBER = 8  # bytes
 
@@ -39,3 +39,19 @@ CMD_SPEED = _place("WgCommand", "speed")
 CMD_TURN_RATE = _place("WgCommand", "turn_rate")
 CMD_DRAW = _place("WgCommand", "used_random")
 CMD_SIZE = CMD_DRAW + 1
+CMD_MESSAGE = CMD_SIZE
+"""Where a message to the neighbours begins; it has as many numbers as the run allows."""
+
+MESSAGE_SIZE = int(lib.WG_MOST_MESSAGE)
+"""The most numbers that a message has."""
+
+NEIGHBOUR_X = _place("WgNeighbour", "x")
+NEIGHBOUR_Y = _place("WgNeighbour", "y")
+NEIGHBOUR_HEADING = _place("WgNeighbour", "heading")
+NEIGHBOUR_SPEED = _place("WgNeighbour", "speed")
+NEIGHBOUR_RADIUS = _place("WgNeighbour", "radius")
+NEIGHBOUR_MESSAGE = _place("WgNeighbour", "message")
+"""Where a neighbour's message begins in its row. A row has so many numbers and the message's.
+
+Rows follow the beams, the nearest neighbour first; rows without a neighbour are nan.
+"""

@@ -18,6 +18,8 @@ from worldgen.parameters import Bounds, Group
 __all__ = ["MAX_BEAMS", "MOST_PUSHES", "SIGNALS", "RobotOptions", "Signal"]
 
 MAX_BEAMS = 1000
+MAX_NEIGHBOURS = 64
+MAX_MESSAGE = 8
 MOST_PUSHES = 1000
 _MOVES = "Disturbances"
 Signal = Literal["open", "weakened", "blocked"]
@@ -71,6 +73,11 @@ class RobotOptions(OptionSet):
             ends with that push.
         decoys: Additional sources of the signal, three numbers each: place (m), and strength as a
             multiple of the target's.
+        neighbour_range: Distance between centres within which the robot senses other robots, m; 0
+            means that it senses none.
+        neighbours: How many other robots it senses at most, the nearest first, 1 to 64.
+        message: How many numbers each robot may send to the robots that sense it, 0 to 8; they
+            arrive in the next step.
         lattice: Poses are rounded after each step to 1/lattice of a cell, if the way there is
             clear; a power of 2 from 2 to 1024, 0 means no rounding.
         coin: Number of values that the controller's random number can have: 0, 1/coin and so on,
@@ -104,6 +111,9 @@ class RobotOptions(OptionSet):
     pushes: Annotated[tuple[float, ...], Group(_MOVES)] = ()
     push_places: Annotated[tuple[float, ...], Group(_MOVES)] = ()
     decoys: Annotated[tuple[float, ...], Group("Sensor")] = ()
+    neighbour_range: Annotated[float, Bounds(0, 1e6, "m"), Group("Neighbours")] = 0.0
+    neighbours: Annotated[int, Bounds(1, MAX_NEIGHBOURS), Group("Neighbours")] = 8
+    message: Annotated[int, Bounds(0, MAX_MESSAGE), Group("Neighbours")] = 0
     lattice: Annotated[int, Bounds(0, 1024), Group("Lattice")] = 0
     coin: Annotated[int, Bounds(0, 65536), Group("Lattice")] = 0
 

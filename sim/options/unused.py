@@ -24,19 +24,25 @@ _SENSOR = (
 )
 _BEAMS = ("beams", "beam_range", "beam_field", "beam_noise", "beam_dropout")
 # An option matters only if the controller reads one of these fields of its observation.
+_NEIGHBOURS = ("neighbour_range", "neighbours", "message")
 _READ_BY = {
     **dict.fromkeys(_SENSOR, _SIGNAL),
     **dict.fromkeys(_BEAMS, ("beams",)),
+    **dict.fromkeys(_NEIGHBOURS, ("neighbours",)),
     "sensor_cells": ("signal_heading",),
     "decoys": _SIGNAL,
     "odometry_noise": ("odometry_x", "odometry_y", "odometry_heading"),
     "coin": ("random",),
 }
 # Options that only shape another one, which is off.
-_SHAPES = dict.fromkeys(_BEAMS[1:], "beams") | {
-    "smoke_reach": "smoke",
-    "drift_heading": "drift",
-}
+_SHAPES = (
+    dict.fromkeys(_BEAMS[1:], "beams")
+    | dict.fromkeys(_NEIGHBOURS[1:], "neighbour_range")
+    | {
+        "smoke_reach": "smoke",
+        "drift_heading": "drift",
+    }
+)
 
 
 def unused_options(scenario: Scenario) -> list[str]:

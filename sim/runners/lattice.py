@@ -18,6 +18,7 @@ from sim.controllers.crash_frames import crash_facts
 from sim.controllers.flat_act import compiled_act
 from sim.controllers.programs.program import ControllerError
 from sim.controllers.shared.guarded import ControllerDied, call
+from sim.kernels import layout
 from sim.motion import MOTIONS
 from sim.options.noise import is_noisy
 from sim.options.robot import SIGNALS
@@ -193,6 +194,8 @@ class LatticeRun:
         settings.smoke = robot.smoke
         settings.smoke_reach = robot.smoke_reach
         settings.beams = robot.beams
+        settings.neighbours = robot.neighbours
+        settings.neighbour_range = robot.neighbour_range / unit
         settings.beam_range = robot.beam_range / unit
         settings.beam_field = _units(robot.beam_field or 2 * math.pi)
         settings.beam_noise = robot.beam_noise
@@ -519,7 +522,11 @@ class LatticeRun:
         workspace = Workspace(episode)
         act = compiled_act(controller.act)
         try:
-            act(workspace.observation, workspace.memory, workspace.command)
+            act(
+                workspace.observation,
+                workspace.memory,
+                np.zeros(layout.CMD_SIZE + layout.MESSAGE_SIZE),
+            )
         except Exception as error:  # noqa: BLE001 - a controller may raise anything
             facts = crash_facts(error, controller) or {"message": str(error)}
             return ControllerError(Verdict.CRASH, f"{type(error).__name__}: {error}", facts)

@@ -106,10 +106,11 @@ def settled(answer: Any, size: int) -> tuple[float, ...]:
     if type(after) is not tuple or len(after) != size:
         after = flat_memory(after, size)
     try:
-        speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
+        command = asked if type(asked) is Command else Command(*asked)
     except TypeError:
         flat_memory(after, size)  # Of two faults, report the memory's.
         raise no_command(asked) from None
+    speed, turn_rate, used_random = command[:3]
     numbers = struct.Struct(f"{3 + size}d")
     try:
         return numbers.unpack(numbers.pack(speed, turn_rate, 1.0 if used_random else 0.0, *after))

@@ -118,13 +118,14 @@ def test_an_observation_has_the_types_that_it_declares():
     assert type(observation) is Observation
     assert type(observation.bump) is bool
     assert type(observation.beams) is tuple
-    assert {type(number) for number in (*observation[1:-1], *observation.beams)} == {float}
+    assert {type(number) for number in (*observation[1:-2], *observation.beams)} == {float}
 
 
 def test_a_robot_without_beams_sees_an_empty_tuple():
     controller = Keeps()
     simulate(arena(), controller, steps=3)
     assert controller.kept[-1][0].beams == ()
+    assert controller.kept[-1][0].neighbours == ()
 
 
 @dataclass

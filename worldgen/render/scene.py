@@ -87,7 +87,7 @@ def compose(
     # The floor cannot show the signals of several targets.
     shown = signal and not world.others
     one = trail if isinstance(trail, Trail) else None
-    several = () if trail is None or one is not None else tuple(trail)
+    several = () if trail is None or isinstance(trail, Trail) else tuple(trail)
     content = Content(world, one, shown, witness, title, frame, Changes.of(world), several)
     words, height = caption(content)
     paper = _box(0.0, 0.0, frame.picture_width, height, PAPER)

@@ -28,7 +28,7 @@ Floats = npt.NDArray[np.float64]
 MOST_ROBOTS = 1_024
 """The most robots that are driven at the same time; their commands fit into one line."""
 
-_COLUMNS = {name: k for k, name in enumerate(Observation._fields)}
+_COLUMNS = {name: k for k, name in enumerate(Observation._fields) if name != "neighbours"}
 _KEYS = {"speed", "turn_rate", "used_random"}
 _encode = json.JSONEncoder(allow_nan=False, check_circular=False, separators=(",", ":")).encode
 

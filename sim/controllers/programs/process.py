@@ -66,7 +66,7 @@ _MOST_MEMORY = 1 << 62
 # Seconds.
 _LONGEST_DEADLINE = 3600.0
 _EXAMPLE = "cmd:./mine --flag or cmd+deadline=0.2+memory=512M:./mine"
-_KEYS = {"speed", "turn_rate", "used_random"}
+_KEYS = {"speed", "turn_rate", "used_random", "message"}
 
 
 class ProcessController:
@@ -347,6 +347,10 @@ def observation_line(observation: Observation) -> bytes:
     Numbers read back to the same bits; nan and infinity become null.
     """
     values = observation._asdict()
+    # A robot that senses no others gets lines as it always did.
+    neighbours = values.pop("neighbours")
+    if neighbours:
+        values["neighbours"] = [one._asdict() for one in neighbours]
     try:
         return _encode(values).encode() + b"\n"
     except ValueError:  # nan or infinity, which JSON does not have
@@ -362,6 +366,8 @@ _decode = json.JSONDecoder().decode
 def _finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
+    if isinstance(value, dict):
+        return {name: _finite(item) for name, item in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -411,8 +417,19 @@ def _command(found: dict[str, Any], answer: bytes) -> Command:
     if not isinstance(used_random, bool):
         raise _no_command("used_random is neither true nor false", answer)
     return Command(
-        _number(found, "speed", answer), _number(found, "turn_rate", answer), used_random
+        _number(found, "speed", answer),
+        _number(found, "turn_rate", answer),
+        used_random,
+        _message(found, answer),
     )
+
+
+def _message(found: dict[str, Any], answer: bytes) -> tuple[float, ...]:
+    """Return the numbers to send to the neighbours; empty if the answer has none."""
+    message = found.get("message", [])
+    if not isinstance(message, list):
+        raise _no_command("message is not a list of numbers", answer)
+    return tuple(_number({"message": one}, "message", answer) for one in message)
 
 
 def _number(found: dict[str, Any], key: str, answer: bytes) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 from sim.containment import is_contained
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Observation, bits_of
 from sim.controllers.core_act import CoreAct, ffi, lib
-from sim.controllers.shared.object_file import info_of
+from sim.controllers.shared.object_file import declares, info_of
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 
@@ -65,6 +65,10 @@ def library_controller(name: str) -> CompiledController:
     needs: dict[str, Any] = {"beams": beams} if beams else {}
     if info.beam_range:
         needs["beam_range"] = float(info.beam_range)
+    if declares(info, "neighbour_range") and info.neighbour_range:
+        needs["neighbour_range"] = float(info.neighbour_range)
+    if declares(info, "message"):
+        needs["message"] = _within(name, "message", int(info.message), int(lib.WG_MOST_MESSAGE))
     return CompiledController(
         name,
         SharedAct(name),
@@ -104,7 +108,8 @@ def _senses(name: str, bits: int) -> tuple[str, ...]:
         bits_of(sense) for sense in ("bump_bearing", "signal", "signal_heading", "target_heading")
     )
     known += sum(
-        bits_of(sense) for sense in ("target_distance", "random", "time", "odometry_x", "beams")
+        bits_of(sense)
+        for sense in ("target_distance", "random", "time", "odometry_x", "beams", "neighbours")
     )
     if bits & ~(known | int(lib.WG_SENSE_NOTHING_ELSE)):
         raise InvalidParameter(

@@ -41,6 +41,15 @@ def include_folder() -> Path:
     return Path(__file__).parents[2] / "include"
 
 
+# Size of a description up to and including `start_speed`, as the first headers had it.
+_FIRST_SIZE = int(ffi.offsetof("WgControllerInfo", "neighbour_range"))
+
+
+def declares(info: Any, field: str) -> bool:
+    """Return True if a description is long enough to have a field."""
+    return int(info.size) > int(ffi.offsetof("WgControllerInfo", field))
+
+
 @functools.cache
 def info_of(name: str) -> Any:
     """Return a library's description of its controller, after checking its version.
@@ -89,7 +98,8 @@ def info_of(name: str) -> Any:
             wanted=lib.WG_CONTROLLER_ABI,
             build=_BUILD,
         )
-    if info.size != ffi.sizeof("WgControllerInfo"):
+    # A library that was built before the latest fields were added describes itself without them.
+    if info.size not in (_FIRST_SIZE, ffi.sizeof("WgControllerInfo")):
         raise InvalidParameter(
             "other-header-version",
             "controller {name!r} describes itself in {size} bytes, and a WgControllerInfo has "

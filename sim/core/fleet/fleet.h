@@ -15,6 +15,9 @@ enum { WG_MOST_PHASES = 12 };
 // The corners that one move may add to a robot's path: one for each phase, a wait, and a coarser lattice.
 enum { WG_FLEET_CORNERS = WG_MOST_PHASES + 2 };
 
+// Up to this many robots, all pairs are looked at; from there on, a grid is faster.
+enum { WG_FEW_ROBOTS = 12 };
+
 // A robot within a step.
 struct WgMover {
     WgPlace begin;       // where it was when the move began
@@ -72,6 +75,22 @@ void wg_find_near(WgFleet *fleet);
 
 // The word of the complete state that says whether a robot has parked.
 uint64_t *wg_parked_word(const WgFleet *fleet, int64_t robot);
+
+// The message in a robot's state.
+double *wg_message_of(const WgFleet *fleet, int64_t robot);
+
+// Readies what all robots need to sense others, after they have moved.
+void wg_ready_senses(WgFleet *fleet);
+
+// Finds the robots around a robot, the nearest first, for its beams and its neighbours.
+void wg_sense_others(WgFleet *fleet, int64_t robot);
+
+// Puts the robots of a fleet into the buckets of a grid that are `width` lattice units wide.
+void wg_fill_buckets(WgFleet *fleet, int64_t width);
+
+// The first robot in the bucket around a robot's place that is the `which`th of nine; -1 if there is none, or if another
+// of the nine is the same bucket. The others follow in WgNear.chain.
+int64_t wg_bucket_around(const WgFleet *fleet, int64_t robot, int64_t width, int64_t which);
 
 // Moves all robots for a step by their displacements, with the events that fall into it each at its time.
 void wg_move_fleet(WgFleet *fleet, int64_t step, const WgVector *by);

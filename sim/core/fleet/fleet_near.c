@@ -3,7 +3,6 @@
 
 #include "fleet.h"
 
-enum { FEW = 12 };  // up to so many robots, all pairs are looked at: the grid is faster from 12 robots on
 
 // The bucket of a place.
 static int64_t bucket_of(const WgNear *near, int64_t column, int64_t row)
@@ -54,34 +53,51 @@ static void look_at_all(WgFleet *fleet)
     }
 }
 
-// Looks at the robots in the nine buckets around each one, among those that are in the grid already.
-static void look_around(WgFleet *fleet)
+void wg_fill_buckets(WgFleet *fleet, int64_t width)
 {
     WgNear *near = fleet->near;
-    int64_t furthest = 1;
-    for (int64_t k = 0; k < fleet->count; k++) {
-        furthest = wg_most(furthest, fleet->movers[k].far);
-    }
     for (int64_t k = 0; k < near->buckets; k++) {
         near->heads[k] = -1;
     }
     for (int64_t k = 0; k < fleet->count; k++) {
-        int64_t column = wg_floor_div(fleet->movers[k].place.x, 2 * furthest);
-        int64_t row = wg_floor_div(fleet->movers[k].place.y, 2 * furthest);
-        for (int64_t place = 0; place < 9; place++) {
-            int64_t around = bucket_of(near, column + place % 3 - 1, row + place / 3 - 1);
-            // Two of the nine may share a bucket, whose robots are then looked at once.
-            bool again = false;
-            for (int64_t before = 0; before < place && !again; before++) {
-                again = bucket_of(near, column + before % 3 - 1, row + before / 3 - 1) == around;
-            }
-            for (int64_t other = again ? -1 : near->heads[around]; other >= 0; other = near->chain[other]) {
-                look_at(fleet, k, other);
-            }
-        }
-        int64_t own = bucket_of(near, column, row);
+        const WgPlace *place = &fleet->movers[k].place;
+        int64_t own = bucket_of(near, wg_floor_div(place->x, width), wg_floor_div(place->y, width));
         near->chain[k] = near->heads[own];
         near->heads[own] = k;
+    }
+}
+
+int64_t wg_bucket_around(const WgFleet *fleet, int64_t robot, int64_t width, int64_t which)
+{
+    const WgNear *near = fleet->near;
+    int64_t column = wg_floor_div(fleet->movers[robot].place.x, width);
+    int64_t row = wg_floor_div(fleet->movers[robot].place.y, width);
+    int64_t around = bucket_of(near, column + which % 3 - 1, row + which / 3 - 1);
+    for (int64_t before = 0; before < which; before++) {
+        if (bucket_of(near, column + before % 3 - 1, row + before / 3 - 1) == around) {
+            return -1;
+        }
+    }
+    return near->heads[around];
+}
+
+// Looks at the robots in the nine buckets around each one.
+static void look_around(WgFleet *fleet)
+{
+    int64_t furthest = 1;
+    for (int64_t k = 0; k < fleet->count; k++) {
+        furthest = wg_most(furthest, fleet->movers[k].far);
+    }
+    wg_fill_buckets(fleet, 2 * furthest);
+    for (int64_t k = 0; k < fleet->count; k++) {
+        for (int64_t which = 0; which < 9; which++) {
+            int64_t other = wg_bucket_around(fleet, k, 2 * furthest, which);
+            for (; other >= 0; other = fleet->near->chain[other]) {
+                if (other < k) {
+                    look_at(fleet, k, other);
+                }
+            }
+        }
     }
 }
 
@@ -96,7 +112,7 @@ void wg_find_near(WgFleet *fleet)
         near->first[k] = -1;
         near->first_pair[k] = -1;
     }
-    if (fleet->count <= FEW) {
+    if (fleet->count <= WG_FEW_ROBOTS) {
         look_at_all(fleet);
     } else {
         look_around(fleet);

@@ -61,6 +61,54 @@ static bool make_near(WgFleet *fleet)
     return is_made;
 }
 
+// Makes what robots need to sense each other, as far as they do.
+static bool make_senses(WgFleet *fleet, const WgArena *const *arenas)
+{
+    bool is_made = true;
+    int64_t room = 0;
+    int64_t flat = 0;
+    double radius = 0.0;
+    int64_t row = WG_NEIGHBOUR_NUMBERS + fleet->settings->message;
+    for (int64_t k = 0; k < fleet->count; k++) {
+        const WgSettings *settings = fleet->members[k]->settings;
+        bool beams = (settings->senses & WG_SENSE_BEAMS) != 0 && settings->beams > 0;
+        bool neighbours = (settings->senses & WG_SENSE_NEIGHBOURS) != 0 && settings->neighbour_range > 0.0;
+        fleet->members[k]->workspace.neighbour_room = neighbours ? settings->neighbours : 0;
+        room += fleet->members[k]->workspace.neighbour_room;
+        flat += WG_SENSES + settings->beams + row * fleet->members[k]->workspace.neighbour_room;
+        radius = wg_higher(radius, settings->radius / settings->metres);
+        fleet->senses_others = fleet->senses_others != 0 || beams || neighbours;
+        fleet->furthest = wg_higher(fleet->furthest, beams ? settings->beam_range : 0.0);
+        fleet->furthest = wg_higher(fleet->furthest, neighbours ? settings->neighbour_range : 0.0);
+    }
+    // A beam may meet the rim of a robot whose centre is further away.
+    fleet->furthest += radius;
+    fleet->around = array(&is_made, fleet->count, sizeof *fleet->around);
+    fleet->arenas = array(&is_made, fleet->count, sizeof *fleet->arenas);
+    fleet->seen = array(&is_made, room, sizeof *fleet->seen);
+    fleet->flat = array(&is_made, flat, sizeof *fleet->flat);
+    if (!is_made) {
+        return false;
+    }
+    fleet->others.robots = fleet->around;
+    WgNeighbour *seen = fleet->seen;
+    double *numbers = fleet->flat;
+    for (int64_t k = 0; k < fleet->count; k++) {
+        WgEpisode *member = fleet->members[k];
+        WgWorkspace *workspace = &member->workspace;
+        fleet->arenas[k] = *arenas[k];
+        fleet->arenas[k].others = &fleet->others;
+        member->arena = &fleet->arenas[k];
+        workspace->neighbours = seen;
+        workspace->flat = numbers;
+        workspace->observation.neighbours = workspace->neighbour_room > 0 ? seen : NULL;
+        workspace->observation.message_size = fleet->settings->message;
+        seen += workspace->neighbour_room;
+        numbers += WG_SENSES + member->settings->beams + row * workspace->neighbour_room;
+    }
+    return true;
+}
+
 // Makes the members, and puts their states next to each other.
 static WgStatus make_members(WgFleet *fleet, const WgArena *const *arenas, const WgSettings *const *robots,
                              const WgController *const *controllers)
@@ -88,6 +136,9 @@ static WgStatus make_members(WgFleet *fleet, const WgArena *const *arenas, const
         member->search.words = words_of(fleet, k) - 1;
         body += words_of(fleet, k);
     }
+    if (!make_senses(fleet, arenas)) {
+        return WG_OUT_OF_MEMORY;
+    }
     return WG_OK;
 }
 
@@ -101,6 +152,7 @@ static bool is_in_range(const WgFleetSettings *settings, const WgArena *const *a
     for (int64_t k = 0; k < count; k++) {
         if (arenas[k]->cells != arenas[0]->cells || arenas[k]->near != arenas[0]->near
             || arenas[k]->events != arenas[0]->events || robots[k]->motion != settings->motion
+            || robots[k]->neighbours < 0 || robots[k]->neighbours > WG_MOST_NEIGHBOURS
             || robots[k]->find_loop != WG_NO_LOOP || robots[k]->push_count > 0 || arenas[k]->wanted != NULL            || settings->kind[k] < 0 || settings->kind[k] >= settings->kinds) {
             return false;
         }
@@ -169,6 +221,10 @@ void wg_fleet_free(WgFleet *fleet)
     free(fleet->before);
     free(fleet->is_inside);
     free(fleet->acts);
+    free(fleet->around);
+    free(fleet->arenas);
+    free(fleet->seen);
+    free(fleet->flat);
     free(fleet);
 }
 

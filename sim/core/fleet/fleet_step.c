@@ -76,16 +76,22 @@ void wg_fleet_move(WgFleet *fleet, const WgVector *by)
     }
 }
 
-// Lets all robots that drive sense where they have come to.
+// Lets all robots that drive sense where they have come to, and who is there.
 static void sense(WgFleet *fleet)
 {
+    if (fleet->senses_others != 0) {
+        wg_ready_senses(fleet);
+    }
     for (int64_t k = 0; k < fleet->count; k++) {
         WgEpisode *member = fleet->members[k];
         fleet->acts[k] = member->robot.report.ending == WG_LIMIT && fleet->is_inside[k] != 0;
         if (fleet->acts[k] != 0) {
+            if (fleet->senses_others != 0) {
+                wg_sense_others(fleet, k);
+            }
             wg_sense(member->arena, member->settings, &member->robot.body->state, &member->robot.odometry,
                      member->robot.contact, fleet->step, &member->workspace.observation, member->workspace.beams);
-            member->workspace.command = (WgCommand){0.0, 0.0, 0.0, NULL};
+            member->workspace.command = (WgCommand){0};
         }
     }
 }
@@ -98,6 +104,12 @@ static bool act(WgFleet *fleet)
         WgEpisode *member = fleet->members[k];
         if (fleet->acts[k] == 0) {
             continue;
+        }
+        // All have sensed, so the messages of the step before are no longer needed.
+        if (fleet->settings->message > 0) {
+            double *message = wg_message_of(fleet, k);
+            memset(message, 0, (size_t)fleet->settings->message * sizeof *message);
+            member->workspace.command.message = message;
         }
         if (is_outside_the_core(member)) {
             wg_flatten(&member->workspace);

@@ -12,10 +12,7 @@
 #include "wg_episode.h"
 #include "wg_parts.h"
 
-enum {
-    WG_MOST_ROBOTS = 1000,
-    WG_MOST_MESSAGE = 8,  // numbers of a message
-};
+enum { WG_MOST_ROBOTS = 1000 };
 
 // What a fleet is asked to do.
 typedef struct WgFleetSettings {
@@ -68,6 +65,13 @@ typedef struct WgFleet {
     WgVector *before;       // (count,) where the robots were before it
     int64_t *is_inside;     // (count,) whether the centre is in the grid
     int64_t *acts;          // (count,) 1 if the controller acts in this step
+    WgOther *around;        // (count,) the robots around the one that senses
+    WgOthers others;
+    WgArena *arenas;        // (count,) the robots' arenas, with those around them
+    WgNeighbour *seen;      // neighbours of all robots that sense them
+    double *flat;           // flat observations of the same
+    int64_t senses_others;  // 1 if a robot senses others, by beams or as neighbours
+    double furthest;        // the longest range of these senses, lattice units
     int64_t next_event;     // index of the first event that has not happened
     int64_t quiet;          // step of the last event: states before it prove nothing
     int64_t step;           // steps done

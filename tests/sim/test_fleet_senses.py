@@ -1,0 +1,206 @@
+"""What robots sense of each other, in all forms of a controller."""
+
+import json
+import math
+import sys
+
+import numpy as np
+import pytest
+
+from sim import RobotOptions, simulate
+from sim.controllers import Command, CompiledController
+from sim.controllers.base import Commands, Observation
+from sim.controllers.programs.process import observation_line, read_command
+from sim.verdict import Verdict
+from tests.helpers.fleets import EAST, Ahead, fleet_world, hall
+from worldgen.errors import InvalidParameter
+from worldgen.world import Pose, Robot, Target
+
+FAR = Target(0.5, 1.7, 0.05)
+
+
+def in_a_row():
+    """Return a hall with a robot and two others, 0.5 m ahead of it and 0.8 m to its left."""
+    return fleet_world(
+        hall(),
+        Robot(Pose(1.0, 0.5, math.pi / 2), FAR),
+        Robot(Pose(1.0, 1.0, EAST), Target(3.5, 1.7, 0.05), radius=0.05),
+        Robot(Pose(0.2, 0.5, EAST), Target(3.5, 0.3, 0.05)),
+    )
+
+
+class Keeping:
+    """Stands still and keeps what ``look`` makes of its observation in its memory."""
+
+    size = 1
+
+    def reset(self):
+        return (0.0,) * self.size
+
+    def act(self, seen, memory):
+        return Command(), tuple(self.look(seen, memory))
+
+
+def memory_after(controller, steps, robot=0, **settings):
+    """Return a robot's memory after some steps."""
+    world = in_a_row()
+    episode = simulate(world, controller, steps=steps, record=True, **settings)
+    trace = episode.robots[robot].trace
+    return trace.memory(trace.steps)
+
+
+class Beams(Keeping):
+    size = 4
+
+    def look(self, seen, _memory):
+        return seen.beams
+
+
+def test_beams_see_other_robots():
+    ahead, left, behind, right = memory_after(Beams, 1, beams=4)
+    assert ahead == pytest.approx(0.5 - 0.05)
+    assert left == pytest.approx(0.8 - 0.07)
+    assert behind == pytest.approx(0.4)
+    assert right == pytest.approx(2.9)
+
+
+class Nearest(Keeping):
+    size = 10
+
+    def look(self, seen, _memory):
+        return [number for one in seen.neighbours for number in one[:5]]
+
+
+def test_neighbours_are_relative_to_the_robot_and_the_nearest_comes_first():
+    found = memory_after(Nearest, 1, neighbour_range=2.0)
+    assert found[:5] == pytest.approx([0.5, 0.0, -math.pi / 2, 0.0, 0.05], abs=1e-4)
+    assert found[5:] == pytest.approx([0.0, 0.8, -math.pi / 2, 0.0, 0.07], abs=1e-4)
+
+
+class Count(Keeping):
+    def look(self, seen, _memory):
+        return [len(seen.neighbours)]
+
+
+@pytest.mark.parametrize(
+    ("settings", "count"),
+    [
+        ({}, 0),
+        ({"neighbour_range": 0.6}, 1),
+        ({"neighbour_range": 2.0}, 2),
+        ({"neighbour_range": 2.0, "neighbours": 1}, 1),
+    ],
+)
+def test_only_robots_within_range_are_sensed(settings, count):
+    assert memory_after(Count, 1, **settings) == [count]
+
+
+class Speaking(Keeping):
+    """Sends the number of the step, and keeps what the nearest neighbour sent."""
+
+    size = 2
+
+    def act(self, seen, memory):
+        heard = seen.neighbours[0].message[0]
+        return Command(message=(memory[0] + 1.0,)), (memory[0] + 1.0, heard)
+
+
+def test_a_message_arrives_in_the_next_step():
+    settings = {"neighbour_range": 2.0, "message": 1}
+    assert list(memory_after(Speaking, 1, **settings)) == [1.0, 0.0]
+    assert list(memory_after(Speaking, 7, **settings)) == [7.0, 6.0]
+
+
+class SpeakingMany:
+    """The same for many robots."""
+
+    def reset(self):
+        return (0.0, 0.0)
+
+    def act_many(self, seen, memory):
+        step = memory[:, 0] + 1.0
+        heard = seen.neighbours[:, 0, 5]
+        return Commands(0.0, 0.0, False, step[:, None]), np.column_stack((step, heard))
+
+
+def test_a_vector_controller_hears_and_speaks_as_a_class_does():
+    settings = {"neighbour_range": 2.0, "message": 1}
+    assert list(memory_after(SpeakingMany, 7, **settings)) == [7.0, 6.0]
+
+
+def test_a_controller_that_numba_compiles_hears_and_speaks_too():
+    pytest.importorskip("numba")
+    from sim.kernels import layout
+
+    first = layout.OBS_SIZE + layout.NEIGHBOUR_MESSAGE
+    message = layout.CMD_MESSAGE
+
+    def act(observation, memory, command):
+        memory[0] += 1.0
+        memory[1] = observation[first]
+        command[message] = memory[0]
+
+    speaking = CompiledController("speaking", act, (0.0, 0.0))
+    settings = {"neighbour_range": 2.0, "message": 1}
+    assert list(memory_after(speaking, 7, **settings)) == [7.0, 6.0]
+
+
+class Shouting(Keeping):
+    def act(self, _seen, memory):
+        return Command(message="loud"), memory
+
+
+def test_a_message_that_is_not_numbers_breaks_the_contract():
+    world = in_a_row()
+    episode = simulate(world, Shouting, steps=5, neighbour_range=2.0, message=1)
+    assert episode.verdict == Verdict.INVALID_COMMAND
+    assert episode.evidence.robot == 1
+
+
+def test_a_program_gets_neighbours_only_if_there_are_some():
+    alone = Observation.of(np.zeros(17))
+    assert "neighbours" not in json.loads(observation_line(alone))
+    answer = read_command(b'{"speed": 1, "turn_rate": 0, "message": [0.5]}')
+    assert answer == Command(1.0, 0.0, False, (0.5,))
+
+
+@pytest.mark.gate
+def test_a_program_for_each_robot_hears_the_others(tmp_path):
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from sim.controllers import Command\n"
+        "class Robot:\n"
+        "    def reset(self):\n"
+        "        return (0.0,)\n"
+        "    def act(self, seen, memory):\n"
+        "        heard = seen.neighbours[0].message[0]\n"
+        "        return Command(0.1 * heard, 0.0, message=(heard + 1.0,)), memory\n"
+    )
+    command = f"cmd:{sys.executable} -m sim.host {file}:Robot"
+    settings = {"neighbour_range": 2.0, "message": 1, "steps": 12, "record": True}
+    program = simulate(in_a_row(), command, **settings)
+    alike = simulate(in_a_row(), f"{file}:Robot", **settings)
+    for one, other in zip(program.robots, alike.robots, strict=True):
+        assert np.array_equal(one.trace.x, other.trace.x)
+        assert one.path_length > 0.0
+
+
+def test_messages_belong_to_the_joint_state():
+    class Talking(Ahead):
+        """Never says the same twice, while it stands still forever."""
+
+        needs = RobotOptions(neighbour_range=1.0, message=1)
+
+        def act(self, seen, memory):
+            heard = seen.neighbours[0].message[0] if seen.neighbours else 0.0
+            return super().act(seen, memory)[0]._replace(message=(heard + 1.0,)), memory
+
+    from tests.helpers.fleets import passage
+
+    assert simulate(passage(), Talking, steps=4_000).verdict == Verdict.STALLED
+
+
+def test_too_many_numbers_are_refused():
+    with pytest.raises(InvalidParameter) as caught:
+        RobotOptions(message=9)
+    assert caught.value.code == "out-of-range"
