@@ -211,3 +211,18 @@ def test_linters_have_nothing_to_say(check):
         [program, *options], cwd=ROOT, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.gate
+def test_the_projects_own_campaign_finds_nothing(tmp_path):
+    command = Path(sys.executable).with_name("worldgen")
+    done = subprocess.run(
+        [ROOT / ".ci" / "campaign", "1", tmp_path],
+        env={**os.environ, "WORLDGEN": str(command)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "no failure of mapper under swept found" in done.stdout
+    assert "run: .ci/run" in (ROOT / ".github" / "workflows" / "ci.yml").read_text("utf-8")
