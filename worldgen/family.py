@@ -109,9 +109,11 @@ class Family:
             InvalidParameter: If a parameter is unknown, or a value is out of range.
             GenerationFailed: If no layout in ``MAX_ATTEMPTS`` is solvable for the disc.
         """
+        # Check the parameters.
         complete = self.complete(params)
         number = seed_of(seed)
         margin = float(cast("float", complete.get(MARGIN, 0.0)))
+        # Build layouts until one is solvable.
         for attempt in range(MAX_ATTEMPTS):
             world = self.build(stream_for(number, self.name, attempt), **complete)
             decision = decide(world, margin=margin, cut=False)
@@ -210,6 +212,7 @@ class Family:
         Defaults are omitted.
         """
         words: list[str] = []
+        # Defaults need no option.
         for parameter in self.parameters:
             value = params.get(parameter.name, parameter.default)
             flag = parameter.name.replace("_", "-")

@@ -116,6 +116,7 @@ class Bounds:
         Raises:
             InvalidParameter: With value, rule and remedy.
         """
+        # The number that stands for None is always allowed.
         if self.chosen is not None and value == self.chosen:
             return
         too_low = self.low is not None and not (
@@ -123,6 +124,7 @@ class Bounds:
         )
         if not too_low and (self.high is None or value <= self.high):
             return
+        # Word the rule by the limits that there are.
         facts: dict[str, Any] = {
             "name": name,
             "value": value,
@@ -309,6 +311,7 @@ class Parameter:
         Raises:
             InvalidParameter: If the word is not a value of the parameter's type, or is missing.
         """
+        # A switch needs no value.
         kind = self.kind
         if kind is bool:
             if text is not None and text.lower() not in _SWITCH:
@@ -331,6 +334,7 @@ class Parameter:
                 example=self.example,
             )
         try:
+            # Convert the text, then check the value like any other.
             value = tuple(map(self.item, text.split(":"))) if kind is tuple else kind(text)
         except ValueError as error:
             raise InvalidParameter(
@@ -346,6 +350,7 @@ class Parameter:
         return self.accept(value, owner)
 
     def _accept_list(self, value: Any, owner: str) -> tuple[Any, ...]:
+        # Items are all texts, or all finite numbers.
         if not isinstance(value, list | tuple):
             raise self._wrong_type(value, owner)
         items = tuple(map(_plain, value))
@@ -406,6 +411,7 @@ def split_options(
     Raises:
         InvalidParameter: If a name is missing, or an option is there twice.
     """
+    # Split off the name.
     parts = _REGISTERED.fullmatch(text.strip()) or _WRITTEN.fullmatch(text.strip())
     if parts is None:
         raise InvalidParameter(
@@ -419,6 +425,7 @@ def split_options(
             text=text,
             example=example,
         )
+    # Read the options.
     options: dict[str, str | None] = {}
     for word in parts["options"].split("+")[1:]:
         option, equals, value = word.partition("=")

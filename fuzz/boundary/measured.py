@@ -76,6 +76,7 @@ def _recorded(failure: Failure) -> list[tuple[Axis, float, float]]:
     """
     said = failure.record.details.get("boundaries")
     found = []
+    # Skip what is not a complete entry.
     for one in said if isinstance(said, list) else []:
         if not isinstance(one, dict):
             continue

@@ -169,12 +169,14 @@ def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) ->
     here = looks(start)
     if here is None:
         return None
+    # Go both ways with doubling steps.
     last = {-1: here, 1: here}
     open_ends = [-1, 1]
     step = 1
     while step <= reach and open_ends:
         for way in tuple(open_ends):
             look = looks(start + way * step)
+            # At the end of the axis, bisect towards the last value that has a run.
             if look is None:
                 open_ends.remove(way)
                 look = _last_that_differs(looks, last[way], start + way * step)
@@ -248,10 +250,12 @@ def scan(looks: BoundaryRuns, indices: range) -> list[Stretch]:
         looks: The runs.
         indices: Ascending indices.
     """
+    # Run the given values, then bisect between those that differ.
     seen = {index: looks(index) for index in indices}
     for low, high in itertools.pairwise(indices):
         for index in _between(looks, low, high):
             seen[index] = looks(index)
+    # Join neighbours of equal outcome.
     stretches: list[list[int]] = []
     for index in sorted(seen):
         if stretches and _said(seen[stretches[-1][-1]]) == _said(seen[index]):

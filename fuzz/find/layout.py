@@ -90,6 +90,7 @@ class Layout:
 
     def edited(self, rng: RandomStream) -> Layout | None:
         """Return the layout after one random edit; ``None`` if that edit is impossible."""
+        # Move the target, or add a box.
         kind = rng.below(16)
         if kind == 0:
             return self._with_target(rng)
@@ -97,6 +98,7 @@ class Layout:
             return self._kept((*self.boxes, self._new_box(rng)))
         if not self.boxes:
             return None
+        # Remove, move or stretch a box.
         chosen = rng.below(len(self.boxes))
         if kind == 2 and self.home is None:
             return self._kept((*self.boxes[:chosen], *self.boxes[chosen + 1 :]))
@@ -167,6 +169,7 @@ class Layout:
     def _with_target(self, rng: RandomStream) -> Layout | None:
         if self.fixed_target:
             return None
+        # The target stays on the diagonal if the layout is mirrored.
         dx = rng.between(-2, 2)
         dy = rng.between(-2, 2)
         if self.mirror:
@@ -177,6 +180,7 @@ class Layout:
         iy = math.floor(in_cells(target.y, side)) + dy
         if not (1 <= ix < self.empty.width - 1 and 1 <= iy < self.empty.height - 1):
             return None
+        # It moves to the centre of a cell, and stays on its leash.
         moved = replace(
             target,
             x=lattice_to_metres(1024 * ix + 512, side),
@@ -228,6 +232,7 @@ def _boxes(walls: Walls) -> list[Box]:
     """
     left = walls.copy()
     boxes = []
+    # Grow a box from the lowest left cell that is left.
     while left.any():
         y0, x0 = (int(k) for k in np.argwhere(left)[0])
         x1 = x0

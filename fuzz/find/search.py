@@ -198,6 +198,7 @@ class _Unit:
 
     def _search(self) -> None:
         config = self.config
+        # Sample, and keep the best.
         for _ in range(_SAMPLES if config.begin is None else 1):
             sampled = _sample(config, self.rng)
             if sampled is not None:
@@ -205,6 +206,7 @@ class _Unit:
                 self.keep(replace(sampled, distance=self.distance(sampled.world, limit)))
             if self._done:
                 break
+        # Improve it by edits.
         if self.best is not None and config.edit:
             self._climb(self.best)
             self._simplify()
@@ -217,6 +219,7 @@ class _Unit:
         """
         held = first
         past = [first.distance] * _MEMORY
+        # Edit the layout once or twice.
         for step in range(_CLIMBS):
             if self._done:
                 return
@@ -225,6 +228,7 @@ class _Unit:
                 layout = layout.edited(self.rng) if layout is not None else None
             if layout is None or layout == held.layout:
                 continue
+            # Compare it with a layout of some steps ago.
             bar = max(past[step % _MEMORY], held.distance)
             world = layout.world()
             distance = self.distance(world, bar)
@@ -236,6 +240,7 @@ class _Unit:
     def _simplify(self) -> None:
         """Remove what the outcome does not need."""
         before = None
+        # Take any simpler layout that has the outcome, and start over from it.
         while self.best is not None and self.best.distance == 0.0 and self.best is not before:
             before = self.best
             for layout in before.layout.simpler():
@@ -301,6 +306,7 @@ def draw(config: FindConfig) -> World:
 
 def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
     """Return a layout to try; its provenance stays the family's as long as nothing was changed."""
+    # Take the given world, a family's or a layout's.
     provenance = None
     if config.begin is not None:
         world = config.begin
@@ -308,6 +314,7 @@ def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
         world, provenance = _of_family(rng.choice(config.families), dict(config.params), rng)
     else:
         world = decode_world(bytes(rng.below(256) for _ in range(LAYOUT_BYTES)))
+    # The world no longer comes from the family if anything is changed.
     if config.start is not None:
         world = replace(world, start=config.start)
         provenance = None

@@ -186,12 +186,14 @@ class OutcomeTarget:
         It is met if nearly all runs are as wanted and none passes through walls, or the median time
         is as wanted.
         """
+        # Summarise the runs.
         verdicts = [run.verdict for run in runs]
         verdict = max(Verdict, key=verdicts.count)
         share = verdicts.count(Verdict.REACHED) / len(runs)
         steps = statistics.median(
             run.steps if run.verdict == Verdict.REACHED else math.inf for run in runs
         )
+        # The distance is about the median time, or about the share of fitting runs.
         if self._timed:
             distance = self._off(steps) if math.isfinite(steps) else _OTHERWISE - share
         else:
@@ -246,6 +248,7 @@ def parse_targets(
 
 
 def _parse_wish(part: str, motion: str, time_step: float) -> OutcomeTarget:
+    # Split the text into controller and outcome.
     name, equals, outcome = part.rpartition("=")
     if not equals or not name:
         raise InvalidParameter(
@@ -267,6 +270,7 @@ def _parse_wish(part: str, motion: str, time_step: float) -> OutcomeTarget:
             controller=name,
             known=known,
         )
+    # Only an arrival and a loop can have a range.
     verdicts = _GROUPS.get(match["word"], (match["word"],))
     if match["range"] is None:
         return OutcomeTarget(scenario, outcome.strip(), verdicts)

@@ -44,6 +44,7 @@ def own_controllers(controllers: Sequence[Controller]) -> list[Controller]:
     A program is started once for each robot. A vector controller acts for all of its robots in one
     call, so it is not copied.
     """
+    # A controller that is there twice needs a copy, unless it keeps no state.
     taken: set[int] = set()
     own: list[Controller] = []
     for controller in controllers:
@@ -110,6 +111,7 @@ class FleetAskers:
         """Return what asks each robot's own controller, and each vector controller."""
         alone: list[_One] = []
         many: dict[int, list[int]] = {}
+        # Vector controllers act for all their robots together.
         for number, controller in enumerate(self._controllers):
             memory = self._memories[number]
             if memory is None:
@@ -123,6 +125,7 @@ class FleetAskers:
 
     def _ask(self, fleet: CoreFleet, alone: list[_One], groups: list[_Many]) -> None:
         """Ask all controllers whose robots wait."""
+        # Ask the controllers that act alone.
         for one in alone:
             if one.member.c.waits:
                 try:
@@ -133,6 +136,7 @@ class FleetAskers:
                     raise
                 except BaseException as error:  # noqa: BLE001 - anything may be raised
                     self.faults[one.number] = crash_of(error, one.controller)
+        # Ask the others in groups.
         for group in groups:
             waiting = [number for number in group.numbers if fleet.members[number].c.waits]
             if not waiting:

@@ -37,6 +37,7 @@ def _numbered_parts(text: str) -> dict[int, str]:
         InvalidParameter: If a number comes twice, or a robot has no controller.
     """
     found: dict[int, str] = {}
+    # Each part must have a number, and no number may come twice.
     for part in _NEXT.split(text):
         numbered = _NUMBERED.fullmatch(part)
         if numbered is None:
@@ -74,6 +75,7 @@ def assigned(given: T | Mapping[int, T], robots: int) -> list[T]:
         return [given] * robots
     wanted = range(1, robots + 1)
     there_are = f"the world has {counted(robots, 'robot')}"
+    # The numbers must be those of the robots.
     for number in given:
         if number not in wanted:
             raise InvalidParameter(

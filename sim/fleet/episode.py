@@ -184,6 +184,7 @@ class _Decision:
 
     def _of_robot(self, number: int, member: Outcome) -> tuple[Verdict, Evidence]:
         """Return a robot's own verdict and evidence: the run's, if that is about this robot."""
+        # The robot that ended the run has the run's verdict.
         evidence = self.evidence
         collided = isinstance(evidence, CollisionEvidence) and number + 1 in evidence.robots
         if number == self.robot or collided:
@@ -192,6 +193,7 @@ class _Decision:
             return Verdict.REACHED, ReachedEvidence(step=member.steps)
         if isinstance(evidence, JointLoopEvidence):
             return self.verdict, evidence
+        # Any other robot ran out of budget.
         stalled = member.last_new_cell <= member.steps // 2
         own = BudgetEvidence(last_new_cell=member.last_new_cell)
         return (Verdict.STALLED if stalled else Verdict.TIMEOUT), own
@@ -222,6 +224,7 @@ def _joint_loop(world: World, options: RunOptions, proof: JointProof) -> FleetEp
 
 
 def _decided(world: World, options: RunOptions, outcome: FleetOutcome) -> FleetEpisode:
+    # The verdict is about one robot, and decides what counts as evidence.
     verdict, robot = _verdict(outcome)
     one = outcome.members[robot]
     number = robot + 1

@@ -117,10 +117,12 @@ class FleetRun:
         Robots come in the order of their places, so that their numbers do not matter.
         """
         robots = self.world.robots
+        # Place the robots from left to right, so that the result does not depend on their order.
         order = sorted(range(len(robots)), key=lambda k: (robots[k].start.x, robots[k].start.y))
         placed: list[int] = []
         for number in order:
             run = self.runs[number]
+            # Take the first start near the robot's own that is clear of the others.
             for x, y, _ in run.starts_near(robots[number].start):
                 run.settings.start_x = x
                 run.settings.start_y = y
@@ -178,6 +180,7 @@ class FleetRun:
         """
         if not self._is_compiled and not self._repeats(entry, period):
             return None
+        # Run to the end of the first period, and compare the states.
         outcome, fleet = self._run(entry + period, lib.WG_PROVE_LOOP, entry=entry)
         if outcome.ending != Verdict.LOOP or fleet is None:
             return None
@@ -192,18 +195,21 @@ class FleetRun:
         )
         if not record:
             return proof
+        # Record the run only if that is wanted, because it takes memory.
         check_recordable(sum(one.steps for one in outcome.members))
         recorded = self._run(entry + period, lib.WG_NO_LOOP, sizes=outcome.members, like=outcome)[0]
         return replace(proof, outcome=recorded)
 
     def _repeats(self, entry: int, period: int) -> bool:
         """Return True if two whole periods are equal, robot by robot and step by step."""
+        # A hidden memory shows only if the loop is run twice.
         steps = entry + 2 * period
         if steps * len(self.runs) > MAX_RECORDED:
             return False
         whole = self.run(steps, find_loop=False, record=True)
         if not whole.complete or whole.steps < steps:
             return False
+        # Robots that have parked do not have to repeat anything.
         for one in whole.members:
             if one.ending == Verdict.REACHED and one.steps <= entry:
                 continue
@@ -232,10 +238,12 @@ class FleetRun:
             sizes: To record the run: the outcomes of the same run, which say how long it is.
             like: The same run, whose ending the recorded one keeps.
         """
+        # Remember the hidden memory, to notice if a run changes it.
         for run in self.runs:
             run.settings.digest = 1
         hidden = [self._hidden(one) for one in self.controllers]
         with contextlib.redirect_stdout(sys.stderr):
+            # Reset the controllers, then run.
             memories, faults = self._reset()
             if faults:
                 return self._failed_in_reset(faults), None
@@ -246,6 +254,7 @@ class FleetRun:
                 fleet.run_to_the_end()
             else:
                 askers.run(fleet)
+        # Collect the outcome.
         complete = all(
             before is not None and self._hidden(one) == before
             for one, before in zip(self.controllers, hidden, strict=True)
@@ -266,6 +275,7 @@ class FleetRun:
         """Return the memories of the controllers outside the core, and their faults in ``reset``."""
         memories: list[Any] = []
         faults: dict[int, ControllerError] = {}
+        # A controller may fail while it prepares.
         for number, controller in enumerate(self.controllers):
             memories.append(None)
             if isinstance(controller, CompiledController):
@@ -307,6 +317,7 @@ class FleetRun:
         recordings: Recordings,
     ) -> FleetOutcome:
         report = fleet.report
+        # Find out whose fault a crash is.
         ending: Ending = ENDINGS[int(report.ending)]
         robot = int(report.robot)
         if ending == Verdict.CRASH and robot not in faults:
@@ -314,6 +325,7 @@ class FleetRun:
             faults = {robot: controller_error_of(ffi.string(text).decode("utf-8", "replace"))}
         if ending == Verdict.CRASH:
             ending = faults[robot].verdict
+        # Collect each robot's outcome.
         members = []
         for number, member in enumerate(fleet.members):
             fault = faults.get(number) if number == robot else None

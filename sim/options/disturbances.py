@@ -128,16 +128,19 @@ def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> str:
         world: The world, with its certificate.
         robot: Options of the robot in the run.
     """
+    # Without a static world and a witness nothing is certain.
     if not robot.moved:
         return ""
     if not isinstance(world.certificate, Witness):
         return "no witness shows a way to the target"
     if world.is_dynamic:
         return "the world changes, and the witness's times allow for no disturbance"
+    # A drift must be slower than the robot, which must be able to correct it instantly.
     if robot.drift >= world.robot_speed:
         return "the drift is as fast as the robot"
     if robot.drift > 0.0 and (robot.turn_limit or robot.acceleration or robot.friction):
         return "a robot that cannot turn or brake at once may drift off the witness"
+    # Places must not push it off the witness.
     if robot.push_places:
         if robot.pushes or robot.drift > 0.0:
             return "a place may push the robot again after it was moved off the witness"
@@ -151,6 +154,7 @@ def _crosses(witness: Witness, world: World, places: Sequence[PushPlace]) -> boo
     side = world.cell_size
     points = list(zip(witness.x.tolist(), witness.y.tolist(), strict=True))
     pieces = list(itertools.pairwise(points)) or [(points[0], points[0])]
+    # Widen the cell a little, so that rounding does not hide a crossing.
     for place in places:
         left = math.floor(in_cells(place.x, side)) * side - _EDGE
         low = math.floor(in_cells(place.y, side)) * side - _EDGE
@@ -171,6 +175,7 @@ def _meets(
     """
     enter = 0.0
     leave = 1.0
+    # Narrow the shares of the segment that are inside both slabs.
     for p, q, (low, high) in zip(start, end, box, strict=True):
         if p == q:
             if not low <= p <= high:

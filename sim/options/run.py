@@ -275,6 +275,7 @@ def step_budget(world: World, run: RunOptions) -> int:
     Raises:
         InvalidWorld: If a world that changes is to be covered.
     """
+    # Covering an area takes the time of driving through every cell, not that of the witness.
     if run.task == COVER:
         cells = int(np.count_nonzero(reachable_cells(world)))
         duration = 2 * cells * exact(world.cell_size) / exact(world.robot_speed)
@@ -284,6 +285,7 @@ def step_budget(world: World, run: RunOptions) -> int:
         factor = BUDGET_FACTOR
     else:
         return _STEPS_WITHOUT_WITNESS
+    # Disturbances cost time.
     if run.robot.moved:
         delay, slower = delay_of(world, run.robot)
         duration = min(slower, Fraction(_MOST_OF_A_DRIFT)) * duration + exact(delay)

@@ -59,6 +59,7 @@ def unused_options(scenario: Scenario) -> list[str]:
     senses = getattr(controller, "senses", None)
     changed = scenario.run.robot.changed()
     sentences = []
+    # An option has no effect if the one it shapes is off, or if nobody reads what it changes.
     for name in changed:
         needed = _READ_BY.get(name, ())
         shaped = _SHAPES.get(name)

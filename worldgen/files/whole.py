@@ -52,6 +52,7 @@ def read_text(path: Path) -> str:
         FormatError: If it cannot be read, is larger than 64 MiB, or isn't UTF-8.
     """
     try:
+        # Read one byte more than allowed, to notice a file that is too large.
         with path.open("rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
         if len(data) > _MOST_BYTES:
@@ -129,6 +130,7 @@ def refused_writes(path: Path) -> Iterator[None]:
 
 
 def _replace(path: Path, data: bytes) -> None:
+    # Write to a temporary file in the same folder, which can then be renamed.
     temporary = None
     try:
         descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=".worldgen-")
@@ -136,6 +138,7 @@ def _replace(path: Path, data: bytes) -> None:
             stream.write(data)
             stream.flush()
             os.fsync(stream.fileno())
+        # mkstemp makes private files; give this one the usual permissions.
         umask = os.umask(0)
         os.umask(umask)
         Path(temporary).chmod(0o666 & ~umask)

@@ -48,6 +48,7 @@ def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
     Raises:
         FormatError: If a file cannot be read, or a folder or an archive holds no world.
     """
+    # A folder or an archive must hold a world.
     for path in paths:
         if path.is_dir():
             files = files_in(path)

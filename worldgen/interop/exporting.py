@@ -73,6 +73,7 @@ def export_world(
         InvalidParameter: If the format does not exist, is read-only, or lacks one of the options.
         InvalidWorld: If the format cannot hold the world.
     """
+    # Check the format and its options.
     plain, worded = split_options(name)
     known = FORMATS.get(plain)
     if known.write is None:
@@ -90,10 +91,12 @@ def export_world(
             changes=len(world.timeline),
             format=known.name,
         )
+    # Write the file.
     destination = Destination(
         file or f"world{known.suffixes[0]}", origin_of(world) if origin is None else origin
     )
     written = known.write(still, destination, **given)
+    # Collect what the file cannot hold, for the sidecar.
     missing = {
         key: said for key, said in _missing(still, known, destination) if key not in written.altered
     }
@@ -101,6 +104,7 @@ def export_world(
     beside = f"{destination.name}{SUFFIX}" if sidecar and (missing or written.altered) else None
     if beside is not None:
         files[beside] = sidecar_text(still, destination, [*missing, *written.altered])
+    # Tell the user what got lost.
     lost = [f"not stored: {', '.join(missing.values())}"] if missing else []
     notes = (*written.notes, *_notes(world, at, destination), *_too_large(known, written.data))
     return Export(known, files, (*lost, *dict.fromkeys(written.altered.values())), beside, notes)

@@ -125,6 +125,7 @@ def import_world(
         InvalidParameter: If an option is out of range or contradicts another one.
         InvalidWorld: If the start is not clear, or there is no room for the robot.
     """
+    # Read the map and complete the robot.
     robot = robot or ImportedRobot()
     found = read_map(path, name, options)
     params = dict(found.params)
@@ -134,6 +135,7 @@ def import_world(
     robot, notes = _at_programs_start(_complete(_with_scenario(robot, found, params), found), found)
     world, warnings = _place(robot, found)
 
+    # Decide. A path does not count if obstacles could not be read.
     decision = decide(world)
     withheld = False
     if found.unread:
@@ -147,6 +149,7 @@ def import_world(
                 f"what was not read might block the path: {'; '.join(found.unread)}",
             )
 
+    # Record the origin in the world.
     provenance = Provenance("import", VERSION, robot.seed or 0, params)
     world = replace(world, certificate=decision.certificate, provenance=provenance)
     return Imported(

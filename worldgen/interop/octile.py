@@ -92,6 +92,7 @@ def octile_moves(
         start: Column and row of a cell.
         goal: Column and row of a cell.
     """
+    # Solid ends have no path.
     begin, end = _numbers(np.array([start, goal]), walls).tolist()
     if walls.flat[begin] or walls.flat[end]:
         return None
@@ -100,6 +101,7 @@ def octile_moves(
     )
     if np.isinf(lengths[end]):
         return None
+    # Count the moves from the goal back to the start.
     counts = [0, 0]
     cell = end
     while cell != begin:

@@ -200,6 +200,7 @@ class _ClearPoints:
     def nearest_to(self, point: _Point) -> _Point | None:
         """Return the clear place nearest to a point, m."""
         x, y = (metres_to_lattice(value, self._cell_size) / _HALF for value in point)
+        # Search a window that grows until the nearest place is certainly inside it.
         reach = 8
         while True:
             low_j = max(0, math.floor(y) - reach)

@@ -144,10 +144,12 @@ class _Stage:
 
     def at(self, time: float) -> Image.Image:
         """Return the picture at a time later than all before."""
+        # Draw the trails on the ground.
         picture = self._ground_at(time).copy()
         for trail, mask in zip(self.trails, self.masks, strict=True):
             trail.drawn_until(time, mask)
             picture.paste(rgb(trail.colour), None, mask.reduce(FINE))
+        # Draw the walls that have been entered by then.
         pierced = [
             cell
             for drive in self.drives
@@ -161,6 +163,7 @@ class _Stage:
                 self.size,
                 onto=picture,
             )
+        # Draw the robots above everything else.
         parts = [
             part for k, drive in enumerate(self.drives) for part in self._robot(k, drive, time)
         ]

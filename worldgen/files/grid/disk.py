@@ -186,6 +186,7 @@ def _compress(text: Iterable[bytes]) -> tuple[bytes, int]:
 
 
 def _expand(data: bytes, source: str) -> bytes:
+    # Never expand more than such a file may hold.
     limit = expansion_limit(len(data))
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:

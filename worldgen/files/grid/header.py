@@ -189,12 +189,14 @@ def _statements(text: str) -> Iterator[tuple[int, str]]:
     depth = 0
     begin = -1
     key_done = False
+    # A statement begins with the first token that is not blank, and ends with its line.
     for token in _TOKEN.finditer(text):
         kind = token.lastgroup
         if begin < 0 and kind not in ("comment", "newline", "space"):
             begin = token.start()
             key_done = False
         depth += (kind == "open") - (kind == "close")
+        # An equals sign outside brackets ends its key.
         if token[0] == "=" and depth == 0 and not key_done:
             yield begin, text[begin : token.start()]
             key_done = True

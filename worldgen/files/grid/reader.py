@@ -151,6 +151,7 @@ class _File(NamedTuple):
 
 def _header_end(file: _File) -> int:
     """Check the first line and the line ends; return the offset of the first section's line."""
+    # Check the first line and the line ends.
     data = file.data
     magic = MAGIC.encode("ascii")
     known = (MAGIC, FLEET_MAGIC)
@@ -159,6 +160,7 @@ def _header_end(file: _File) -> int:
     carriage = data.find(b"\r")
     if carriage >= 0:
         raise file.fault(_CARRIAGE_RETURN, carriage)
+    # The header ends before the first section.
     newline = data.find(b"\n%", len(magic), len(magic) + 1 + MAX_HEADER_BYTES)
     if newline >= 0:
         return newline + 1
@@ -235,6 +237,7 @@ def _split(file: _File, at: int) -> dict[str, Block]:
     data, source = file
     blocks: dict[str, Block] = {}
     line = data.count(b"\n", 0, at) + 1
+    # Sections follow each other until %end.
     while True:
         stop = data.find(b"\n", at)
         name = _section_name(file, at, stop, line, blocks)
@@ -265,6 +268,7 @@ def _split(file: _File, at: int) -> dict[str, Block]:
 
 
 def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, Block]) -> str:
+    # Name the commonest mistake, so that the remedy fits.
     text = file.data[at : at + 200 if stop < 0 else min(stop, at + 200)].decode("utf-8", "replace")
     name = text[1:]
     if name not in SECTIONS:
@@ -309,6 +313,7 @@ def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, 
 
 def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Target]:
     """Return start and target, each from the header or from its mark, never from both."""
+    # Each place comes from the header or from its mark, never from both.
     for key, letter, mark in (("start", START, cells.start), ("target", TARGET, cells.target)):
         if mark is None and key not in header.data:
             raise header.missing(
@@ -329,6 +334,7 @@ def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Tar
                 key=key,
             )
             raise FormatError.of(message, line=mark.line, source=header.source)
+    # A marked start has its cell's centre, a marked target the cell's inscribed disc.
     numbers = (
         read_triple(header, "start") if cells.start is None else _centre(cells.start, cell_size)
     )
@@ -366,6 +372,7 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
     if block is None:
         return Timeline()
     times, ix, iy, states = read_columns(block, TIMELINE)
+    # Events must be in the grid, in order of time, and not absurdly late.
     for name, index, side in (("ix", ix, shape[1]), ("iy", iy, shape[0])):
         outside = index >= side
         if outside.any():
@@ -409,6 +416,7 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
 
 def _certificate(header: Header, blocks: dict[str, Block], robots: int) -> Certificate | None:
     """Return the certificate; its section must exist if and only if the header declares it."""
+    # A section needs its table.
     record = read_certificate(header, robots)
     for kind in CERTIFICATE_KINDS:
         if kind in blocks and (record is None or record.kind != kind):
@@ -427,6 +435,7 @@ def _certificate(header: Header, blocks: dict[str, Block], robots: int) -> Certi
         return None
     kind = record.kind
     clearance = record.clearances[0]
+    # The table needs its section.
     if kind not in blocks:
         message = Message(
             "missing-section",

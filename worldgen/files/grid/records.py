@@ -102,6 +102,7 @@ def check_keys(header: Header, *, fleet: bool = False) -> None:
     Raises:
         FormatError: At the unknown key, with the nearest known one.
     """
+    # Check the keys at the top.
     keys = FLEET_HEADER_KEYS if fleet else HEADER_KEYS
     tables = FLEET_TABLE_KEYS if fleet else TABLE_KEYS
     for key, value in header.data.items():
@@ -119,6 +120,7 @@ def check_keys(header: Header, *, fleet: bool = False) -> None:
                 ),
                 key,
             )
+    # Check the keys in the tables.
     for table, known in tables.items():
         for key in header.data.get(table, ()):
             if key not in known:
@@ -161,6 +163,7 @@ def read_robots(header: Header) -> list[Robot]:
     Raises:
         FormatError: If there are not at least two, or a table breaks a rule.
     """
+    # There must be at least two [[robot]] tables.
     tables = header.data.get("robot")
     if tables is None:
         raise header.missing(
@@ -258,6 +261,7 @@ def read_triple(header: Header, key: str) -> tuple[float, float, float]:
 
 
 def _triple(place: _Place, key: str) -> tuple[float, float, float]:
+    # The key must be a list of three numbers.
     if key not in place.values:
         raise place.missing(
             Message(
@@ -289,6 +293,7 @@ def _triple(place: _Place, key: str) -> tuple[float, float, float]:
         if isinstance(number, Message):
             raise place.fault(number, key)
         numbers.append(number)
+    # A target without a radius has no disc.
     x, y, third = numbers
     if key == "target" and third <= 0.0:
         raise place.fault(

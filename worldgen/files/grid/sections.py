@@ -63,6 +63,7 @@ def read_cells(block: Block) -> CellBlock:
         FormatError: If there are no rows, too many, too long ones, ones of different length, an
             invalid character, or a second start or target.
     """
+    # Look at the sizes first, because they bound everything else.
     data = block.data
     begin = block.begin
     end = block.end
@@ -81,6 +82,7 @@ def read_cells(block: Block) -> CellBlock:
     height, rest = divmod(end - begin, width + 1)
     if rest or not 0 < width <= MAX_SIDE or height > MAX_SIDE:
         _check_rows(block, width)
+    # Read all cells together; look for marks only if there are other letters.
     text = np.frombuffer(data, np.uint8, end - begin, begin).reshape(height, width + 1)
     cells = flip_rows(text[:, :-1])
     solid = cells == ord(SOLID)
@@ -94,6 +96,7 @@ def read_cells(block: Block) -> CellBlock:
 
 def _mark(block: Block, letter: str, width: int) -> LetterMark | None:
     """Return the only cell with a letter, in a block with valid rows."""
+    # Find the letter, and refuse a second one.
     code = letter.encode("ascii")
     first = block.data.find(code, block.begin, block.end)
     if first < 0:
@@ -122,6 +125,7 @@ def _check_rows(block: Block, width: int) -> None:
     """
     at = block.begin
     row = 0
+    # Check one row after another, the commonest faults first.
     while at < block.end:
         stop = block.data.index(b"\n", at)
         length = stop - at
@@ -202,6 +206,7 @@ def read_columns(block: Block, section: LineSection) -> list[npt.NDArray[Any]]:
     at = block.begin
     row = 0
     parts: list[list[npt.NDArray[Any]]] = [[np.zeros(0, field.dtype)] for field in section.fields]
+    # Read as many whole lines at a time as fit into a chunk.
     while at < block.end:
         stop = _chunk_end(block, at)
         match = line_pattern.match(block.data, at, stop)
@@ -210,6 +215,7 @@ def read_columns(block: Block, section: LineSection) -> list[npt.NDArray[Any]]:
             raise _strange_line(
                 block, section, good_until, row + block.data.count(b"\n", at, good_until)
             )
+        # Convert each column.
         words = block.data[at:stop].split()
         count = len(section.fields)
         for k, field in enumerate(section.fields):

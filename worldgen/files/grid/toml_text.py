@@ -55,6 +55,7 @@ def value_text(value: object, what: str, depth: int = 1) -> str:
     Raises:
         InvalidWorld: If TOML or the format's limits do not allow it.
     """
+    # bool comes first, because it is an int in Python.
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):
@@ -79,6 +80,7 @@ def value_text(value: object, what: str, depth: int = 1) -> str:
             what=what,
             most=MAX_DEPTH,
         )
+    # Lists and tables are nested.
     if isinstance(value, list):
         return "[" + ", ".join(value_text(item, what, depth + 1) for item in value) + "]"
     return _table_text(value, what, depth)

@@ -158,6 +158,7 @@ def numbers_at(
 
 
 def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> Value:
+    # bool comes first, because it is an int in Python.
     what = ".".join(quote(part)[1:-1] for part in path[:4])
     if isinstance(value, bool | str):
         return value
@@ -187,6 +188,7 @@ def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> 
             ),
             *path,
         )
+    # Lists and tables are nested.
     if depth > MAX_DEPTH:
         raise header.fault(
             Message(

@@ -84,6 +84,7 @@ def world_digest(world: World) -> str:
 
 
 def _header_lines(world: World) -> Iterator[str]:
+    # The order of the keys is fixed, so that equal worlds give equal bytes.
     yield FLEET_MAGIC if world.others else MAGIC
     yield f"cell_size = {number_text(world.cell_size, 'cell_size')}"
     if world.others:
@@ -174,6 +175,7 @@ def _cells(world: World) -> Iterator[bytes]:
 
 
 def _section_lines(world: World) -> Iterator[str]:
+    # Sections without lines are omitted.
     timeline = world.timeline
     certificate = world.certificate
     if len(timeline):

@@ -168,6 +168,7 @@ def draw_ends(
     Raises:
         InvalidParameter: If there are no two such cells.
     """
+    # Ends are free cells, with room for the disc if that is wanted.
     free = ~case.walls
     if clear_for is not None:
         free &= _clear_centres(case.walls, clear_for)
@@ -179,6 +180,7 @@ def draw_ends(
         raise InvalidParameter(
             "no-room", "the map has no two free cells{disc} to be start and target", disc=disc
         )
+    # Draw two different cells for each pair, without bias.
     drawn = []
     for _ in range(pairs):
         first = rng.below(len(places))

@@ -114,6 +114,7 @@ def folder_maps(
     Raises:
         InvalidParameter: If there is no map.
     """
+    # Sort the files into maps and scenarios.
     files: dict[Path, str] = {}
     scenarios: dict[str, list[tuple[Path, int]]] = {}
     refused = []
@@ -137,6 +138,7 @@ def folder_maps(
             at_terminal=True,
             paths=list(paths),
         )
+    # Scenarios find their maps by name.
     by_map = {name: tuple(found) for name, found in scenarios.items()}
     named_files = tuple((name, path) for path, name in files.items())
     return FolderMaps(named_files, by_map, tuple(refused), passed_over, pairs, seed, options or {})

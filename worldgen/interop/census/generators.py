@@ -99,6 +99,7 @@ class GeneratedMaps:
     def _judgeable(self, item: Any, index: int) -> CensusMap | Refused:
         name = f"map {index + 1}"
         try:
+            # A generator that works in metres yields complete maps.
             if isinstance(item, CensusMap):
                 name = str(item.name)
                 if not isinstance(item.cell_size, int | float):
@@ -121,6 +122,7 @@ class GeneratedMaps:
                     "yield (name, walls) or (name, walls, start, target)",
                     kind=type(item).__name__,
                 )
+            # Any other yields a name, walls, and perhaps both ends.
             name = item[0]
             walls = _walls(item[1])
             ends: tuple[Ends, ...] = ()
@@ -183,6 +185,7 @@ def _converted(
     name: str, options: Mapping[str, str], defaults: Mapping[str, Any]
 ) -> dict[str, Value]:
     found: dict[str, Value] = {}
+    # Convert each text to the type of the option's default.
     for key, text in options.items():
         if key not in defaults:
             raise InvalidParameter(

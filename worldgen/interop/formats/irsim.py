@@ -100,6 +100,7 @@ def _robot(world: World, destination: Destination, kinematics: str, lidar: bool)
     target = world.target
     speed = decimal(world.robot_speed)
     other = _TURN_RATE if kinematics == "diff" else speed
+    # The second speed is a turn rate or a sideways speed, depending on the kinematics.
     yield "robot:"
     yield f"  - kinematics: {{name: {kinematics}}}"
     yield f"    shape: {{name: circle, radius: {decimal(world.robot_radius)}}}"

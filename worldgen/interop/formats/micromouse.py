@@ -101,6 +101,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
 def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
     """Yield, for each cell of a row, whether it is solid, and its mark."""
     parts = []
+    # Every four characters are a post and a wall, or a wall and a square.
     for at in range(0, len(line), 4):
         narrow = line[at : at + 1]
         wide = line[at + 1 : at + 4]
@@ -147,6 +148,7 @@ def write_micromouse(world: World, destination: Destination) -> Exported:
         InvalidWorld: If it is not such a maze; the message names a cell at fault.
     """
     _check(world)
+    # Mark the cells of start and target, and report what gets lost.
     walls = flip_rows(world.walls)
     start = cell_of(world, world.start.x, world.start.y)
     target = cell_of(world, world.target.x, world.target.y)

@@ -313,6 +313,7 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
         FormatError: If the file or the line is not a scenario, or is for a map of another size.
         InvalidParameter: If ``row`` is below 1 or above the size of any benchmark file.
     """
+    # Read no more of the file than up to the problem.
     check_between("row", row, 1, _MAX_SCENARIOS)
     source = str(path)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", row + 1)
@@ -327,6 +328,7 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
             rows=count,
             source=source,
         )
+    # Check that it is about this map.
     line = lines[row].removesuffix(b"\r")
     fields = _fields(line, row + 1, source)
     numbers = [int(field) for field in fields[2:8]]
@@ -355,6 +357,7 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
                 height=height,
             )
             raise FormatError.of(message, line=row + 1, source=source)
+    # Scenarios count rows from the top.
     start, goal = (
         cell_centre(numbers[at], height - 1 - numbers[at + 1], cell_size) for at in (2, 4)
     )

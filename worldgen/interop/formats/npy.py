@@ -44,6 +44,7 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
     Raises:
         FormatError: If the file holds anything else; objects are never unpickled.
     """
+    # Read the header; NumPy warns where it should refuse.
     data = read_bounded(path)
     source = str(path)
     stream = io.BytesIO(data)
@@ -56,6 +57,7 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
         raise FormatError(
             "unknown-format", "is not a NumPy array file", "write it with numpy.save", source=source
         ) from error
+    # Only plain numbers are read, and never more than the header says.
     if kind.hasobject or kind.kind not in "biu" or len(shape) != 2:
         raise FormatError(
             "wrong-shape",
@@ -80,6 +82,7 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
             needed=width * height * kind.itemsize,
             source=source,
         )
+    # Arrays may be stored by columns.
     cells = np.frombuffer(body, kind).reshape((height, width), order="F" if by_columns else "C")
     params: dict[str, Value] = {"format": "npy", "source": path.name, "sha256": digest(data)}
     return ForeignMap(flip_rows(_solid(cells, source)), cell_size, params)

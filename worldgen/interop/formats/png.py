@@ -54,6 +54,7 @@ def read_picture(
             impossible.
         InvalidParameter: If an option is out of range.
     """
+    # Read the picture and its text.
     check_between("threshold", threshold, 1, _WHITE)
     data = read_bounded(path)
     source = str(path)
@@ -63,6 +64,7 @@ def read_picture(
         own_size, origin, places = _said(image)
     except InvalidParameter as error:
         raise FormatError.of(error.message.behind("its text: "), source=source) from error
+    # Explain what the picture leaves open.
     notes = []
     if greys:
         notes.append(
@@ -110,6 +112,7 @@ def _solid(image: GreyImage, threshold: int, background: str) -> tuple[npt.NDArr
 
 def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
     """Return cell size, origin and places of a picture of ours; None, 0 and none for any other."""
+    # Only a picture with our keyword may describe a world.
     text = image.text
     if _MARK not in text:
         return None, (0.0, 0.0), Places()
@@ -122,6 +125,7 @@ def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
             "resolution is one number and origin two",
             "save the picture anew from worldgen",
         )
+    # Check the numbers, because anybody can edit the text.
     cell_size = None if size is None else from_decimal(size[0])
     if cell_size is not None:
         check_between("resolution", cell_size, *CELL_SIZES, "m")

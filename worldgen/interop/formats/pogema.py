@@ -55,6 +55,7 @@ def read_pogema(
             "agent={agent!r} is not a lower-case letter; agents are a to z",
             agent=agent[:20],
         )
+    # Read the rows.
     data = read_bounded(path)
     source = str(path)
     lines = [
@@ -75,6 +76,7 @@ def read_pogema(
                 line=number,
                 source=source,
             )
+    # Find the agents and their targets.
     letters = _letters(drawn, [number for number, _ in lines], source)
     agents = [letter for letter in letters if letter.islower()]
     if agents and agent not in agents:
@@ -136,6 +138,7 @@ def write_pogema(world: World, destination: Destination) -> Exported:
         world: The world.
         destination: Where the file is written.
     """
+    # Draw the agent and its target, unless they share a cell or a wall is in the way.
     cells = np.where(flip_rows(world.walls), np.uint8(_WALL[0]), np.uint8(_FREE[0]))
     start = cell_of(world, world.start.x, world.start.y)
     target = cell_of(world, world.target.x, world.target.y)

@@ -30,11 +30,13 @@ def write_pointmaze(world: World, destination: Destination) -> Exported:
     start = cell_of(world, world.start.x, world.start.y)
     target = cell_of(world, world.target.x, world.target.y)
     altered = off_centre(world, (start, target))
+    # Mark start and target; "c" is both.
     for name, (column, row), letter in (("start", start, "r"), ("target", target, "g")):
         if cells[row][column] == 1:
             altered[name] = f"the {name} is not stored, for its cell is solid"
         else:
             cells[row][column] = "c" if cells[row][column] == "r" else letter
+    # An open border becomes a wall, because everything outside is solid.
     if len(closing_boxes(world)):
         bar: list[int | str] = [1] * (world.width + 2)
         cells = [bar, *([1, *row, 1] for row in cells), bar]

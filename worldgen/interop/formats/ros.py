@@ -101,10 +101,12 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     Raises:
         FormatError: If the YAML file or the picture breaks a rule, with the line if there is one.
     """
+    # Read the YAML file and the picture.
     text = read_bounded(path, _MAX_YAML_BYTES)
     metadata = read_metadata(text, path)
     picture = read_bounded(metadata.image)
     image = read_grey_image(picture, str(metadata.image))
+    # Decide which cells are solid, and turn the map upright.
     cells = occupancy(image, metadata)
     solid, unsure = solid_cells(cells, metadata)
     notes = []
@@ -123,6 +125,7 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
         notes.append(
             f"the world's (0, 0) is the map's ({x:g}, {y:g}) m; add that to compare with ROS"
         )
+    # Record where the map came from.
     params: dict[str, Value] = {
         "format": "ros", "source": path.name, "sha256": digest(text), "image": metadata.image.name,
         "image_sha256": digest(picture), "mode": metadata.mode, "origin": [x, y], "unknown": unknown,

@@ -65,6 +65,7 @@ def write_sdf(
         InvalidParameter: If height or timestep is outside any sensible range.
         InvalidWorld: If the coordinates need more than 64 bits.
     """
+    # Collect the parts of the world.
     check_between("timestep", timestep, *TIMESTEPS, "s")
     name = plain_name(destination)
     parts = scene(world, destination, height)
@@ -84,6 +85,7 @@ def write_sdf(
         "  </world>",
         "</sdf>",
     ]
+    # Add the player if something changes.
     files = {destination.name: ("\n".join(lines) + "\n").encode()}
     notes = []
     if parts.bodies:
@@ -94,6 +96,7 @@ def write_sdf(
         )
         files[table] = events_file(destination.name, parts.bodies, height, world=name)
         notes.append(f"{script} moves what changes: a world file has no events of its own")
+    # Many boxes make Gazebo slow.
     boxes = len(parts.still) + len(parts.bodies)
     if boxes > _MANY:
         notes.append(

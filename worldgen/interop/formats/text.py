@@ -50,12 +50,14 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     Raises:
         FormatError: If rows differ in length, a character is unknown, or a place occurs twice.
     """
+    # Read the rows.
     data = read_bounded(path)
     source = str(path)
     rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
     drawn = equal_rows(list(enumerate(rows, 1)), source)
+    # Refuse unknown characters.
     cells = _TABLE[drawn]
     if (cells == _BAD).any():
         row_index, column = divmod(int(np.argmax(cells == _BAD)), cells.shape[1])
@@ -68,6 +70,7 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
             line=row_index + 1,
             source=source,
         )
+    # Find start and target.
     start = _place(drawn, _START, "start", cell_size, source)
     target = _place(drawn, _TARGET, "target", cell_size, source)
     params: dict[str, Value] = {"format": "text", "source": path.name, "sha256": digest(data)}
@@ -171,6 +174,7 @@ def write_text_map(world: World, destination: Destination) -> Exported:
         world: The world.
         destination: Where the file is written.
     """
+    # Draw the marks on free cells.
     start = cell_of(world, world.start.x, world.start.y)
     target = cell_of(world, world.target.x, world.target.y)
     cells = np.where(flip_rows(world.walls), np.uint8(_SOLID[0]), np.uint8(_FREE[0]))
@@ -182,6 +186,7 @@ def write_text_map(world: World, destination: Destination) -> Exported:
         else:
             taken = "the start's" if target == start else "solid"
             altered[name] = f"the {name} is not drawn, for its cell is {taken}"
+    # Report what gets lost.
     if world.start.heading != 0.0 or cells[start[1], start[0]] != _START[0]:
         altered["heading"] = f"the heading, {world.start.heading:g} rad, is not drawn"
     if world.target.radius != lattice_to_metres(UNIT // 2, world.cell_size):

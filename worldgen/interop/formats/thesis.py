@@ -129,6 +129,7 @@ def _target_cell(world: World) -> tuple[int, int]:
 
 def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
     """Yield a note for each fact that the file lacks and that its program would assume differently."""
+    # The file knows only the target's cell.
     centre = (2 * column + 1, 2 * (world.height - row) - 1)
     x, y = (2 * in_cells(value, world.cell_size) for value in (world.target.x, world.target.y))
     if x != centre[0] or y != centre[1] or 2 * in_cells(world.target.radius, world.cell_size) != 1:
@@ -137,6 +138,7 @@ def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
         )
         yield "target", sentence
         yield "target_radius", sentence
+    # Its program has its own start and robot.
     own = program_start(world.width, world.cell_size)
     start = world.start
     places = [

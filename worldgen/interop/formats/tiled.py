@@ -68,6 +68,7 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
     Raises:
         FormatError: If it is not such a map, or its layer of walls is ambiguous.
     """
+    # Parse the map and choose the layer of walls.
     data = read_bounded(path, _MOST_BYTES)
     source = str(path)
     parsed = parse_tiled(data, source)
@@ -76,6 +77,7 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
     layers = all_layers(parsed, source)
     walls_layer = tile_layer(layers, layer, source)
     walls = flip_rows(tile_numbers(walls_layer, width, height, source) != 0)
+    # The map may have its own scale.
     said = numbers_of(parsed)
     size = cell_size or said.get("cell_size") or DEFAULT_CELL_SIZE
     check_between("cell_size", size, *CELL_SIZES, "m")
@@ -90,6 +92,7 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
                 cell_size=size,
             )
         )
+    # Find start and target among the objects.
     scale = exact(size) / checked_number(parsed, "tilewidth", source)
     start = first_object(layers, _STARTS)
     target = first_object(layers, _TARGETS)

@@ -114,13 +114,16 @@ class Raster:
         """Paint a polygon of (n, 2) corners, m, or, if n is 2, a line without width."""
         from worldgen.interop.geometry.polygon_rows import cut_into_rows, prepared
 
+        # Nothing that far away is in the grid.
         points = corners / float(self._cell_size)
         if not np.abs(points).max() < _FAR:
             return
         shape = prepared(points)
         window = self._around(*shape.bounds)
+        # Charge for the work before it is done.
         self._spend(_CORNER * len(points) * (window[0].stop - window[0].start))
         inside, outside = cut_into_rows(shape, *window)
+        # Mark what the shape touches, and what it does not fill.
         solid = self.solid[window]
         full = np.ones_like(self.full[window])
         for row, first, end in inside.tolist():
@@ -173,6 +176,7 @@ def natural_cell_size(
     Returns:
         The side, m; None if there are no such cells, or too many.
     """
+    # Find the largest length that divides all sides.
     common = _common(width, height)
     longest = max(width, height)
     thinnest = None
@@ -182,6 +186,7 @@ def natural_cell_size(
         thinnest = min(thinnest or longest, box.right - box.left, box.high - box.low)
         if longest > MAX_SIDE * common:
             return None
+    # If no wall is that thin, the author probably had larger cells in mind.
     if thinnest == common:
         return common
     size = next((common / divisor for divisor in _DIVISORS if common / divisor <= _USUAL), None)

@@ -259,6 +259,7 @@ def _passed(segments: Floats, width: int, height: int, touch: float) -> npt.NDAr
 
 def _rows(first: Floats, end: Floats, height: int) -> Iterator[tuple[Ints, Ints]]:
     """Yield pairs of segment and row for the grid's rows ``first`` to ``end``, millions at a time."""
+    # Keep the rows that are in the grid, and limit their number.
     begin = np.clip(first, 0, height).astype(np.int64)
     counts = np.maximum(np.clip(end, 0, height).astype(np.int64) - begin, 0)
     totals = np.cumsum(counts)
@@ -266,6 +267,7 @@ def _rows(first: Floats, end: Floats, height: int) -> Iterator[tuple[Ints, Ints]
         raise InvalidWorld(
             "too-large", "the mesh's outlines pass too many cells", "give a larger cell_size"
         )
+    # Yield as many segments at a time as fit into a chunk.
     at = 0
     while at < len(counts):
         done = totals[at - 1] if at else 0

@@ -42,6 +42,7 @@ class Shapes:
         self, corners: Sequence[Point], at: Point, heading: Fraction, *, closed: bool = True
     ) -> None:
         """Add a polygon of a body at a pose, or the lines between its corners."""
+        # A rectangle turned by whole quarters stays exact.
         quarters = round(float(heading) / (math.pi / 2))
         off = abs(float(heading) - quarters * math.pi / 2)
         sides = [sorted({corner[axis] for corner in corners}) for axis in (0, 1)]
@@ -61,6 +62,7 @@ class Shapes:
                 left, low, right, high = -high, left, -low, right
             self.boxes.append(RasterBox(left + at[0], low + at[1], right + at[0], high + at[1]))
             return
+        # Anything else becomes a polygon, or its sides.
         points = turned(np.array(corners, np.float64), at, float(heading))
         self.polygons.extend(
             [points] if closed else [points[index : index + 2] for index in range(len(points) - 1)]

@@ -367,6 +367,7 @@ def _frame(scene: _GazeboScene, own: XmlElement | None, wanted: float, *, barn: 
 
     It is what the file gives, BARN's own, or everything in the world.
     """
+    # Our own files and BARN's have a known frame.
     size = Fraction(repr(wanted)) if wanted else None
     if own is not None:
         left, low, width, height, cell = _numbers(scene, own, 5)
@@ -383,6 +384,7 @@ def _frame(scene: _GazeboScene, own: XmlElement | None, wanted: float, *, barn: 
         return _Frame(left, low, width, height, size or cell)
     if barn:
         return _Frame(_LEFT, _LOW, _WIDTH, _HEIGHT, size or _LATTICE)
+    # For any other, take the bounds of everything in it.
     bounds = [*_bounds(scene)]
     if not bounds:
         raise FormatError(
@@ -394,6 +396,7 @@ def _frame(scene: _GazeboScene, own: XmlElement | None, wanted: float, *, barn: 
         )
     left, low = (min(bound[axis] for bound in bounds) for axis in (0, 1))
     right, high = (max(bound[axis] for bound in bounds) for axis in (2, 3))
+    # Choose the cells so that all boxes fit, if there are only boxes.
     boxes = (
         []
         if scene.posts or scene.shapes.polygons
@@ -422,6 +425,7 @@ def _shifted(box: RasterBox, left: Fraction, low: Fraction) -> RasterBox:
 def _cells(
     scene: _GazeboScene, frame: _Frame, *, inner: bool
 ) -> tuple[npt.NDArray[np.bool_], list[str]]:
+    # Check the size of the grid.
     size = frame.cell_size
     width = math.ceil(frame.width / size)
     height = math.ceil(frame.height / size)
@@ -440,6 +444,7 @@ def _cells(
         )
         raise FormatError.of(message, source=scene.source)
     raster = Raster(width, height, size)
+    # Paint all shapes, from the grid's corner.
     corner = np.array([frame.left, frame.low], np.float64)
     placed = Shapes(
         [_shifted(box, frame.left, frame.low) for box in scene.shapes.boxes],
@@ -453,6 +458,7 @@ def _cells(
         placed.paint(raster)
     except InvalidWorld as error:
         raise FormatError.of(error.message, source=scene.source) from error
+    # Solid cells are either completely covered, or at least touched.
     if inner:
         return raster.full, [
             "cells are solid that lie in a shape whole; where a robot gets through here it may not "

@@ -37,6 +37,7 @@ def gltf_json(data: bytes, source: str) -> dict[str, Any]:
         FormatError: If it is neither, or not a JSON object.
     """
     text = data
+    # A binary file has its JSON in the first chunk.
     if data[:4] == b"glTF":
         if len(data) < 20:
             raise FormatError(

@@ -103,6 +103,7 @@ def read_grey_image(data: bytes, source: str) -> GreyImage:
 
 
 def _read_pgm(data: bytes, source: str) -> GreyImage:
+    # Read the three numbers of the header.
     at = 2
     fields = []
     for name in ("width", "height", "maximum"):
@@ -132,6 +133,7 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
             line=_line(data, at),
             source=source,
         )
+    # Read the pixels, as text or as bytes.
     if data[:2] == b"P2":
         values = _plain_raster(data, at, width * height, source)
     else:
@@ -182,6 +184,7 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
 
     They are converted all at once, because Python objects would take 30 times the file.
     """
+    # Find the words; anything but digits and blanks is a fault.
     text = _COMMENT.sub(b"", data[at:]) if data.find(b"#", at) >= 0 else data[at:]
     raw = np.frombuffer(text, np.uint8)
     is_digit = (raw >= ord("0")) & (raw <= ord("9"))
@@ -199,6 +202,7 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
             needed=count,
             source=source,
         )
+    # Convert all words together, digit by digit.
     lengths = end - begin
     if int(lengths.max()) > _MAX_DIGITS:
         _wrong_word(data, text, int(begin[int(np.argmax(lengths > _MAX_DIGITS))]), source)

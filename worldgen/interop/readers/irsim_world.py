@@ -62,6 +62,7 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
     Raises:
         FormatError: If the file breaks a rule, with the line if there is one.
     """
+    # Parse the file.
     check_between("threshold", threshold, 0.0, 1.0)
     data = read_bounded(path, MAX_YAML_BYTES)
     source = str(path)
@@ -73,12 +74,14 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
             source=source,
         )
     world = top.tables("world")[0] if not top.is_null("world") else None
+    # Collect the walls.
     scene = _IrsimScene(_length(world, "width"), _length(world, "height"), _corner(world))
     if world is not None and "obstacle_map" in world and not world.is_null("obstacle_map"):
         scene.image = _picture(world, path, threshold)
     for table in _tables(top, "obstacle"):
         _add_obstacles(scene, table)
     walls, size = _cells(scene, cell_size, source)
+    # Record the source, and read the robot.
     params: dict[str, Value] = {"format": "irsim", "source": path.name, "sha256": digest(data)}
     if scene.image is not None:
         params |= {"image": scene.image[1], "image_sha256": scene.image[2]}
@@ -223,6 +226,7 @@ def _add_shape(
     scene: _IrsimScene, owner: YamlTable, shape: YamlTable | None, state: list[Fraction]
 ) -> None:
     """Add one shape at a state, or the parts of a compound shape one after another."""
+    # The shape's name decides how it is read.
     x, y, heading = (*state, Fraction(0))[:3]
     at = (x - scene.corner[0], y - scene.corner[1])
     name = "circle" if shape is None else _word(shape, "name", "circle")
@@ -316,6 +320,7 @@ def _add_parts(
 
 def _cells(scene: _IrsimScene, wanted: float, source: str) -> tuple[npt.NDArray[np.bool_], float]:
     """Return the walls, and the side of a cell, m."""
+    # Check the size of the grid.
     size = _cell_size(scene, wanted)
     if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
         raise FormatError(
@@ -341,6 +346,7 @@ def _cells(scene: _IrsimScene, wanted: float, source: str) -> tuple[npt.NDArray[
             cell_size=float(size),
         )
         raise FormatError.of(message, source=source)
+    # Paint the walls.
     raster = Raster(width, height, size)
     try:
         _paint(raster, scene, size)
@@ -434,6 +440,7 @@ def _from_corner(
 
 def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
     """Return the radius of the disc around the robot's reference point that covers it."""
+    # A circle has a radius.
     shapes = _tables(robot, "shape")
     if not shapes:
         return 1.0
@@ -441,6 +448,7 @@ def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
     name = _word(shapes[0], "name", "circle")
     if name == "circle":
         return float(_length(shape, "radius", Fraction(1, 5)))
+    # Any other shape is measured from the robot's own point.
     around = _IrsimScene(_SIZE, _SIZE, (Fraction(0), Fraction(0)))
     _add_shape(around, robot, shape, [Fraction(0)] * 3)
     boxes = [corner for box in around.shapes.boxes for corner in _corners(*box)]

@@ -59,6 +59,7 @@ def read_ints(data: bytes, source: str) -> Ints:
             or the bytes end within a number.
     """
     _check_header(data, source)
+    # Join the records' bytes.
     payload = bytearray()
     at = len(_HEADER)
     while at < len(data):
@@ -83,6 +84,7 @@ def read_ints(data: bytes, source: str) -> Ints:
             )
         payload += data[first : first + length]
         at = first + length
+    # They are numbers of four bytes each.
     if len(payload) % 4:
         raise FormatError(
             "cut-short",

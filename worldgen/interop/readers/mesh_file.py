@@ -70,6 +70,7 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
     held: dict[str, Any] = {}
     unit: float | None = None
     left_out = 0
+    # Check the file before a library reads it; 3MF has its own reader.
     if kind == "3mf":
         vertices, faces, held, unit = read_threemf(data, source)
     else:

@@ -147,6 +147,7 @@ def _checked(held: dict[str, Any]) -> dict[str, Any]:
     Otherwise the file is read like any other.
     """
     numbers: dict[str, Any] = {}
+    # Each fact must have the right number of finite values.
     for name in ("size", *_OURS):
         value = held.get(name)
         if value is None:
@@ -167,6 +168,7 @@ def _checked(held: dict[str, Any]) -> dict[str, Any]:
         numbers[name] = (
             [int(one) for one in items] if name == "size" else [float(one) for one in items]
         )
+    # The grid needs all three of its facts.
     if not {"size", "cell_size", "origin"} <= numbers.keys():
         return {}
     return {name: value if len(value) > 1 else value[0] for name, value in numbers.items()}

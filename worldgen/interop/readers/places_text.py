@@ -70,6 +70,7 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
             isn't above 0.
     """
     found: dict[str, tuple[float, ...]] = {}
+    # Parse each known word; a point is moved into the world's frame.
     for key, count in KEYS.items():
         if key not in words:
             continue

@@ -155,6 +155,7 @@ class _StageReader:
         begin = self.at
         first = self.tokens[self.at] if self.at < len(self.tokens) else self.tokens[-1]
         depth = 0
+        # Count the brackets until the first one is closed.
         while self.at < len(self.tokens):
             text = self.tokens[self.at].text if self.tokens[self.at].kind == "mark" else ""
             depth += (text == "(") - (text == ")")
