@@ -101,7 +101,7 @@ static int64_t let_all_act(Composed *made, const WgObservation *seen, WgCommand 
     for (int64_t k = 0; k < made->count; k++) {
         const WgPart *part = &made->parts[k];
         WgCommand *command = &commands[count];
-        *command = (WgCommand){0.0, 0.0, 0.0, NULL};
+        *command = (WgCommand){0};
         bool acts = made->left[k] > 0.0;
         bool begins = false;
         if (!acts || part->does->restarts != 0) {
