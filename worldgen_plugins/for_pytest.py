@@ -236,6 +236,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def _cases(mark: pytest.Mark, usual: str | None) -> list[_Case]:
+    # Check the mark by hand: pytest passes it on unread, and a typo must not go unnoticed.
     if mark.args:
         raise TypeError(
             f"the mark worldgen takes keyword arguments only, not {mark.args[0]!r}; write "
@@ -259,6 +260,7 @@ def _cases(mark: pytest.Mark, usual: str | None) -> list[_Case]:
     for name, value, least in (("count", count, 1), ("seed", seed, 0)):
         if not isinstance(value, int) or isinstance(value, bool) or value < least:
             raise ValueError(f"{name}={value!r} is not a whole number from {least}; give one")
+    # Each family gets the same seeds, so its test names don't depend on the other families.
     return [
         _Case(str(name), seed + k, controller, given) for name in families for k in range(count)
     ]
@@ -267,6 +269,7 @@ def _cases(mark: pytest.Mark, usual: str | None) -> list[_Case]:
 @pytest.fixture
 def worldgen_world(request: pytest.FixtureRequest) -> World:
     """Return a world of the mark's family, with a witness that its target can be reached."""
+    # Import late: pytest loads this plugin in every run, including those without a marked test.
     from worldgen.errors import WorldgenError
     from worldgen.generation import generate
     from worldgen.plugins.own_packages import check_hidden
@@ -279,6 +282,7 @@ def worldgen_world(request: pytest.FixtureRequest) -> World:
         pytest.fail(str(error), pytrace=False)
     from fuzz.replay.regression import RegressionRun
 
+    # If the test fails, its report shows how to run this world again.
     request.node.stash[_SEEN] = RegressionRun(world)
     return world
 
@@ -290,6 +294,7 @@ def worldgen_episode(request: pytest.FixtureRequest, worldgen_world: World) -> E
     from worldgen.errors import WorldgenError
 
     case: _Case = request.node.callspec.params["worldgen_world"]
+    # Neither the mark nor the command line names a controller.
     if case.controller is None:
         pytest.fail(
             "the test takes worldgen_episode, but no controller is given; add "

@@ -51,9 +51,11 @@ def write_report(
         FormatError: If a path or a file cannot be read.
         OutputError: If the page exists or cannot be written.
     """
+    # Refuse before the work, not after it: replaying a corpus may take minutes.
     check_output(out, force)
     subject = gather(paths)
     failures = []
+    # Each entry is replayed, because the corpus stores no trajectories.
     for done, entry in enumerate(subject.entries):
         progress(done, len(subject.entries))
         failures.append(_failure(entry, subject.campaigns))

@@ -281,9 +281,11 @@ def evaluate(
     """
     _check(layouts, scenario, budget, robot)
     count = len(layouts)
+    # Single values apply to all layouts.
     steps = _spread(np.asarray(time_steps, np.float64), count, "time_steps")
     numbers = _spread(np.asarray(seeds, np.uint64), count, "seeds")
     limits = _spread(np.asarray(0 if budget is None else budget, np.int64), count, "budget")
+    # Layouts with the same time step share one packed scenario.
     values, kinds = np.unique(steps, return_inverse=True)
     packed = _Packed.of(scenario, tuple(values.tolist()), robot)
     batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)

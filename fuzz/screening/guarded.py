@@ -39,6 +39,7 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
     work = ffi.addressof(lib, "wg_call_looks")
     report = ffi.addressof(seat.c.episode.robot.report)
     hangs = 0
+    # Each hang costs seconds, so after a few of them the rest of the batch is left.
     while hangs < MOST_HANGS:
         try:
             if (

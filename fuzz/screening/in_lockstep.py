@@ -97,6 +97,7 @@ def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
         False if the controller raised, or changed something outside its memory: then no run can be
             trusted, and each must be run alone.
     """
+    # If state outside the memory can't be compared, it might differ between robots.
     before = hidden_state(controller)
     if before is None:
         return False

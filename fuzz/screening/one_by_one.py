@@ -116,6 +116,7 @@ class OneByOne:
     def _fail(self, n: int, seat: Seat | None, error: BaseException) -> None:
         """Record a run in which the controller failed; without a seat, in ``reset``."""
         ended = self._batch.looks[n : n + 1]
+        # If no episode began, no step counts.
         if seat is None:
             for name in REPORT_FIELDS:
                 ended[name] = 0

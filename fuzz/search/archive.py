@@ -72,12 +72,14 @@ def search(task: Task) -> None:
     count = pace_of(task.config).generation
 
     def draw(stream: RandomStream) -> Bytes:
+        # Vary only layouts where the robot arrives: their cells have more axes than failures do.
         parents = [elite.layout for cell, elite in sorted(elites.items()) if len(cell) > len(_MAP)]
         if not parents:
             return scenes(stream, count)
         pool = np.frombuffer(b"".join(parents), np.uint8).reshape(-1, SCENE_BYTES)
         unrelated = count // _UNRELATED
         return np.concatenate(
+            # Some unrelated scenes keep the archive from narrowing to one lineage.
             [_children(pool, stream, count - unrelated), scenes(stream, unrelated)]
         )
 

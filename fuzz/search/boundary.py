@@ -47,6 +47,7 @@ def search(task: Task) -> None:
         task.triage.count(look.outcome.verdict, look.outcome.steps)
         check_time()
 
+    # A boundary takes many runs, so only a fraction of the examples is spent here.
     for _ in range(max(task.config.examples // (_DEARER * task.config.slower), 1)):
         axis = AXES[stream.choice(tuple(AXES))]
         subject = _subject(task, stream, known, axis)

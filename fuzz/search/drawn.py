@@ -165,6 +165,8 @@ def explore(
     def example(draw: tuple[World, Scenario]) -> None:
         try:
             kind = visit(*draw)
+        # Hypothesis would take these for failures of the example; keep them, and raise them outside
+        # it.
         except (KeyboardInterrupt, OutOfTime) as end:
             ended.append(end)
             return

@@ -82,6 +82,7 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
         _draw(walls, feature)
     start = (2 + data[2] % (width - 4), 2 + data[3] % (height - 4))
     target = (width - 3 - data[5] % (width - 4), height - 3 - data[6] % (height - 4))
+    # Clear the start and target after the features, and close the border last.
     for ix, iy in (start, target):
         walls[iy - CLEAR : iy + CLEAR + 1, ix - CLEAR : ix + CLEAR + 1] = False
     walls[[0, -1], :] = True

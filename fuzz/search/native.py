@@ -163,6 +163,7 @@ def _look(
         result.verdicts.update(dict(zip(words.tolist(), counts.tolist(), strict=True)))
         result.worlds += int(counts.sum())
         result.steps += looks.simulated
+        # Live counts have no steps per verdict, so share them by frequency.
         for word, count in zip(words.tolist(), counts.tolist(), strict=True):
             count_live(word, count, looks.simulated * count // max(int(counts.sum()), 1))
         few.add(looks)

@@ -47,6 +47,7 @@ def describe_outcome(cell: Cell) -> str:
 
     Examples: ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``.
     """
+    # A random controller has a share of arrivals; the others one outcome.
     if cell.random:
         share = f"({cell.reached}/{len(cell.runs)})"
         if cell.time is not None:

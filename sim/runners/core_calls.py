@@ -340,6 +340,7 @@ class CoreEpisode:
     ) -> None:
         if log_steps is None:
             log_steps = int(settings.steps) if settings.find_loop == lib.WG_SEEK_LOOP else 0
+        # A guarded episode lives in shared memory, so that the other process can continue it.
         self._blocks: tuple[Any, ...] = ()
         self.c: Any = None
         if driver.guarded:

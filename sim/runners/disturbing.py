@@ -84,6 +84,7 @@ def _drift_of(world: World, robot: RobotOptions, time_step: float) -> tuple[int,
     """Return the drift in a step along x and y, and its length rounded up, in lattice units."""
     if robot.drift == 0.0:
         return 0, 0, 0
+    # Exact fractions: the drift per step must not depend on the rounding of the platform.
     cells = exact(robot.drift) * exact(time_step) / exact(world.cell_size)
     if cells > _LONGEST_PUSH:
         raise InvalidParameter(
@@ -133,6 +134,7 @@ def _push_rows(world: World, robot: RobotOptions, time_step: float) -> Ints:
     for push in pushes_of(robot):
         step = max(1, math.ceil(exact(push.time) / exact(time_step)))
         timed.append((step, -1, -1, *_shove(push.dx, push.dy, push.turn, side, "pushes")))
+    # Timed pushes come after the places, in order of their step.
     rows += sorted(timed, key=lambda row: row[0])
     return np.array(rows, np.int64).reshape(-1, _PUSH_FIELDS)
 

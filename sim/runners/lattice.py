@@ -109,11 +109,13 @@ class LatticeRun:
         self.events = self.memory.own(_event_rows(world, options.time_step))
         self._disturbances = PackedDisturbances(world, robot, options.time_step, self.memory)
         self.settings: Any = self.memory.new("WgSettings *")
+        # Fill the settings first: the tables depend on the speed and the sensors.
         self._fill_settings(motion.code, motion.overlap_tolerance)
         self._near = self.memory.own(near_masks(self._cells))
         self._clearance = self.memory.own(self._clearance_table())
         self._wanted = self._cells_to_cover()
         self._beams = None
+        # Beam tables hold for one map only, so they are not made if the walls change.
         if len(self.events) == 0:
             self._beams = beam_tables(self._cells, self.settings, self.memory)
 
@@ -401,6 +403,7 @@ class LatticeRun:
         own_starts = memory.own(starts)
         own_seeds = memory.own(seeds)
         goes_on = memory.zeros(1, np.int64)
+        # One run per call: a crash then belongs to the run that caused it.
         for n in range(len(seeds)):
             if stop[0]:
                 break
@@ -427,6 +430,7 @@ class LatticeRun:
                 )
             except ControllerDied:
                 reports["ending"][n] = lib.WG_CRASH
+            # Stop at the first crash; the caller decides whether to continue after it.
             if reports["ending"][n] == lib.WG_CRASH:
                 return reports[: n + 1].copy()
         return reports.copy()
@@ -549,6 +553,7 @@ class LatticeRun:
             path[filled : filled + new] = portion.path
             filled += new
 
+        # Memories are too large to keep, so simulate again and pick those wanted.
         def recall(at: Ints, take: Callable[[int, Floats], None]) -> None:
             for first, states, _ in portions(controller, self.arena(), settings, int(at[-1])):
                 memories = states[:, _STATE + STATE_WORDS :].view(np.float64)

@@ -98,6 +98,7 @@ def stopping_when(
 def _ticking() -> Iterator[None]:
     """Check the clock on a timer signal, unless an outer block does or no signal is available."""
     is_main = threading.current_thread() is threading.main_thread()
+    # Signals reach only the main thread, and a handler of the user's is left alone.
     if (
         not is_main
         or not hasattr(signal, "setitimer")
@@ -110,6 +111,7 @@ def _ticking() -> Iterator[None]:
     def tick(_number: int, frame: FrameType | None) -> None:
         nonlocal late
         late = late + 1 if is_out_of_time() else 0
+        # Interrupt only inside a step: elsewhere the state might be half written.
         if late >= _PATIENT and _is_in_a_step(frame):
             _broken_off[0] += 1
             raise OutOfTime

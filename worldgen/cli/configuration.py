@@ -67,6 +67,7 @@ def configured(
         return {}
     table: Any = project.table
     for name, value in table.items():
+        # A typo in the file must not be ignored silently.
         if not isinstance(value, dict):
             raise InvalidParameter(
                 "not-in-a-table",
@@ -93,6 +94,7 @@ def configured(
         _value_of(parameters, key, value, project.file.parent, where)
         for key, value in table.items()
     )
+    # A command-line option replaces configured ones that exclude it.
     crowded_out = {
         name
         for pair in _EITHER
@@ -106,6 +108,7 @@ def _value_of(
     parameters: Collection[click.Parameter], key: str, value: object, folder: Path, where: str
 ) -> tuple[str, Any]:
     """Return the parameter's name, and its value in the form used on the command line."""
+    # Options are written in the file as on the command line, without the dashes.
     options = {
         flag.removeprefix("--"): option
         for option in parameters
@@ -148,6 +151,7 @@ def _value_of(
             option=key,
             expected=expected,
         )
+    # Relative paths are relative to the file, not to the current folder.
     if isinstance(option.type, click.Path):
         values = [_from_here(str(one), folder) for one in values]
     elif option.name in _CODE:

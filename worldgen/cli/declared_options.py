@@ -41,6 +41,7 @@ def declared_options(
 
 def _option(parameter: Parameter, said: str) -> Callable[[F], F]:
     written = parameter.flag
+    # A yes-or-no option can be turned off again, for example against a default of the project.
     if parameter.kind is bool:
         written = f"{written}/--no-{written.removeprefix('--')}"
     listed = parameter.kind is tuple

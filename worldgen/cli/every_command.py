@@ -87,6 +87,7 @@ def _watch_parser(command: click.Command) -> None:
     """Check the arguments before click does, because click would take the last of two values."""
     make_parser = command.make_parser
 
+    # The parser is wrapped because click applies defaults before a command can see what was given.
     def strict_parser(context: click.Context) -> Any:
         parser = make_parser(context)
         parse_args = parser.parse_args
@@ -124,6 +125,7 @@ def _defaults(
     group = context.find_root().command
     names: list[str] = []
     at: click.Context | None = context
+    # Walk up to the group, whose name is not part of the path.
     while at is not None and at.parent is not None:
         names.insert(0, at.info_name or "")
         at = at.parent

@@ -92,6 +92,7 @@ class LazyGroup(click.Group):
         """List the commands by job, without importing any of them."""
         installed = dict.fromkeys(sorted(self._points("worldgen.commands")), "")
         families = ", ".join(sorted(self._points("worldgen.families")))
+        # List only installed commands, in the order of the jobs they do.
         rows = {"Make worlds": [("FAMILY", f"Make a world of a family: {families}.")]}
         for job, summaries in COMMANDS.items():
             known = [(name, text) for name, text in summaries.items() if name in installed]

@@ -244,6 +244,7 @@ def _keeper(folder: Path, *, force: bool) -> Callable[[CensusCase, World], None]
     taken = Counter[str]()
 
     def keep(question: CensusCase, world: World) -> None:
+        # Only maps whose grid path promises too much are of interest.
         if not question.grid_only:
             return
         name = once(_file_name(question), taken)

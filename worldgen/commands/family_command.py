@@ -56,6 +56,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
         as_json: bool,
         **params: Any,
     ) -> None:
+        # Search for a world with the wished properties, or make one, or a set of them.
         place = _set_place(count, out)
         if where is not None or difficulty is not None:
             make_wanted(
@@ -79,6 +80,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
             make_many(plan, seed, place, workers=workers, force=force, as_json=as_json)
 
     command.__doc__ = made_by.description
+    # The last decorator applied is the first option in the help.
     for decorate in (
         json_option,
         force_option,

@@ -119,6 +119,7 @@ def _make(
     from worldgen.sets import SetDiffers, regenerate_set, restore_set
 
     count = len(manifest.entries)
+    # An unfinished set is continued with its first command, not made again.
     if not manifest.finished:
         raise OutputError(
             "set-unfinished",

@@ -81,6 +81,7 @@ def verify(
             if widest:
                 work.say(f"{path}: looking for the largest disc that could pass")
                 results[-1]["widest"] = widest_disc(world)
+            # Each result is printed as soon as it is known, since one can take minutes.
             if not as_json:
                 say(_line(results[-1]))
     if as_json:

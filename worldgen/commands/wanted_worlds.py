@@ -215,6 +215,7 @@ def _make_stratified(
                 {"wish": plan.header.wish, "count": count, "out": str(out), "error": str(failure)}
             )
         raise click.exceptions.Exit(1) from failure
+    # Then report each stratum, and why any of its worlds is missing.
     for stratum in strata_of(manifest_of(out)):
         missing = stratum.share - stratum.worlds
         why = (

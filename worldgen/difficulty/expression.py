@@ -261,6 +261,7 @@ class _Meaning:
         if isinstance(node, ast.BoolOp):
             join = _and if isinstance(node.op, ast.And) else _or
             found = self.wish(node.values[0], at)
+            # More than two operands are joined from the left.
             for value in node.values[1:]:
                 found = join(found, self.wish(value, _place(value)))
             return found

@@ -56,10 +56,12 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
     if world.is_dynamic:
         changing = world.timeline.cells_that_become(shape=solid.shape)
         found["changing"] = int(np.count_nonzero(changing)) / solid.size
+    # Without a witness there is no path, and only the map itself can be measured.
     if isinstance(certificate, Witness) and len(certificate.times):
         way = witness_path_of(world, certificate)
         found |= _along(world, certificate, way)
         found |= _round(world, solid, way, wanted)
+        # The formula was fitted to static worlds and needs every one of its inputs.
         if "difficulty" in wanted and not world.is_dynamic and found.keys() >= set(INPUTS):
             found["difficulty"] = difficulty(found, world.robot_radius)
     return Metrics(
@@ -112,6 +114,7 @@ def _round(
             name: value if name == "dispersion" else value * world.cell_size
             for name, value in means.items()
         }
+    # Building the graph is the most expensive part, so skip it unless a metric needs it.
     if not wanted & (_POCKETS | {"decisions"}):
         return found
     nodes = nodes_of(world, solid)

@@ -46,6 +46,7 @@ def pockets(nodes: Nodes, way: WitnessPath, disc: Disc) -> tuple[float, float] |
     start = (int(way.x[0]), int(way.y[0]))
     x = round(disc.x)
     y = round(disc.y)
+    # If no node is inside the target disc, start from those next to the end of the path.
     sources = nodes_within(disc, nodes.graph).tolist() or nodes.beside(
         (int(way.x[-1]), int(way.y[-1]))
     )
@@ -57,6 +58,7 @@ def pockets(nodes: Nodes, way: WitnessPath, disc: Disc) -> tuple[float, float] |
     found = _flooded(nodes, places, squared, sources, begins, at_start)
     if found[0] < 0:
         return None
+    # A pocket is as deep as the difference in distance between its exit and its bottom.
     deepest = max((math.sqrt(top) - math.sqrt(bottom) for top, bottom in found[1]), default=0.0)
     return deepest, math.sqrt(found[0]) - math.sqrt(at_start)
 

@@ -149,10 +149,13 @@ class Search:
         Raises:
             InvalidParameter: If the first world, with just the given parameters, is refused.
         """
+        # The first proposal is the user's own parameters, unchanged.
         self.asked += 1
         seed, values = (self.seed, {}) if self.asked == 1 else self._proposal()
         try:
             world = generate(self.family, seed, **{**self.given, **values})
+        # A refused combination is part of the search, unless nothing but the user's values was
+        # refused.
         except InvalidParameter:
             if self.asked == 1 and not self._free:
                 raise
@@ -249,6 +252,7 @@ def found(
     for _ in range(count):
         first = search.tried
         asked = search.asked
+        # Refused proposals are cheap, so allow more of them before giving up.
         while search.tried < first + tries and search.asked < asked + _REFUSED * tries:
             one = search.step()
             if progress is not None:

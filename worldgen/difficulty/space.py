@@ -99,6 +99,7 @@ def _any_value(known: Parameter, rng: RandomStream) -> Value:
 
 def _next_value(known: Parameter, value: Value, rng: RandomStream) -> Value:
     """Return a value near another one, or, once in four times, any value."""
+    # Now and then start from anywhere, to leave a local minimum.
     if known.choices or isinstance(value, bool | str) or rng.below(4) == 0:
         return _any_value(known, rng)
     if rng.below(8) == 0:

@@ -184,6 +184,7 @@ class StrataSearch:
             still_open = [k for k, stratum in enumerate(self._strata) if stratum.open]
             if not still_open:
                 raise self._nothing(len(seen))
+            # Take the strata in turn, from the one after the last.
             aim = next((k for k in still_open if k >= turn), still_open[0])
             turn = aim + 1
             one = self._try(aim)
@@ -253,6 +254,7 @@ class StrataSearch:
             return
         stratum.closed = True
         left = stratum.wanted - stratum.found
+        # Give the worlds that are still missing to the nearest strata that can take them.
         stratum.wanted = stratum.found
         takers = [k for k, one in enumerate(self._strata) if not one.closed and one.found]
         takers = takers or [k for k, one in enumerate(self._strata) if not one.closed]

@@ -95,12 +95,14 @@ def surroundings(solid: Bools, samples: Samples) -> dict[str, float]:
     """Return averages along the path, weighted by length: distances in cells, and changes."""
     near, seen, narrow, changes = (np.zeros(len(samples.x)) for _ in range(4))
     table = _Walls(solid)
+    # In parts, because the rays take memory in proportion to the samples.
     for first in range(0, len(samples.x), _PART):
         part = slice(first, first + _PART)
         x = samples.x[part]
         y = samples.y[part]
         near[part] = table.nearest(x, y)
         far = table.rays(x, y)
+        # Every fourth direction is axis-parallel; of the others, only diagonals are taken.
         straight = far[:, 0::4]
         slanted = far[:, 2::4]
         seen[part] = (straight.sum(axis=1) + _ROOT_2 * slanted.sum(axis=1)) / 8.0

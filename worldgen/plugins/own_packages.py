@@ -126,6 +126,7 @@ def _place_of(name: str) -> Path | None:
         return None
     if spec is None:
         return None
+    # A package has folders; a module only has its file.
     folders = list(spec.submodule_search_locations or ())
     if folders:
         return Path(folders[0])

@@ -210,6 +210,7 @@ class Registry(Generic[T]):
         key = _identity(name)
         if key not in self._loaded:
             point = self.entry_points().get(name)
+            # An installed name is loaded by its entry point, anything with a colon by its path.
             if point is not None:
                 with _loading(f"{self.noun} {name!r}: loading {point.value}"):
                     thing = point.load()
@@ -262,6 +263,7 @@ class Registry(Generic[T]):
     def _load_path(self, name: str) -> Any:
         place, _, attribute = name.rpartition(":")
         if not place.endswith(".py"):
+            # A user's file with the name of one of our packages would be hidden by ours.
             check_not_ours(place, attribute)
         with _loading(f"{self.noun} {name!r}: loading {place}"):
             module = (
@@ -271,6 +273,7 @@ class Registry(Generic[T]):
             )
             if hasattr(module, attribute):
                 return getattr(module, attribute)
+        # The attribute is missing, so suggest a similar one, or list what the file defines itself.
         public = [key for key in vars(module) if not key.startswith("_")]
         own = [
             key

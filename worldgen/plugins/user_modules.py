@@ -70,6 +70,7 @@ def sources_read() -> dict[str, str]:
 def package_of(folder: Path) -> str:
     """Return the private name of a folder's package, and create the package on the first call."""
     folder = folder.resolve()
+    # The name is derived from the folder, so two folders with equal file names don't collide.
     name = f"_worldgen_user_folder_{hashlib.sha256(str(folder).encode()).hexdigest()[:16]}"
     if name not in sys.modules:
         package = ModuleType(name, f"The files in {folder}.")
@@ -77,6 +78,7 @@ def package_of(folder: Path) -> str:
         sys.modules[name] = package
         _FOLDERS[name] = folder
         _forget_bare_names(folder)
+    # Install the finders only once, when the first user file is loaded.
     if not any(isinstance(finder, _OfFolders) for finder in sys.meta_path):
         sys.meta_path.insert(0, _OfFolders())
         sys.meta_path.append(_ByBareName())

@@ -227,6 +227,7 @@ class _Stage:
         left += text_width("00000.00 s", size) + 12.0 * self.frame.unit
         for k, drive in enumerate(self.drives if len(self.drives) > 1 else ()):
             name = _fitted(drive.name, self.size[0] / len(self.drives), size)
+            # Names that don't fit on the line are left out.
             if left + text_width(name, size) > self.size[0]:
                 break
             parts.append(Text(left, top, size, name, self._colour(k)))
@@ -249,10 +250,12 @@ class _GrowingTrail:
 
     def drawn_until(self, time: float, mask: Image.Image) -> None:
         """Draw what has been added since the last call."""
+        # The tolerance keeps a point whose time was rounded to the frame's.
         until = int(np.searchsorted(self.times, time + 1e-9, side="right"))
         if until <= max(self.done, 1):
             return
         pen = ImageDraw.Draw(mask)
+        # Only the new piece is drawn, from the last point of the one before.
         piece = [(float(x), float(y)) for x, y in self.points[max(0, self.done - 1) : until]]
         pen.line(piece, fill=255, width=self.width)
         reach = 0.5 * self.width

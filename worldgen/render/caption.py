@@ -139,6 +139,7 @@ def _place(
     y = y + row
     for words, sample in keys:
         width = (ICON + 6.0) * unit + text_width(words, size)
+        # Start a new row if the entry doesn't fit; the first of a row always stays.
         if x > left and x + width > left + room:
             x = left
             y = y + row

@@ -27,12 +27,14 @@ def under_the_walls(disturbances: Disturbances, frame: Frame) -> list[Primitive]
     if disturbances.drift_heading is None:
         return []
     pitch = max(frame.width, frame.height) / _DRIFT_ARROWS
+    # The picture's y axis points down.
     along = np.array((math.cos(disturbances.drift_heading), -math.sin(disturbances.drift_heading)))
     paint = Paint(stroke=mix(PAPER, PUSH, 0.45), width=1.6 * frame.unit)
     parts: list[Primitive] = []
     for row in range(math.ceil(frame.height / pitch)):
         for column in range(math.ceil(frame.width / pitch)):
             middle = np.array((frame.left, frame.top)) + pitch * np.array((column + 0.5, row + 0.5))
+            # The last row and column may be cut off by the border.
             if middle[0] > frame.left + frame.width or middle[1] > frame.top + frame.height:
                 continue
             ends = np.array((middle - 0.22 * pitch * along, middle + 0.22 * pitch * along))

@@ -56,6 +56,7 @@ def robot_parts(world: World, trails: Sequence[Trail], frame: Frame) -> list[Pri
     """
     robots = world.robots
     parts: list[Primitive] = []
+    # Starts lie below paths, targets and ends above them.
     for number, robot in enumerate(robots):
         parts += _start(robot, colour_of(number), frame)
     for number, trail in enumerate(trails):
@@ -91,11 +92,13 @@ def _path(trail: Trail, colour: str, frame: Frame) -> list[Primitive]:
     points = frame.points(np.column_stack((trail.x, trail.y)))
     pieces = [(points, 1.8)]
     if trail.loop_from is not None:
+        # The loop is drawn wider than the approach, because it is what the picture has to show.
         pieces = [(points[: trail.loop_from + 1], 1.4), (points[trail.loop_from :], 3.0)]
     parts: list[Primitive] = []
     for piece, width in pieces:
         line = simplified(piece, 0.3)
         if len(line) > 1:
+            # A light casing keeps the line visible on walls and on other lines.
             parts.append(
                 DrawnLine(line, Paint(stroke=PAPER, width=(width + 1.6) * unit, opacity=0.7))
             )
@@ -108,6 +111,7 @@ def _target(robot: Robot, number: int, frame: Frame) -> list[Primitive]:
     unit = frame.unit
     colour = colour_of(number)
     x, y = frame.to_pixels(robot.target.x, robot.target.y)
+    # A target smaller than a few pixels would not be seen.
     radius = max(robot.target.radius * frame.scale, 5.0 * unit)
     reach = radius + 4.0 * unit
     parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.6))]

@@ -70,12 +70,15 @@ class Frame:
             )
         longest = max(world.width, world.height)
         cell = pixels / longest
+        # Whole pixels per cell keep the edges sharp; below a few pixels the map would shrink too
+        # much.
         if cell >= CRISP_CELL:
             cell = float(math.floor(cell))
         unit = min(max(pixels / DEFAULT_PIXELS, 0.75), 6.0)
         width = max(1, round(world.width * cell))
         height = max(1, round(world.height * cell))
         edge = round((BAND + MARGIN) * unit)
+        # A narrow map gets a wider picture, so that the caption has room.
         picture_width = max(width + 2 * edge, round(NARROWEST * unit))
         left = (picture_width - width) // 2
         return cls(left, edge, width, height, cell / world.cell_size, unit, cell, picture_width)

@@ -140,6 +140,7 @@ class Trail:
     missed: npt.NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
+        # Copy and lock the arrays: the caller may change its own afterwards.
         for name in ("x", "y"):
             array = np.array(getattr(self, name), np.float64)
             array.setflags(write=False)

@@ -145,6 +145,7 @@ class _Canvas:
         box = self._box(centre - outer, centre + outer, 1.0, clipped=part.clipped)
         if box[0] >= box[2] or box[1] >= box[3]:
             return
+        # Pillow has no antialiasing: draw larger on a mask, then reduce it.
         x, y = (centre - box[:2]) * self.times
 
         def disc(pen: ImageDraw.ImageDraw, radius: float, value: int) -> None:
@@ -158,6 +159,7 @@ class _Canvas:
             self._lay(mask.reduce(self.times), box, paint.fill, paint.opacity)
         if paint.stroke:
             mask, pen = self._mask(box)
+            # A ring is a disc with a smaller disc removed.
             disc(pen, outer, 255)
             disc(pen, part.radius - 0.5 * paint.width, 0)
             self._lay(mask.reduce(self.times), box, paint.stroke, paint.opacity)
@@ -173,6 +175,7 @@ class _Canvas:
         if box[0] >= box[2] or box[1] >= box[3]:
             return
         if paint.fill:
+            # Fill and stroke have different opacities, so each has its own mask.
             mask, pen = self._mask(box)
             _fill(pen, self._fine(points, box))
             self._lay(mask.reduce(self.times), box, paint.fill, paint.opacity)

@@ -39,6 +39,7 @@ def _keep_far(
     points: Points, first: int, last: int, tolerance: float, keep: npt.NDArray[np.bool_]
 ) -> None:
     keep[first] = keep[last] = True
+    # Ramer-Douglas-Peucker with a stack: the path may be longer than Python's recursion limit.
     spans = [(first, last)]
     while spans:
         a, b = spans.pop()
@@ -51,6 +52,7 @@ def _keep_far(
             np.clip(offset @ chord / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(offset))
         )
         distance = np.hypot(*(offset - share[:, None] * chord).T)
+        # Split where the path is farthest from the chord.
         worst = int(np.argmax(distance))
         if distance[worst] > tolerance:
             middle = a + 1 + worst
@@ -120,6 +122,7 @@ def dashes(points: Points, pattern: tuple[float, ...]) -> list[Points]:
     period = sum(pattern)
     total = float(length[-1])
     pieces = []
+    # Walk along the line in periods of the pattern; each pair is a dash and a gap.
     starts = np.concatenate(([0.0], np.cumsum(pattern)))
     for lap in range(int(total // period) + 1):
         for first in range(0, len(pattern), 2):

@@ -201,6 +201,7 @@ def _floor(world: World, frame: Frame, *, signal: bool) -> list[Primitive]:
 
 def _changes(changes: Changes, frame: Frame) -> list[Primitive]:
     unit = frame.unit
+    # Below this size the stripes of a cell would run together.
     stripes = 7.0 * unit if frame.cell >= 4.0 * unit else 0.0
     parts: list[Primitive] = []
     for mask, colour in ((changes.closes, GREY), (changes.burns, FIRE)):
@@ -208,6 +209,7 @@ def _changes(changes: Changes, frame: Frame) -> list[Primitive]:
             parts.append(DrawnCells(mask, colour, opacity=0.30))
             if stripes:
                 parts.append(DrawnCells(mask, colour, opacity=0.85, hatch=stripes))
+    # Dotted outlines of very many corners would only make the file large.
     if changes.opens.any() and corner_count(changes.opens) <= MOST_CORNERS:
         dotted = Paint(stroke=PAPER, width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
         for line in outlines(changes.opens):
@@ -227,6 +229,7 @@ def _certificate(world: World, frame: Frame) -> list[Primitive]:
         return joint_witness_parts(proof, frame)
     if isinstance(proof, Cut) and len(proof.cells):
         points = _onto_the_border(frame.corners(proof.cells + 0.5), frame)
+        # The cut must be seen on walls and floor alike, hence the light casing.
         casing = DrawnLine(points, Paint(stroke=PAPER, width=5.0 * unit, opacity=0.8), closed=True)
         return [casing, DrawnLine(points, Paint(stroke=TUNNEL, width=3.0 * unit), closed=True)]
     return []
@@ -247,6 +250,7 @@ def _target(world: World, frame: Frame) -> list[Primitive]:
     radius = max(world.target.radius * frame.scale, 5.0 * unit)
     reach = radius + 6.0 * unit
     parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.75))]
+    # First the casing, then the colour above it.
     for colour, width in ((PAPER, 5.0 * unit), (TARGET, 2.4 * unit)):
         parts.append(DrawnCircle(x, y, radius, Paint(stroke=colour, width=width)))
         for dx, dy in ((reach, 0.0), (0.0, reach)):

@@ -135,6 +135,7 @@ class _Writer:
         return f"<circle {place} {_look(part.paint)}{clip}/>"
 
     def _cells(self, part: DrawnCells) -> str:
+        # A mask with very many corners is smaller as an embedded picture than as a path.
         if corner_count(part.mask) > MOST_CORNERS:
             return self._image(part)
         frame = self.frame
@@ -145,6 +146,7 @@ class _Writer:
         if part.hatch > 0.0:
             fill = self._stripes(part, 1.0 / frame.cell)
         opacity = f' opacity="{_number(part.opacity)}"' if part.opacity < 1.0 else ""
+        # Draw in cells and let the browser scale, so the numbers stay short.
         across = frame.width / part.mask.shape[1]
         down = frame.height / part.mask.shape[0]
         place = f"translate({frame.left} {frame.bottom}) scale({across:.8g} {-down:.8g})"

@@ -174,12 +174,14 @@ class _Grid:
         if world.is_dynamic:
             changes = Changes.of(world)
             for mask, sign in (
+                # The later a sign, the higher it lies: what burns covers what opens and closes.
                 (changes.closes, CLOSES),
                 (changes.opens, OPENS),
                 (changes.burns, BURNS),
             ):
                 dots[self.shrunk(mask) > 0.0] = sign
         if trail is not None:
+            # Paths above the map, then target and start above the paths.
             self._line(dots, trail.approach, WAY)
             self._line(dots, trail.loop, LOOPS)
         elif isinstance(world.certificate, Witness) and self.dots_per_cell > 1:
@@ -226,6 +228,7 @@ def _colours(dots: Dots, grid: _Grid, world: World, *, deep: bool) -> npt.NDArra
     colours = table[dots]
     x = (np.arange(columns) + 0.5) * grid.dot_size - world.target.x
     y = (np.arange(rows) + 0.5) * grid.dot_size - world.target.y
+    # The tint follows the logarithm of the distance, so it is visible next to the target.
     square = np.maximum(x * x + (y * y)[:, None], world.target.radius**2)
     ratio = np.log(square / world.target.radius**2)
     share = ratio / max(float(ratio.max()), 1e-9)
@@ -245,6 +248,7 @@ def _colours(dots: Dots, grid: _Grid, world: World, *, deep: bool) -> npt.NDArra
 
 def _half_blocks(colours: npt.NDArray[np.uint8], *, deep: bool) -> list[str]:
     top_first = flip_rows(colours).tolist()
+    # An odd number of rows leaves the last half block without a lower half.
     if len(top_first) % 2:
         top_first.append([None] * len(top_first[0]))
     lines = []
@@ -252,6 +256,8 @@ def _half_blocks(colours: npt.NDArray[np.uint8], *, deep: bool) -> list[str]:
         words: list[str] = []
         last = None
         for pair in zip(upper, lower, strict=True):
+            # Escape codes are written only where the colour changes, because they are most of the
+            # text.
             if pair != last:
                 over, under = pair
                 words.append(

@@ -82,6 +82,7 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
     unit = frame.unit
     approach = _thinned(frame.points(trail.approach))
     parts: list[Primitive] = []
+    # Without a loop, the path and its end are everything.
     if trail.loop_from is None:
         parts += _way(approach, 2.2 * unit, unit)
         if not len(trail.places("end")):
@@ -110,6 +111,7 @@ def _way(points: Points, width: float, unit: float) -> list[Primitive]:
     line = DrawnLine(points, Paint(stroke=LOOP, width=width))
     size = 2.2 * width + 4.0 * unit
     total = float(arc_length(points)[-1])
+    # A path shorter than its arrow heads would be covered by them.
     if total < 3.0 * size:
         return [casing, line]
     spacing = max(90.0 * unit, total / 14.0)
@@ -152,12 +154,14 @@ def _spot(centre: Points, radius: float, unit: float) -> list[Primitive]:
 def _footprint_places(loop: Points, radius: float) -> Points:
     """Return where the robot's disc is drawn: the cycle's corners, where it hit something."""
     found: list[npt.NDArray[np.float64]] = []
+    # Show the robot at corners of the loop, if there are few that don't overlap.
     for point in corners(simplified(loop, max(1.0, 0.2 * radius))):
         if all(np.hypot(*(point - other)) > 2.2 * radius for other in found):
             found.append(point)
         if len(found) > MOST_FOOTPRINTS:
             break
     if 2 <= len(found) <= MOST_FOOTPRINTS:
+        # Otherwise spread the discs evenly.
         return np.array(found)
     total = float(arc_length(loop)[-1])
     count = min(MOST_FOOTPRINTS, max(1, int(total / (5.0 * radius))))
@@ -229,6 +233,7 @@ def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
         parts.append(DrawnCircle(x, y, 3.4 * unit, Paint(fill=PAPER)))
         parts.append(DrawnCircle(x, y, 2.4 * unit, Paint(fill=INK)))
     for index, (x, y) in enumerate(_distinct(frame.points(trail.places("overlap")), 4.0 * unit)):
+        # Only the first places are drawn in true size, so that many of them don't cover the map.
         reach = max(radius, 7.0 * unit) if index < MOST_FOOTPRINTS else 3.0 * unit
         parts.append(DrawnCircle(x, y, reach, Paint(stroke=PAPER, width=4.6 * unit, opacity=0.8)))
         parts.append(
@@ -236,6 +241,7 @@ def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
                 x, y, reach, Paint(stroke=PIERCED if trail.pierced else TUNNEL, width=2.6 * unit)
             )
         )
+    # After a pierced wall, crossings are not tunnels.
     tunnels = np.zeros((0, 2)) if trail.pierced else trail.places("tunnel")
     for x, y in _distinct(frame.points(tunnels), 4.0 * unit):
         parts += cross(x, y, 7.0 * unit, PAPER, 7.0 * unit)

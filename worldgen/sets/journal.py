@@ -48,12 +48,14 @@ class Journal:
         self._open(os.O_RDWR)
         with refused_writes(self.path), self.path.open("rb") as stream:
             lines = list(stream)
+        # The header was never written completely, so nothing was recorded.
         if not lines or not lines[0].endswith(b"\n"):
             return None
         try:
             return parse_manifest(lines, str(self.path))
         except FormatError:
             if force:
+                # With --force, a damaged record is as good as none.
                 return None
             raise
 

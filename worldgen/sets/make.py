@@ -172,9 +172,12 @@ def restore_set(
         OutputError: If a file has other content, or cannot be written.
     """
     store = SetFolder(folder)
+    # Compare what is on disk by checksum first, so that only missing worlds are made again.
     wanted = [entry for entry in manifest.entries if not store.holds(entry, force=force)]
     done = len(manifest.entries) - len(wanted)
     for entry, made in zip(wanted, make_all(entry_jobs(wanted, families), workers), strict=True):
+        # A world that differs from the record means another version or family: stop before writing
+        # it.
         _check_same(entry, made, manifest.header)
         store.put(entry.file, made.data)
         done += 1
@@ -184,6 +187,7 @@ def restore_set(
 
 
 def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> SetDone:
+    # The store holds the lock until it is closed, whatever happens.
     store = store_for(out)
     try:
         old = store.find(force=force)
@@ -191,6 +195,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
         if old is not None and not force:
             work.refuse(old)
             resumed = store.resume(old)
+            # A finished set has nothing to resume; only --force replaces it.
             if len(old.entries) == work.count == resumed and isinstance(store, SetFolder):
                 raise OutputError(
                     "set-finished",

@@ -96,10 +96,12 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
         WorldgenError: If making one of them raises it, after all earlier worlds were returned; or
             if a process dies.
     """
+    # One worker needs no pool: the worlds are made in this process.
     if workers == 1:
         yield from map(_make, jobs)
         return
     pool = WorkerPool(workers)
+    # Ctrl+C is delivered only between worlds, so that no half-made world is yielded.
     with ctrl_c_held_back() as listen:
         try:
             yield from _with_pool(pool, iter(jobs), workers, listen)
@@ -111,6 +113,7 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
                 "give fewer with --workers",
                 at_terminal=True,
             ) from error
+        # Whatever else stops the caller, no worker is left running.
         except BaseException:
             pool.end()
             raise
@@ -122,14 +125,18 @@ def _with_pool(
 ) -> Iterator[Made]:
     waiting: deque[Future[_Done]] = deque()
     while True:
+        # Keep a bounded number of pieces submitted: worlds are made ahead of need, but memory stays
+        # flat.
         while len(waiting) < workers * _WAITING and (piece := _next_piece(jobs)):
             waiting.append(pool.submit(_make_piece, piece))
         if not waiting:
             return
+        # Take the results in order of submission, so the order doesn't depend on the workers.
         made, error = _wait(waiting.popleft(), listen)
         for world in made:
             yield world
             listen()
+        # The worlds made before the error have been yielded; now report it.
         if error is not None:
             raise error
 

@@ -156,6 +156,7 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
         FormatError: If a complete line is invalid, with its number.
     """
     reader = _whole_lines(lines, source)
+    # The header is on the first line, and every later line is checked against it.
     first = next(reader, None)
     if first is None:
         raise FormatError(
@@ -167,6 +168,7 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
     files = set()
     for number, line in enumerate(reader, 2):
         entry = _Fields(_object(line, number, source), number, source).entry(header)
+        # Two entries of one name would overwrite each other's file.
         if entry.file in files:
             raise FormatError(
                 "twice",
@@ -179,6 +181,7 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
         files.add(entry.file)
         entries.append(entry)
         kept.append(line)
+    # A file with more lines than its header states was concatenated or edited.
     if len(entries) > header.count:
         message = Message(
             "wrong-count",
@@ -261,6 +264,7 @@ class _Fields:
 
     def header(self) -> ManifestHeader:
         """Return the header."""
+        # Check the format first: without it, no other message would make sense.
         if self.found.get("format") != FORMAT:
             raise self._wrong(
                 "format", f'must be "{FORMAT}"; is this the manifest of a set, of a later version?'
@@ -292,6 +296,7 @@ class _Fields:
         Older sets store all of them.
         """
         file = self._text("file")
+        # A name with a separator could write outside the set's folder.
         if not _SAFE.match(file):
             raise self._wrong(
                 "file",
@@ -306,6 +311,7 @@ class _Fields:
         size = self._whole("bytes", 0, 2**63)
         metrics = self._table("metrics")
         family = self._text("family")
+        # Worlds of the set's own family record only the parameters that differ from the header's.
         params = self._params(header) if family == header.family else self._table("params")
         return ManifestEntry(
             file,

@@ -272,6 +272,8 @@ class ArchiveStore:
         worlds = self._part / _WORLDS
         if worlds.is_file():
             with worlds.open("rb") as stream:
+                # Keep worlds up to the first whose bytes don't match: a crash can damage only the
+                # end.
                 for entry, line in zip(old.entries, old.lines, strict=True):
                     data = _exactly(stream, entry.size)
                     if data is None or hashlib.sha256(data).hexdigest() != entry.sha256:
@@ -279,6 +281,7 @@ class ArchiveStore:
                     end = end + len(line)
                     done = done + 1
                     size = size + entry.size
+        # Cut both files after the last whole world, and append from there.
         self._journal.cut(end)
         self._open_worlds(size)
         return done
@@ -298,6 +301,7 @@ class ArchiveStore:
         """Pack the files, the manifest first."""
         packed = self._part / "packed"
         manifest = read_manifest(self._journal.path)
+        # Pack into a temporary file and rename it, so that a reader never sees half an archive.
         with refused_writes(self._archive):
             with packed.open("wb") as stream, (self._part / _WORLDS).open("rb") as worlds:
                 archive = writer_for(self._archive, stream)
@@ -305,6 +309,8 @@ class ArchiveStore:
                 for entry in manifest.entries:
                     archive.add(entry.file, _bytes_of(entry, worlds))
                 archive.close()
+                # Without fsync, a crash after the rename could leave an empty file under the final
+                # name.
                 stream.flush()
                 os.fsync(stream.fileno())
             packed.replace(self._archive)

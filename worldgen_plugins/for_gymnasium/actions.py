@@ -23,6 +23,7 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
             discrete actions.
     """
     given = np.asarray(actions)
+    # Discrete actions are indices into CHOICES, one per environment.
     if interface.actions == "discrete":
         if given.shape != (count,) or given.dtype.kind not in "iu":
             raise InvalidParameter(
@@ -41,6 +42,7 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
                 last=len(CHOICES) - 1,
             )
         return np.ascontiguousarray(given, np.int64)
+    # Continuous actions are rows of speed and turn rate.
     if given.shape != (count, 2) or given.dtype.kind not in "fiu":
         raise InvalidParameter(
             "wrong-shape",
@@ -50,6 +52,7 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
             dtype=str(given.dtype),
             count=count,
         )
+    # The sum is NaN if any entry is, and costs less than a mask; infinities may cancel to NaN too.
     if np.isnan(given.sum()) and np.isnan(given).any():
         raise InvalidParameter(
             "not-finite", "an action is nan", "give fractions of turn rate and top speed, -1 to 1"

@@ -211,8 +211,10 @@ class Lockstep:
             InvalidParameter: If the time step does not fit a robot's speed.
         """
         options = self._rules.run_options()
+        # Everything that C points to is kept in the crew, as long as C may use it.
         runs = [LatticeRun(world, self._driver, options) for world in worlds]
         arenas = [run.arena() for run in runs]
+        # Distances to the target are needed only if the reward measures progress.
         ways = [distances_to_target(world) for world in worlds] if self._rules.by_way else []
         places = ffi.new("WgPlace[]", len(runs))
         for k, (run, arena) in enumerate(zip(runs, arenas, strict=True)):

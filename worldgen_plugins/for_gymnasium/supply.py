@@ -183,8 +183,10 @@ def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
         )
     family = name if isinstance(name, Family) else FAMILIES.find(name, params)
     seed = whole("pool_seed", given.get("pool_seed", 0), 0, MAX_SEED)
+    # Without a range of difficulty, worlds are drawn from consecutive seeds.
     if "difficulty" not in given:
         return stream(family, seed, count, **params)
+    # With one, worlds of any parameters are searched until their difficulty is in the range.
     low, high = _range(given["difficulty"])
     search = Search(family, parse(f"{low!r} <= difficulty <= {high!r}"), seed, params)
     return (one.world for one in found(search, count, TRIES))

@@ -64,6 +64,7 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     ) -> None:
         self._rules, self._supply = resolve(options)
         self.num_envs = whole("num_envs", num_envs, 1, MAX_ENVS)
+        # TimeLimit and gymnasium.make write "no limit" as None or -1; the core writes it as 0.
         limit = whole(
             "max_episode_steps",
             0 if max_episode_steps in (None, -1) else max_episode_steps,
@@ -77,6 +78,7 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             "render_fps": 30,
             "autoreset_mode": self._mode,
         }
+        # Gymnasium asks for the spaces of one environment and of the batch.
         self.single_observation_space = observation_space(self._rules)
         self.single_action_space = action_space(self._rules.interface)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -165,6 +167,7 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             InvalidParameter: If the actions are not valid.
         """
         crew = self._lockstep.crew
+        # Report misuse as Gymnasium's own vector environments do.
         if self._seen is None:
             raise gymnasium.error.ResetNeeded("no episode has begun; call reset() before step()")
         if self._mode is AutoresetMode.DISABLED and crew.over.any():
@@ -174,9 +177,11 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             )
         result = self._lockstep.step(checked_actions(self.interface, actions, self.num_envs))
         self._seen = result.observation
+        # Places are collected only for rendering, because they cost a copy per step.
         if self.render_mode is not None:
             self._note_places(result.began)
         information = self._information(result)
+        # Callers may keep the observation, so they get a copy of the core's buffer.
         seen = shown(self._rules, result.observation.copy())
         return seen, result.reward, result.terminated, result.truncated, information
 
@@ -203,6 +208,7 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def _information(self, result: StepResult) -> dict[str, Any]:
         """Return the information in the form of Gymnasium's own vector environments."""
         if self._mode is AutoresetMode.SAME_STEP:
+            # In this mode the last observation of a finished episode travels in the information.
             information: dict[str, Any] = {}
             if result.began.any():
                 information = self._finals(result)
