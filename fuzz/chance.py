@@ -124,6 +124,7 @@ def chance_details(world: World, scenario: Scenario) -> dict[str, Value]:
     if (
         isinstance(controller, CompiledController)
         and controller.randomised
+        and not world.others
         and not isinstance(world.certificate, Cut)
     ):
         found = chance_of(
@@ -204,10 +205,13 @@ def share_that_fails(world: World, scenario: Scenario, count: int) -> dict[str, 
     options = regardless_of_walls(options) if sealed else options
     failing = 0
     for seed in range(count):
-        run = prepare(world, controller, replace(options, seed=seed))
-        arrives = (
-            run.run(options.steps, find_loop=False, record=False, digest=False).ending in ARRIVALS
-        )
+        seeded = replace(options, seed=seed)
+        if world.others:
+            arrives = simulate(world, controller, seeded).verdict in ARRIVALS
+        else:
+            run = prepare(world, controller, seeded)
+            outcome = run.run(options.steps, find_loop=False, record=False, digest=False)
+            arrives = outcome.ending in ARRIVALS
         failing += arrives == sealed
     least, _ = interval_95(failing, count)
     return {"failing_seeds": [failing, count], "failing_share_at_least": round(least, 4)}

@@ -12,7 +12,10 @@ from typing import Annotated, Any, Literal
 
 from worldgen.parameters import Bounds, Parameter, Written, parameters_of_fields
 
-__all__ = ["CampaignOptions", "SearchOptions"]
+__all__ = ["MOST_ROBOTS", "CampaignOptions", "SearchOptions"]
+
+MOST_ROBOTS = 100
+"""The largest number of robots in a campaign's worlds; proving that more can arrive takes long."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +27,8 @@ class SearchOptions:
             wall, block, or ./file.py:name; may be repeated.
         examples: Number of worlds each unit tries, or up to 80 times as many if they are screened
             in C.
+        robots: Number of robots in each world. More than one are all driven by the same controller;
+            the search then looks for deadlocks, livelocks and collisions.
         epoch: Number of units that learn from the same earlier ones; at most twice as many run at a
             time.
         database: Hypothesis database, such as .hypothesis/examples. Examples in it run first, and
@@ -32,6 +37,7 @@ class SearchOptions:
 
     oracles: Annotated[tuple[str, ...], Written("--oracle", "NAME[=NUMBER]")] = ()
     examples: Annotated[int, Bounds(1, 100_000)] = 400
+    robots: Annotated[int, Bounds(1, MOST_ROBOTS)] = 1
     epoch: Annotated[int, Bounds(1, 100_000)] = 16
     database: Annotated[str, Written(metavar="DIR", path="folder")] = ""
 

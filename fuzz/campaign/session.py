@@ -78,7 +78,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
     )
     families = (*options.families, *options.strategies)
     for name in families:
-        check_strategy(name, scenario)
+        check_strategy(name, scenario, options.robots)
     time_steps: tuple[float, ...] = (scenario.run.time_step,)
     unsaid = options.time_step is None and scenario.run.time_step == usual
     if unsaid and MOTIONS.get(scenario.run.motion).name == "endpoint":

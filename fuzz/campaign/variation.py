@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from typing import Any
 
 from sim.options.run import TIME_STEP, switch_class
 from sim.scenario import Scenario
@@ -91,7 +92,10 @@ def applied(
     """
     robot = {name: value for name, value in values.items() if name in _OF_THE_ROBOT}
     if any(getattr(world, name) != value for name, value in robot.items()):
-        world = replace(world, certificate=None, provenance=map_provenance(world), **robot)  # type: ignore[arg-type]
+        parts: dict[str, Any] = {name.removeprefix("robot_"): robot[name] for name in robot}
+        world = replace(world, certificate=None, provenance=map_provenance(world)).with_robots(
+            replace(one, **parts) for one in world.robots
+        )
     for name, value in values.items():
         if name == "time_step":
             scenario = scenario.with_run(time_step=value)

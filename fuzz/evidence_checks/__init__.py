@@ -6,6 +6,7 @@ is stored only if its check finds nothing wrong.
 
 Contents:
     check_evidence: Finds errors in an episode's verdict, whichever it is.
+    check_fleet: The same for a run of several robots.
     check_breach: Finds errors in the claim that a walled-off target is reached.
     EVIDENCE_CHECKS: The checks by verdict.
     burned, covered, loop, overlap, reached, stalled, timeout, tunnel: Modules, one for each verdict.
@@ -19,6 +20,7 @@ from typing import Any
 from fuzz.evidence_checks.breach import check_breach
 from fuzz.evidence_checks.burned import check_burned
 from fuzz.evidence_checks.covered import check_covered
+from fuzz.evidence_checks.fleet import check_fleet
 from fuzz.evidence_checks.loop import check_loop
 from fuzz.evidence_checks.overlap import check_overlap
 from fuzz.evidence_checks.reached import check_reached
@@ -31,7 +33,7 @@ from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.world import World
 
-__all__ = ["EVIDENCE_CHECKS", "check_breach", "check_evidence"]
+__all__ = ["EVIDENCE_CHECKS", "check_breach", "check_evidence", "check_fleet"]
 
 EvidenceCheck = Callable[[World, Trace, Any, Motion], str]
 

@@ -62,12 +62,20 @@ def step_path(trace: Trace, step: int, since: float = 0.0) -> shapely.LineString
     return shapely.LineString(points if len(points) > 1 else np.repeat(points, 2, axis=0))
 
 
-def first_new_cell_of_second_half(world: World, trace: Trace) -> tuple[int, int] | None:
-    """Return a cell (ix, iy) that a state enters only in the second half, or ``None``."""
+def first_new_cell_of_second_half(
+    world: World, trace: Trace, half: int | None = None
+) -> tuple[int, int] | None:
+    """Return a cell (ix, iy) that a state enters only in the second half, or ``None``.
+
+    Args:
+        world: World of the run.
+        trace: The recording.
+        half: Last step of the first half; half of the recording's steps if omitted.
+    """
     columns = lattice_cell(trace.x / world.cell_size)
     rows = lattice_cell(trace.y / world.cell_size)
     cells = columns.astype(np.int64) + rows.astype(np.int64) * (world.width + 2)
-    half = trace.steps // 2
+    half = trace.steps // 2 if half is None else half
     fresh = np.setdiff1d(cells[half + 1 :], cells[: half + 1])
     return (
         (int(fresh[0]) % (world.width + 2), int(fresh[0]) // (world.width + 2))

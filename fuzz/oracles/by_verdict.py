@@ -29,7 +29,7 @@ class VerdictOracle(Oracle):
         """Return the verdict as a violation, if it is one."""
         if isinstance(trial.world.certificate, Cut) or trial.episode.verdict in ARRIVALS:
             return None
-        recorded = replace(trial.episode, trace=trial.trace)
+        recorded = trial.recorded_run
         return Violation(failure_class(trial.world, recorded), recorded.evidence)
 
 

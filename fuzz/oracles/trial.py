@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from fuzz.evidence_checks import check_evidence
+from fuzz.evidence_checks import check_evidence, check_fleet
 from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController
 from sim.episode import Episode, prepare, simulate
-from sim.evidence import LoopEvidence
+from sim.evidence import JointLoopEvidence, LoopEvidence
+from sim.fleet import FleetEpisode, fleet_traces
 from sim.options.run import MAX_RECORDED, RunOptions
 from sim.trace import Trace
 from sim.verdict import BY_THE_CONTROLLER
@@ -68,6 +70,14 @@ class Trial:
             return self.episode.trace
         return self.again(record=True).trace
 
+    @cached_property
+    def recorded_run(self) -> Episode:
+        """The run with its recordings: one, or one of each robot if there are several."""
+        if not isinstance(self.episode, FleetEpisode):
+            return replace(self.episode, trace=self.trace)
+        is_recorded = all(one.trace is not None for one in self.episode.robots)
+        return self.episode if is_recorded else self.again(record=True)
+
     @property
     def witness(self) -> Witness | None:
         """The path that proves that the target can be reached; ``None`` if there isn't one."""
@@ -80,6 +90,8 @@ class Trial:
         Empty if it does.
         """
         episode = self.episode
+        if isinstance(episode, FleetEpisode):
+            return self._flaw_of_fleet(episode)
         trace = self.trace
         if isinstance(episode.evidence, LoopEvidence):
             # Only a second period shows a loop, and the episode has already ended by then.
@@ -90,6 +102,27 @@ class Trial:
             return "" if episode.verdict in BY_THE_CONTROLLER else "no trace was recorded"
         return check_evidence(
             episode.verdict, self.world, trace, episode.evidence, self.options.motion_model()
+        )
+
+    def _flaw_of_fleet(self, episode: FleetEpisode) -> str:
+        """Return why the recordings of several robots do not support the evidence."""
+        if episode.verdict in BY_THE_CONTROLLER:
+            return ""
+        recorded = self.recorded_run
+        traces: Sequence[Trace | None] = [one.trace for one in getattr(recorded, "robots", ())]
+        if isinstance(episode.evidence, JointLoopEvidence):
+            # Only a second period shows a loop, and the episode has already ended by then.
+            traces = fleet_traces(
+                self.world,
+                self.controller,
+                self.options,
+                episode.steps + episode.evidence.period,
+            )
+        found = [trace for trace in traces if trace is not None]
+        if len(found) < len(traces):
+            return "no trace was recorded"
+        return check_fleet(
+            self.world, found, episode.verdict, episode.evidence, self.options.motion_model()
         )
 
     def again(self, world: World | None = None, *, record: bool = False, **changes: Any) -> Episode:

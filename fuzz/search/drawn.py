@@ -23,15 +23,16 @@ from fuzz.campaign.variation import map_provenance
 from fuzz.failure import regardless_of_walls
 from fuzz.search.database import Failed, exception_of, remembered
 from fuzz.search.features import decode_world
+from fuzz.search.fleets import fleet_worlds
 from fuzz.search.names import LAYOUT_STRATEGIES, SEALED
 from fuzz.search.sealed import SEALED_BYTES, decode_sealed
 from fuzz.search.task import Task
 from fuzz.strategies import family_worlds, layouts, scenarios_in
-from sim.episode import prepare
-from sim.options.run import COVER
+from sim.episode import prepare, simulate
+from sim.options.run import COVER, RunOptions
 from sim.runners.stopping import OutOfTime, check_time
 from sim.scenario import Scenario
-from sim.verdict import Verdict
+from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import lattice_to_metres
 from worldgen.random_streams import RandomStream
@@ -120,12 +121,26 @@ def _visit(task: Task, world: World, scenario: Scenario) -> str:
     try:
         if world.certificate or scenario.run.task == COVER:
             budget = scenario.options(world).steps
-        run = prepare(world, task.controller, scenario.options(world, budget))
-        outcome = run.run(budget, find_loop=True, record=False, digest=False)
+        options = scenario.options(world, budget)
+        if world.others:
+            verdict, steps = _ending_of_fleet(task, world, options)
+            outcome = None
+        else:
+            run = prepare(world, task.controller, options)
+            outcome = run.run(budget, find_loop=True, record=False, digest=False)
     except InvalidWorld:
         # The drawn start is in a wall.
         return ""
-    return task.triage.look(world, scenario, outcome)
+    if outcome is not None:
+        return task.triage.look(world, scenario, outcome)
+    return task.triage.look_at(world, scenario, verdict, steps)
+
+
+def _ending_of_fleet(task: Task, world: World, options: RunOptions) -> tuple[str, int]:
+    """Run several robots, all with the campaign's controller; return verdict and steps."""
+    episode = simulate(world, task.controller, options)
+    verdict = "undecided" if episode.verdict in OUT_OF_BUDGET else episode.verdict
+    return verdict, episode.steps
 
 
 def _visit_sealed(task: Task, world: World, scenario: Scenario) -> str:
@@ -188,24 +203,30 @@ def strategy_scenarios(
 ) -> st.SearchStrategy[tuple[World, Scenario]]:
     """Return the Hypothesis strategy that a search strategy draws from."""
     return scenarios_in(
-        strategy_worlds(strategy, config.fixed_map), config.scenario, config.time_steps, config.vary
+        strategy_worlds(strategy, config.fixed_map, config.robots),
+        config.scenario,
+        config.time_steps,
+        config.vary,
     )
 
 
-def strategy_worlds(strategy: str, fixed_map: World | None = None) -> st.SearchStrategy[World]:
+def strategy_worlds(
+    strategy: str, fixed_map: World | None = None, robots: int = 1
+) -> st.SearchStrategy[World]:
     """Return the Hypothesis strategy of the worlds of a search strategy.
 
     Args:
         strategy: ``features``, ``sealed``, ``map`` (poses on ``fixed_map``), or a family's name.
         fixed_map: The map whose walls stay as they are.
+        robots: Number of robots in each world.
     """
     if strategy == "map" and fixed_map is not None:
-        return poses_on(fixed_map)
+        return fleet_worlds(poses_on(fixed_map), robots)
     if strategy == "features":
-        return layouts().map(decode_world)
+        return fleet_worlds(layouts().map(decode_world), robots)
     if strategy == SEALED:
         return st.binary(min_size=SEALED_BYTES, max_size=SEALED_BYTES).map(decode_sealed)
-    return family_worlds(strategy)
+    return family_worlds(strategy) if robots == 1 else family_worlds(strategy, robots=robots)
 
 
 def poses_on(world: World) -> st.SearchStrategy[World]:

@@ -104,11 +104,11 @@ def pace_of(config: CampaignConfig) -> Pace:
 def fits(config: CampaignConfig) -> bool:
     """Return True if the strategy suits a campaign.
 
-    It takes a motion model on the pose lattice and robots no wider than two cells.
+    It takes a motion model on the pose lattice and one robot, no wider than two cells.
     """
     radii = [value for one in config.vary if one.name == "robot_radius" for value in one.values]
     small = all(isinstance(value, float) and value <= DEFAULT_CELL_SIZE for value in radii)
-    return small and can_screen(config.scenario)
+    return small and config.robots == 1 and can_screen(config.scenario)
 
 
 def search(task: Task) -> None:

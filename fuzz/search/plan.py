@@ -34,6 +34,8 @@ _DRAWN = (
     "rubble",
     "shift",
 )
+# Where several robots meet: in any layout, and in the families that are made for it.
+_FLEETS = ("features", "doorway", "alley", "junction", "crossing", "warehouse")
 _PRIOR = {NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 3.0}
 """Estimate of the new classes a strategy finds at first, per unit of cost; 1 if not listed."""
 
@@ -86,6 +88,8 @@ def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ..
     """Return the strategies that fit a campaign, in the order in which they are first tried."""
     if config.families:
         return config.families
+    if config.robots > 1:
+        return ("map",) if config.fixed_map is not None else _FLEETS
     if config.fixed_map is not None:
         return ("map", BOUNDARY) if any(map(subject_of, memory.failures.values())) else ("map",)
     bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()

@@ -67,8 +67,13 @@ def strategy_of(name: str) -> Strategy:
     return _OWN.get(name, _search)
 
 
-def check_strategy(name: str, scenario: Scenario) -> None:
+def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
     """Check that a name is a strategy or a family, and that it can find failures of a scenario.
+
+    Args:
+        name: Name of the strategy or family.
+        scenario: The scenario of the campaign.
+        robots: Number of robots in its worlds.
 
     Raises:
         InvalidParameter: If the name is unknown or the strategy does not fit.
@@ -87,6 +92,14 @@ def check_strategy(name: str, scenario: Scenario) -> None:
             hint=hint,
             strategies=list(OWN_STRATEGIES),
             families=list(FAMILIES.names()),
+        )
+    if robots > 1 and name in (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, SEALED):
+        raise InvalidParameter(
+            "strategy-for-one-robot",
+            "strategy {strategy!r} runs one robot, and the campaign has {robots}",
+            "take features or a family",
+            strategy=name,
+            robots=robots,
         )
     if name == SEALED and not can_breach(scenario):
         raise InvalidParameter(

@@ -8,10 +8,17 @@ from dataclasses import dataclass, replace
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
 from fuzz.triage.crash_bucket import crash_bucket, has_facts
+from fuzz.triage.fleet_signature import standoff
 from fuzz.triage.judging import oracle_of
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
-from sim.evidence import BudgetEvidence, Evidence, FaultEvidence, WallEvidence
+from sim.evidence import (
+    BudgetEvidence,
+    Evidence,
+    FaultEvidence,
+    JointLoopEvidence,
+    WallEvidence,
+)
 from sim.options.run import FEWEST_STEPS, RunOptions
 from sim.outcome import Outcome
 from sim.scenario import Scenario
@@ -20,6 +27,7 @@ from sim.verdict import (
     AT_ONCE,
     BY_THE_CONTROLLER,
     FAILURES,
+    JOINT_LOOPS,
     OUT_OF_BUDGET,
     UNENDED,
     Verdict,
@@ -42,6 +50,8 @@ def _manner_of(evidence: Evidence | None) -> str:
             return kind or ""
         case FaultEvidence() as fault if has_facts(fault):
             return crash_bucket(fault)
+        case JointLoopEvidence() as joint:
+            return standoff(joint)
     return ""
 
 
@@ -140,9 +150,7 @@ class StillFails:
         """
         try:
             self.simulations += 1
-            return self._ends_so(
-                self._run(candidate, scenario.options(candidate, self.least_budget))
-            )
+            return self._seems_so(candidate, scenario.options(candidate, self.least_budget))
         except (InvalidWorld, InvalidParameter):
             return False
 
@@ -185,8 +193,10 @@ class StillFails:
 
     def _fails(self, world: World, options: RunOptions) -> bool:
         self.simulations += 1
-        if not self._ends_so(self._run(world, options)):
+        if not self._seems_so(world, options):
             return False
+        if world.others:
+            return True
         if self.verdict == Verdict.TUNNEL:
             return self._arrives(world, options)
         if self.verdict in _SHOWN_BY_ITS_END:
@@ -194,6 +204,16 @@ class StillFails:
         episode = simulate(world, self.controller, options)
         manner = episode.evidence.kind if isinstance(episode.evidence, BudgetEvidence) else None
         return episode.verdict == self.verdict and self._is_same_manner(manner)
+
+    def _seems_so(self, world: World, options: RunOptions) -> bool:
+        """Return True if a run ends as it should; of several robots, its proof is included."""
+        if not world.others:
+            takes_several = self.verdict in (*JOINT_LOOPS, Verdict.COLLISION)
+            return not takes_several and self._ends_so(self._run(world, options))
+        episode = simulate(world, self.controller, options)
+        return episode.verdict == self.verdict and self._is_same_manner(
+            _manner_of(episode.evidence)
+        )
 
     def _ends_so(self, outcome: Outcome) -> bool:
         """Return True if a run ends as the verdict requires, as far as its end shows that."""

@@ -100,7 +100,7 @@ class Trying:
         """Return the compiled runner for edits, or ``None`` if this case does not allow it."""
         controller = self._still_fails.controller
         budget = self._still_fails.least_budget
-        if not (self._screens_quickly(case) and self._on_lattice):
+        if case.world.others or not (self._screens_quickly(case) and self._on_lattice):
             return None
         if not isinstance(controller, CompiledController):
             return None
@@ -129,17 +129,23 @@ class Trying:
         if self._screens_quickly(case):
             if not looked and not self._still_fails.seems_to_fail(*candidate):
                 return None
-            if not self._still_fails.breach and not self._has_way(candidate, edit, looked=looked):
+            if not self._still_fails.breach and not self._has_way(
+                case, candidate, edit, looked=looked
+            ):
                 return None
             if self._quick_is_enough:
                 return candidate
         return None if self._still_fails(*candidate) is None else candidate
 
-    def _has_way(self, candidate: Case, edit: Edit, *, looked: bool) -> bool:
+    def _has_way(self, case: Case, candidate: Case, edit: Edit, *, looked: bool) -> bool:
         """Return True if the target can be reached; False may be wrong."""
         world = candidate.world
         if isinstance(edit, CellEdit) and edit.frees:
             return True  # reachable before, and now with one more free cell
+        if world.others:
+            # Without one of the robots, the paths of the others still hold.
+            fewer = len(world.robots) < len(case.world.robots)
+            return fewer or certified(world) is not None
         if not world.is_dynamic:
             return looked or has_sure_path(world)
         # Ignoring time is cheaper and rules out most worlds.

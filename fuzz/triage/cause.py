@@ -16,12 +16,13 @@ class Severity(IntEnum):
     """How bad a cause is; the worst comes first."""
 
     THROUGH_WALLS = 0
-    CONTROLLER_ERROR = 1
-    HARMED = 2
-    NEVER_ARRIVES = 3
-    TOO_SLOW = 4
-    QUESTIONABLE = 5
-    UNSENSED = 6
+    THROUGH_ROBOTS = 1
+    CONTROLLER_ERROR = 2
+    HARMED = 3
+    NEVER_ARRIVES = 4
+    TOO_SLOW = 5
+    QUESTIONABLE = 6
+    UNSENSED = 7
 
     @property
     def word(self) -> str:
@@ -36,6 +37,7 @@ class Severity(IntEnum):
 
 _PHRASES = {
     Severity.THROUGH_WALLS: "goes through walls",
+    Severity.THROUGH_ROBOTS: "drives through another robot",
     Severity.CONTROLLER_ERROR: "its controller breaks down",
     Severity.HARMED: "runs into a hazard that it can sense",
     Severity.NEVER_ARRIVES: "never arrives",
@@ -57,6 +59,9 @@ class Cause(StrEnum):
     CUTS_A_CORNER = "cuts-a-corner"
     SLIDES_INTO_A_WALL = "slides-into-a-wall"
 
+    # Through another robot.
+    COLLIDES = "collides"
+
     # Errors of the controller itself.
     CRASHES = "crashes"
     GIVES_NO_ANSWER = "gives-no-answer"
@@ -77,6 +82,13 @@ class Cause(StrEnum):
     TRAPPED_BEHIND_A_WALL = "trapped-behind-a-wall"
     DRIVES_IN_CIRCLES = "drives-in-circles"
     WANDERS = "wanders"
+
+    # Several robots do not arrive.
+    FACE_TO_FACE = "face-to-face"
+    WAITS_IN_A_CIRCLE = "waits-in-a-circle"
+    BLOCKED_BY_PARKED = "blocked-by-a-parked-robot"
+    WAITS_IN_A_QUEUE = "waits-in-a-queue"
+    GIVES_WAY_FOREVER = "gives-way-forever"
 
     # Neither a fault nor a reason.
     BREAKS_A_RULE = "breaks-a-rule"
@@ -104,6 +116,8 @@ _SENTENCES = {
     "one, without noticing.",
     Cause.CUTS_A_CORNER: "Its edge enters the corner of a wall that it passes.",
     Cause.SLIDES_INTO_A_WALL: "It slides along a wall, or backs off from one, into another wall.",
+    Cause.COLLIDES: "It drives into another robot in the middle of a step, where its motion model "
+    "does not look.",
     Cause.CRASHES: "Its code raises an error.",
     Cause.GIVES_NO_ANSWER: "Its code does not answer in time.",
     Cause.INVALID_COMMAND: "It sends a command that is not a valid speed and turn rate.",
@@ -122,6 +136,11 @@ _SENTENCES = {
     "between.",
     Cause.DRIVES_IN_CIRCLES: "It drives the same closed path again and again, away from any wall.",
     Cause.WANDERS: "It still reaches new places when its time is up.",
+    Cause.FACE_TO_FACE: "Two robots drive into each other, and neither gives way.",
+    Cause.WAITS_IN_A_CIRCLE: "Three or more robots each wait for the next one, all around.",
+    Cause.BLOCKED_BY_PARKED: "A robot that has arrived is in the way of another one.",
+    Cause.WAITS_IN_A_QUEUE: "A robot waits behind another one that does not arrive.",
+    Cause.GIVES_WAY_FOREVER: "Robots avoid each other again and again and get nowhere.",
     Cause.BREAKS_A_RULE: "It breaks a rule that you asked about with --oracle.",
     Cause.HARMED_UNSENSED: "Fire or debris catches it that none of its senses shows.",
     Cause.UNKNOWN: "It fails; its controller could not be run here, or not in time, to see why.",
@@ -133,6 +152,7 @@ _ADVICE = {
     Cause.CUTS_A_CORNER: "Keep the radius of the robot away from corners, not only its centre.",
     Cause.SLIDES_INTO_A_WALL: "This is a fault of the motion model stepped; compare with --motion "
     "swept.",
+    Cause.COLLIDES: "Make the time step smaller, or keep more distance.",
     Cause.CRASHES: "Mend the line that the report names; the world reproduces it.",
     Cause.GIVES_NO_ANSWER: "Look for an endless or a slow step, or give it more time.",
     Cause.INVALID_COMMAND: "Look for a division by zero or a root of a negative number in what "
@@ -154,6 +174,13 @@ _ADVICE = {
     Cause.DRIVES_IN_CIRCLES: "Look for a state that it enters again and again without getting "
     "closer.",
     Cause.WANDERS: "Give it more time, or check whether it makes progress.",
+    Cause.FACE_TO_FACE: "Break the symmetry: give one robot priority, or let both keep to the same "
+    "side.",
+    Cause.WAITS_IN_A_CIRCLE: "Let the robot that has waited longest push on, and the others yield.",
+    Cause.BLOCKED_BY_PARKED: "Go around a robot that stands, or let those in the way move aside.",
+    Cause.WAITS_IN_A_QUEUE: "Look at the robot in front: it is the one that fails.",
+    Cause.GIVES_WAY_FOREVER: "Decide who goes first by something that stays the same, not by what "
+    "both do alike.",
     Cause.BREAKS_A_RULE: "The violation says which rule, and by how much.",
     Cause.HARMED_UNSENSED: "Give it a sense that shows the hazard, or leave such worlds out.",
     Cause.UNKNOWN: "Replay it where its controller is.",
@@ -163,6 +190,7 @@ _SEVERITIES = {
     Cause.STEPS_OVER_A_WALL: Severity.THROUGH_WALLS,
     Cause.CUTS_A_CORNER: Severity.THROUGH_WALLS,
     Cause.SLIDES_INTO_A_WALL: Severity.THROUGH_WALLS,
+    Cause.COLLIDES: Severity.THROUGH_ROBOTS,
     Cause.CRASHES: Severity.CONTROLLER_ERROR,
     Cause.GIVES_NO_ANSWER: Severity.CONTROLLER_ERROR,
     Cause.INVALID_COMMAND: Severity.CONTROLLER_ERROR,

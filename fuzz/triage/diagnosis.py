@@ -7,13 +7,17 @@ measures how well they tell seeded faults apart.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
 from fuzz.triage.cause import Cause
+from fuzz.triage.fleet_signature import Standoff, standoff
 from fuzz.triage.hazards import is_unsensed
 from fuzz.triage.signature import is_entered
 from sim.episode import Episode
-from sim.evidence import BurnedEvidence, WallEvidence
+from sim.evidence import BurnedEvidence, JointLoopEvidence, LoopEvidence, WallEvidence
+from sim.fleet import FleetEpisode
 from sim.runners.stopping import OutOfTime
 from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
@@ -50,10 +54,20 @@ _OFTEN = 0.3
 _MOSTLY = 0.5
 
 _BY_VERDICT: dict[str, Cause] = {
+    Verdict.COLLISION: Cause.COLLIDES,
     Verdict.CRASH: Cause.CRASHES,
     Verdict.HANG: Cause.GIVES_NO_ANSWER,
     Verdict.INVALID_COMMAND: Cause.INVALID_COMMAND,
     Verdict.TIMEOUT: Cause.WANDERS,
+}
+
+
+_BY_STANDOFF = {
+    Standoff.FACE_TO_FACE: Cause.FACE_TO_FACE,
+    Standoff.CIRCULAR_WAIT: Cause.WAITS_IN_A_CIRCLE,
+    Standoff.BEHIND_PARKED: Cause.BLOCKED_BY_PARKED,
+    Standoff.QUEUE: Cause.WAITS_IN_A_QUEUE,
+    Standoff.OSCILLATION: Cause.GIVES_WAY_FOREVER,
 }
 
 
@@ -89,6 +103,8 @@ def cause_of_run(world: World, episode: Episode) -> Cause:
     evidence = episode.evidence
     if (known := _BY_VERDICT.get(episode.verdict)) is not None:
         return known
+    if isinstance(episode, FleetEpisode):
+        return _of_fleet(world, episode)
     if episode.trace is None:
         return Cause.UNKNOWN
     if isinstance(evidence, BurnedEvidence):
@@ -99,6 +115,28 @@ def cause_of_run(world: World, episode: Episode) -> Cause:
     behaviour = behaviour_of(world, episode)
     is_stuck = episode.verdict == Verdict.LOOP or episode.verdict in OUT_OF_BUDGET
     return _of_behaviour(behaviour) if behaviour is not None and is_stuck else Cause.UNKNOWN
+
+
+def _of_fleet(world: World, episode: FleetEpisode) -> Cause:
+    """Return what keeps several robots from arriving, or what one of them does wrong."""
+    evidence = episode.evidence
+    if isinstance(evidence, JointLoopEvidence):
+        # Robots that have nothing to do with each other: the first one's own reason.
+        if (known := _BY_STANDOFF.get(standoff(evidence))) is not None:
+            return known
+        number = evidence.waiting[0]
+        loop = LoopEvidence(
+            entry=evidence.entry, period=evidence.period, state_digest=evidence.state_digest
+        )
+        own = replace(episode.robots[number - 1], verdict=Verdict.LOOP, evidence=loop)
+        return cause_of_run(world.alone(number), own)
+    late = [
+        number
+        for number, one in enumerate(episode.robots, start=1)
+        if one.verdict != Verdict.REACHED
+    ]
+    number = getattr(evidence, "robot", None) or late[0]
+    return cause_of_run(world.alone(number), episode.robots[number - 1])
 
 
 def _of_wall(evidence: WallEvidence) -> Cause:

@@ -10,8 +10,17 @@ import numpy.typing as npt
 
 from fuzz.triage.contacts import KINDS, Contact, contacts, enclosure, part_of, winding_number
 from fuzz.triage.crash_bucket import crash_bucket
+from fuzz.triage.fleet_signature import standoff
 from sim.episode import Episode
-from sim.evidence import BudgetEvidence, BurnedEvidence, FaultEvidence, LoopEvidence, WallEvidence
+from sim.evidence import (
+    BudgetEvidence,
+    BurnedEvidence,
+    FaultEvidence,
+    JointLoopEvidence,
+    LoopEvidence,
+    WallEvidence,
+)
+from sim.fleet import FleetEpisode
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.world import World
@@ -34,6 +43,12 @@ def failure_class(world: World, episode: Episode) -> str:
     verdict = episode.verdict
     trace = episode.trace
     evidence = episode.evidence
+    if isinstance(evidence, JointLoopEvidence):
+        return _joined(verdict, standoff(evidence), _robots(len(evidence.waiting)))
+    if isinstance(episode, FleetEpisode):
+        number = getattr(evidence, "robot", None)
+        if number is not None:
+            return failure_class(world.alone(number), episode.robots[number - 1])
     # Faults of the controller itself are described by what it did, not by where it was.
     if isinstance(evidence, FaultEvidence):
         if verdict == Verdict.CRASH:
@@ -103,6 +118,11 @@ def is_entered(world: World, trace: Trace, evidence: BurnedEvidence) -> bool:
 
 def _joined(*words: object) -> str:
     return "-".join(str(word) for word in words if word)
+
+
+def _robots(waiting: int) -> str:
+    """Return how many robots never arrive, if it is more than one."""
+    return ("", "", "2robots", "3robots", "robots")[min(waiting, 4)]
 
 
 def _touches(count: int) -> str:

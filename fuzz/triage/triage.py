@@ -79,7 +79,6 @@ class Triage:
                 proved.
         """
         verdict = first_look(outcome)
-        self.count(verdict, outcome.steps)
         # Count crashes by bucket. Otherwise one that occurs in every run would use up the limit
         # and keep all others from being proved.
         cause = (
@@ -87,6 +86,27 @@ class Triage:
             if outcome.fault and verdict == Verdict.CRASH
             else outcome.cause
         )
+        return self.look_at(world, scenario, verdict, outcome.steps, cause)
+
+    def look_at(
+        self, world: World, scenario: Scenario, verdict: str, steps: int, cause: str = ""
+    ) -> str:
+        """Do the same for a run whose verdict is known.
+
+        Args:
+            world: The world, with or without a certificate.
+            scenario: The scenario that ran.
+            verdict: Its verdict, or ``undecided``.
+            steps: Number of steps that it took.
+            cause: Cause of the verdict, if the core knows it.
+
+        Returns:
+            The bucket of a failure; empty if there is none.
+
+        Raises:
+            OutOfTime: If the unit's time is over.
+        """
+        self.count(verdict, steps)
         kind = "" if verdict in ARRIVALS else self.enter(world, scenario, verdict, cause)
         check_time()
         return self.ask(world, scenario) or kind

@@ -24,12 +24,12 @@ from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.options.run import TARGET, RunOptions
 from sim.outcome import Outcome, area_of, wall_evidence
-from sim.trace import fnv1a, state_digest
+from sim.trace import Trace, fnv1a, state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import JointWitness, World
 
-__all__ = ["FleetEpisode", "simulate_fleet"]
+__all__ = ["FleetEpisode", "fleet_traces", "simulate_fleet"]
 
 Named = str | Controller | type
 
@@ -73,12 +73,7 @@ def simulate_fleet(
         InvalidParameter: If robots and controllers do not fit each other, or an option is unknown.
         InvalidWorld: If a robot does not fit at its start.
     """
-    count = len(world.robots)
-    named: list[Named] = assigned(controllers, count)
-    found = [controller_of(one) for one in named]
-    each = [options] * count if isinstance(options, RunOptions) else list(options)
-    _check_options(each)
-    run = FleetRun(world, found, each)
+    run, each = _prepared(world, controllers, options)
     budget = each[0].steps
     outcome = run.run(budget, find_loop=True, record=False)
     if outcome.ending == Verdict.LOOP:
@@ -90,6 +85,41 @@ def simulate_fleet(
     elif record:
         outcome = run.run(outcome.steps, find_loop=False, record=True)
     return _decided(world, each[0], outcome)
+
+
+def fleet_traces(
+    world: World,
+    controllers: Named | Mapping[int, Named],
+    options: RunOptions | Sequence[RunOptions],
+    steps: int,
+) -> tuple[Trace | None, ...]:
+    """Record each robot for so many steps, even if the joint state recurs before.
+
+    A check of a joint loop needs this, because the run that found it ended after one period.
+
+    Args:
+        world: The world to drive in.
+        controllers: As for :func:`simulate_fleet`.
+        options: As for :func:`simulate_fleet`; their budget does not count.
+        steps: Number of steps.
+    """
+    run = _prepared(world, controllers, options)[0]
+    outcome = run.run(steps, find_loop=False, record=True)
+    return tuple(member.trace for member in outcome.members)
+
+
+def _prepared(
+    world: World,
+    controllers: Named | Mapping[int, Named],
+    options: RunOptions | Sequence[RunOptions],
+) -> tuple[FleetRun, list[RunOptions]]:
+    """Return a run, and the options of each robot in it."""
+    count = len(world.robots)
+    named: list[Named] = assigned(controllers, count)
+    found = [controller_of(one) for one in named]
+    each = [options] * count if isinstance(options, RunOptions) else list(options)
+    _check_options(each)
+    return FleetRun(world, found, each), each
 
 
 def _check_options(options: Sequence[RunOptions]) -> None:

@@ -92,7 +92,7 @@ def test_a_controller_may_name_its_own_motion_and_switches():
         ("turn-left", "'turn-left' is not CONTROLLER=OUTCOME"),
         ("turn-left=loop,", "outcome '' is not CONTROLLER=OUTCOME"),
         ("=loop", "'=loop' is not CONTROLLER=OUTCOME"),
-        ("turn-left=", "outcome '' of turn-left is not one of never, fails, reached, loop"),
+        ("turn-left=", "outcome '' of turn-left is not one of never, fails, reached"),
         ("turn-left=lost", "outcome 'lost' of turn-left is not one of"),
         ("turn-left=Loop", "outcome 'Loop' of turn-left is not one of"),
         ("turn-lfet=loop", "did you mean 'turn-left'"),

@@ -1,0 +1,211 @@
+"""Check the evidence of a run of several robots, with each robot's recording."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from fuzz.evidence_checks._plain import (
+    check_budget,
+    first_new_cell_of_second_half,
+    step_path,
+    target_gap,
+)
+from fuzz.evidence_checks.burned import check_burned
+from fuzz.evidence_checks.overlap import check_overlap
+from fuzz.evidence_checks.tunnel import check_tunnel
+from sim.evidence import (
+    BudgetEvidence,
+    BurnedEvidence,
+    CollisionEvidence,
+    Evidence,
+    JointLoopEvidence,
+    WallEvidence,
+)
+from sim.motion import Motion
+from sim.trace import Trace
+from sim.verdict import Verdict
+from worldgen.world import Robot, World
+
+__all__ = ["check_fleet"]
+
+# Cells: start and target are rounded to the pose lattice, 1/1024 of a cell each.
+_LATTICE = 2 / 1024
+
+Floats = npt.NDArray[np.float64]
+
+
+def check_fleet(
+    world: World,
+    traces: Sequence[Trace],
+    verdict: Verdict,
+    evidence: Evidence,
+    motion: Motion,
+) -> str:
+    """Return why a verdict on several robots does not hold; empty if it does.
+
+    Args:
+        world: World of the run.
+        traces: Each robot's recording; for a joint loop they include a second period.
+        verdict: The claim.
+        evidence: Its evidence.
+        motion: The motion model, which says how much overlap is tolerated.
+    """
+    if motion.name == "swept" and (wrong := _check_apart(world, traces)):
+        return wrong
+    match evidence:
+        case JointLoopEvidence():
+            return _check_joint_loop(world, traces, evidence, verdict)
+        case CollisionEvidence():
+            return _check_collision(world, traces, evidence)
+        case BudgetEvidence():
+            return _check_fleet_budget(world, traces, evidence, verdict)
+        case WallEvidence(robot=int(number)):
+            check = check_tunnel if verdict == Verdict.TUNNEL else check_overlap
+            return check(world.alone(number), traces[number - 1], evidence, motion)
+        case BurnedEvidence(robot=int(number)):
+            return check_burned(world.alone(number), traces[number - 1], evidence, motion)
+    return ""
+
+
+def _check_joint_loop(
+    world: World,
+    traces: Sequence[Trace],
+    evidence: JointLoopEvidence,
+    verdict: Verdict,
+) -> str:
+    """Check that all robots that wait repeat themselves in step, and that the others have parked.
+
+    Args:
+        world: World of the run.
+        traces: Each robot's recording; of one that waits, up to ``entry + 2 * period`` steps.
+        evidence: The claim.
+        verdict: ``deadlock``, ``livelock`` or ``starved``.
+    """
+    entry = evidence.entry
+    period = evidence.period
+    robots = world.robots
+    if entry < 0 or period < 1:
+        return f"a loop does not begin after step {entry} with a period of {period} steps"
+    parked = dict(evidence.parked)
+    if sorted([*evidence.waiting, *parked]) != list(range(1, len(robots) + 1)):
+        return "a robot is neither among those that wait nor among those that have arrived"
+    time_step = Fraction(repr(traces[0].time_step))
+    if entry * time_step < Fraction(repr(world.timeline.last_time)):
+        return "the world still changes after the loop's entry"
+
+    # Robots that have arrived stay where they are, in their targets.
+    for number, step in parked.items():
+        trace = traces[number - 1]
+        if step > entry or trace.steps != step:
+            return f"robot {number} arrives in step {trace.steps}, not in step {step}"
+        if _gap(robots[number - 1], trace, step) > _LATTICE * world.cell_size:
+            return f"robot {number} has not arrived in step {step}"
+
+    # All others do the same in two periods, at the same times.
+    moving = []
+    for number in evidence.waiting:
+        wrong = _check_period(world.alone(number), traces[number - 1], entry, period)
+        if wrong:
+            return f"robot {number}: {wrong}"
+        trace = traces[number - 1]
+        first, last = np.searchsorted(trace.path_step, [entry + 1, entry + period + 1])
+        places = np.stack([trace.path_x[first:last], trace.path_y[first:last]], axis=1)
+        if len(places) and (places != [trace.x[entry], trace.y[entry]]).any():
+            moving.append(number)
+    if tuple(moving) != evidence.moving:
+        return f"robots {moving} move within the period, not {list(evidence.moving)}"
+    wanted = Verdict.LIVELOCK if moving else Verdict.DEADLOCK
+    if len(evidence.waiting) == 1:
+        wanted = Verdict.STARVED
+    return "" if verdict == wanted else f"this is {wanted}, not {verdict}"
+
+
+def _check_period(world: World, trace: Trace, entry: int, period: int) -> str:
+    """Check that two whole periods of one robot are equal, and that it never arrives in them."""
+    if not trace.complete:
+        return "the controller has memory that it does not declare, so equal states prove nothing"
+    if trace.steps < entry + 2 * period:
+        return f"the trace ends at step {trace.steps}, before the second period does"
+    one = trace.states[entry : entry + period + 1]
+    two = trace.states[entry + period : entry + 2 * period + 1]
+    if not np.array_equal(one, two):
+        return "the second period differs from the first"
+    first, last = np.searchsorted(trace.path_step, [entry + 1, entry + period + 1])
+    x = np.concatenate([trace.x[entry : entry + 1], trace.path_x[first:last]])
+    y = np.concatenate([trace.y[entry : entry + 1], trace.path_y[first:last]])
+    inside = target_gap(world, x, y) < -_LATTICE * world.cell_size
+    return "the loop passes through the target" if inside else ""
+
+
+def _check_collision(world: World, traces: Sequence[Trace], evidence: CollisionEvidence) -> str:
+    """Check that two robots come closer in a step than their radii allow."""
+    one, other = evidence.robots
+    first = traces[one - 1]
+    second = traces[other - 1]
+    robots = world.robots
+    together = robots[one - 1].radius + robots[other - 1].radius
+    nearest = _nearest(first, second, evidence.step)
+    if nearest < together:
+        return ""
+    return f"robots {one} and {other} stay {nearest:g} m apart in step {evidence.step}"
+
+
+def _check_fleet_budget(
+    world: World, traces: Sequence[Trace], evidence: BudgetEvidence, verdict: Verdict
+) -> str:
+    """Check whether a robot enters a new cell in the second half of the budget, and the budget."""
+    longest = max(traces, key=lambda trace: trace.steps)
+    half = longest.steps // 2
+    fresh = [
+        number
+        for number, trace in enumerate(traces, start=1)
+        if first_new_cell_of_second_half(world.alone(number), trace, half)
+    ]
+    if verdict == Verdict.STALLED and fresh:
+        return f"robot {fresh[0]} still enters new cells in the second half"
+    if verdict == Verdict.TIMEOUT and not fresh:
+        return "the second half has no new cell"
+    return check_budget(world, longest, evidence)
+
+
+def _check_apart(world: World, traces: Sequence[Trace]) -> str:
+    """Check that no two robots overlap where a step ends; one that has arrived stays there."""
+    robots = world.robots
+    steps = max(trace.steps for trace in traces)
+    for one, other in itertools.combinations(range(len(robots)), 2):
+        dx = _held(traces[one].x, steps) - _held(traces[other].x, steps)
+        dy = _held(traces[one].y, steps) - _held(traces[other].y, steps)
+        gap = np.hypot(dx, dy) - robots[one].radius - robots[other].radius
+        step = int(np.argmin(gap))
+        if gap[step] < -_LATTICE * world.cell_size:
+            return f"robots {one + 1} and {other + 1} overlap by {-gap[step]:g} m in step {step}"
+    return ""
+
+
+def _held(places: Floats, steps: int) -> Floats:
+    """Return places for so many steps; the last one stays."""
+    return np.concatenate([places, np.repeat(places[-1:], steps + 1 - len(places))])
+
+
+def _gap(robot: Robot, trace: Trace, step: int) -> float:
+    """Return the distance, m, from the path of a step to a robot's target; negative inside."""
+    target = shapely.Point(robot.target.x, robot.target.y)
+    return float(step_path(trace, step).distance(target)) - robot.target.radius
+
+
+def _nearest(first: Trace, second: Trace, step: int) -> float:
+    """Return the least distance, m, of two robots in a step, in which each drives straight."""
+    ends = []
+    for trace in (first, second):
+        begin = min(step - 1, trace.steps)
+        end = min(step, trace.steps)
+        ends.append((trace.x[begin], trace.y[begin], trace.x[end], trace.y[end]))
+    (ax, ay, bx, by), (cx, cy, dx, dy) = ends
+    relative = shapely.LineString([(cx - ax, cy - ay), (dx - bx, dy - by)])
+    return float(relative.distance(shapely.Point(0.0, 0.0)))

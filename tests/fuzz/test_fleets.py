@@ -1,0 +1,159 @@
+"""Failures of several robots: judged, checked, sorted, shrunk and found."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fuzz.evidence_checks import check_fleet
+from fuzz.failure import Failure
+from fuzz.oracles import Trial
+from fuzz.shrink import removable, shrink
+from fuzz.shrink.predicate import StillFails
+from fuzz.triage.cause import Cause
+from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.fleet_signature import Standoff, standoff
+from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.proofs import certified
+from sim.evidence import JointLoopEvidence
+from sim.fleet import fleet_traces
+from sim.motion import MOTIONS
+from sim.scenario import Scenario
+from sim.verdict import JOINT_LOOPS, Verdict
+from tests.helpers.command_line import worldgen
+from worldgen.world import JointWitness, Pose, Robot, Target, World
+
+STRAIGHT = Scenario.parse("tests.helpers.straight:Straight")
+
+
+def alley(*, third: bool = False) -> World:
+    """A passage for one robot with a bay, in which two want to change places; a third one parks."""
+    walls = np.ones((4, 15), bool)
+    walls[:2] = False
+    walls[2:, 6:8] = False
+    others = [Robot(Pose(1.25, 0.1, math.pi), Target(0.35, 0.1, 0.05))]
+    if third:
+        others.append(Robot(Pose(0.08, 0.1), Target(0.08, 0.1, 0.05)))
+    world = World(walls, Pose(0.35, 0.1), Target(1.25, 0.1, 0.05), others=tuple(others))
+    proved = certified(world)
+    assert proved is not None
+    return proved
+
+
+def deadlock(*, third: bool = False) -> Failure:
+    """Two robots that meet in an alley and block each other."""
+    failure = failure_of(alley(third=third), STRAIGHT)
+    assert failure is not None
+    return failure
+
+
+def joint_loop(**changes: object) -> JointLoopEvidence:
+    """Evidence of two robots that stand face to face, with changes."""
+    usual = JointLoopEvidence(
+        entry=10, period=1, state_digest="", waiting=(1, 2), moving=(), blocked=(), parked=()
+    )
+    return replace(usual, **changes)  # type: ignore[arg-type]
+
+
+def test_two_robots_that_block_each_other_are_a_failure_with_a_joint_witness() -> None:
+    failure = deadlock()
+    assert failure.verdict == Verdict.DEADLOCK
+    assert failure.bucket == "deadlock-face-to-face-2robots"
+    assert isinstance(failure.world.certificate, JointWitness)
+    assert cause_of(failure) == Cause.FACE_TO_FACE
+
+
+def test_a_deadlock_replays_from_its_bytes() -> None:
+    failure = deadlock()
+    assert replay(Failure.of(failure.stored)).confirmed
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"moving": (1,)},
+        {"waiting": (1,)},
+        {"entry": 0},
+        {"parked": ((2, 5),), "waiting": (1,)},
+        {"period": 0},
+    ],
+    ids=["moving", "one missing", "too early", "not parked", "no period"],
+)
+def test_false_evidence_of_a_deadlock_is_refused(changes: dict[str, object]) -> None:
+    failure = deadlock()
+    evidence = failure.evidence
+    assert isinstance(evidence, JointLoopEvidence)
+    steps = evidence.entry + 2 * evidence.period
+    traces = fleet_traces(failure.world, STRAIGHT.controller, failure.options, steps)
+    found = [trace for trace in traces if trace is not None]
+    swept = MOTIONS.get("swept")
+    assert check_fleet(failure.world, found, Verdict.DEADLOCK, evidence, swept) == ""
+    false = replace(evidence, **changes)  # type: ignore[arg-type]
+    assert check_fleet(failure.world, found, Verdict.DEADLOCK, false, swept)
+    assert check_fleet(failure.world, found, Verdict.LIVELOCK, evidence, swept)
+
+
+def test_robots_that_overlap_are_noticed() -> None:
+    failure = deadlock()
+    trial = Trial.recorded(failure.world, STRAIGHT.controller, failure.options)
+    first = trial.recorded_run.robots[0].trace  # type: ignore[attr-defined]
+    evidence = failure.evidence
+    assert evidence is not None
+    twice = [first, first]
+    assert "overlap" in check_fleet(
+        failure.world, twice, Verdict.DEADLOCK, evidence, MOTIONS.get("swept")
+    )
+
+
+@pytest.mark.parametrize(
+    ("evidence", "expected"),
+    [
+        (joint_loop(blocked=((1, 2), (2, 1))), Standoff.FACE_TO_FACE),
+        (joint_loop(blocked=((1, 2), (2, 3), (3, 1)), waiting=(1, 2, 3)), Standoff.CIRCULAR_WAIT),
+        (joint_loop(blocked=((1, 2),), waiting=(1,), parked=((2, 5),)), Standoff.BEHIND_PARKED),
+        (joint_loop(blocked=((1, 2),)), Standoff.QUEUE),
+        (joint_loop(moving=(1, 2)), Standoff.OSCILLATION),
+        (joint_loop(), Standoff.APART),
+    ],
+    ids=lambda value: value if isinstance(value, Standoff) else "",
+)
+def test_a_standoff_is_named_after_who_drives_into_whom(
+    evidence: JointLoopEvidence, expected: Standoff
+) -> None:
+    assert standoff(evidence) == expected
+
+
+def test_shrinking_drops_the_robot_that_is_not_needed_and_all_walls() -> None:
+    shrunk = shrink(deadlock(third=True))
+    world = shrunk.failure.world
+    assert len(world.robots) == 2
+    assert world.solid_cells == 0
+    assert shrunk.failure.verdict == Verdict.DEADLOCK
+    assert replay(shrunk.failure).confirmed
+    assert removable(world, StillFails.of(shrunk.failure)) == []
+
+
+@pytest.mark.gate
+def test_a_campaign_with_two_robots_ends_with_small_proved_failures(tmp_path) -> None:
+    out = tmp_path / "f"
+    result = worldgen(
+        "fuzz", "--robots", 2, "--controller", "vfh", "--strategy", "features", "--units", 1,
+        "--examples", 30, "--seed", 1, "--workers", 1, "--out", out,
+    )  # fmt: skip
+    assert result.code == 1
+    failures = [Failure.read(path) for path in sorted(out.glob("*.grid"))]
+    proved = [failure for failure in failures if failure.verdict in JOINT_LOOPS]
+    assert min(failure.world.walls.size for failure in proved) <= 40
+    assert all(replay(failure).confirmed for failure in failures)
+
+
+def test_a_strategy_for_one_robot_is_refused_with_several(tmp_path) -> None:
+    result = worldgen(
+        "fuzz", "--robots", 2, "--controller", "vfh", "--strategy", "native", "--units", 1,
+        "--out", tmp_path / "f",
+    )  # fmt: skip
+    assert result.code == 2
+    assert result.error.code == "strategy-for-one-robot"
