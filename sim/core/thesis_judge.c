@@ -55,7 +55,9 @@ void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *set
         } else if (event->state == WG_BURNING) {
             value = WG_THESIS_FLAME;
         }
-        bool falls = value < 0 && value != arena->cells[cell] && run->ending == WG_LIMIT;
+        // In the thesis's program a wall that lands on the robot ends nothing, as one that it enters does not.
+        bool harms = event->state != WG_SOLID || settings->stop_at_tunnel != 0;
+        bool falls = harms && value < 0 && value != arena->cells[cell] && run->ending == WG_LIMIT;
         arena->cells[cell] = value;
         ThesisPoint centre = {run->state.x, run->state.y};
         if (falls && gap(centre, event->x, event->y) < settings->radius) {

@@ -43,8 +43,8 @@ class ThesisOptions(OptionSet):
         repair_slide: Slide along a wall only where the disc is then clear of every wall.
         repair_back_off: Stay at a wall instead of backing off without looking.
         repair_corner: Stop where only the corner of a cell is touched.
-        keep_going: Whether walls that the robot enters neither end the run nor decide its verdict,
-            as in the original program.
+        keep_going: Whether walls that the robot enters, or that land on it, neither end the run nor
+            decide its verdict, as in the original program.
         acceleration: Greatest gain of speed, m/s2; 0 means instantly. Like all forces it acts on
             the speed, while moves are whole pixels, a tenth of a cell: a robot that moves no more
             than one a tick stands still.

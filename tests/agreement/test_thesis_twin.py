@@ -286,10 +286,12 @@ def test_the_loop_search_finds_the_recorded_period(name):
 
 
 @pytest.mark.parametrize(
-    ("cell", "ending"), [((1, 8), at.LIMIT), ((6, 9), at.BURNED)], ids=["elsewhere", "on it"]
+    ("cell", "stop", "ending"),
+    [((1, 8), 1, at.LIMIT), ((6, 9), 1, at.BURNED), ((6, 9), 0, at.LIMIT)],
+    ids=["elsewhere", "on it", "on it, and it keeps going"],
 )
-def test_debris_only_strikes_where_it_falls(cell, ending):
-    cells, light, _, start, setup, draws, _ = of_vector("demo-1", steps=140)
+def test_debris_only_strikes_where_it_falls(cell, stop, ending):
+    cells, light, _, start, setup, draws, _ = of_vector("demo-1", steps=140, stop_at_tunnel=stop)
     episode = ThesisEpisode(cells, light, np.array([[130, *cell, 1]]), start, setup)
     episode.go(140, draws, new_rows(0))
     assert episode.run.deepest > 2.0  # px: it has worked itself into a wall by then

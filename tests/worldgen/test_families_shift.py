@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.families.builtin.shift import shift
+from worldgen.families.builtin.shift import _Pace, shift
 from worldgen.family import stream_for
 from worldgen.generation import generate
 from worldgen.reach import REACHABLE, check_certificate, decide
@@ -144,3 +144,24 @@ def test_the_ground_is_what_it_is_without_swaps(seed):
 def test_bad_parameters_are_refused(params, expected):
     with raises(InvalidParameter, **expected):
         layout(**params)
+
+
+@given(SEEDS, st.floats(1.5, 50.0))
+def test_a_world_that_speeds_up_changes_more_and_more(seed, speedup):
+    times = layout(seed, over="maze", speedup=speedup, duration=200.0).timeline.times
+    early, late = (times <= 100.0).sum(), (times > 100.0).sum()
+    assert late > early and times.max() <= 200.0 and (np.diff(times) >= 0).all()
+
+
+def test_the_rate_and_the_chance_of_a_swap_grow_evenly_with_time():
+    pace = _Pace(interval=0.5, chance=0.1, duration=60.0, speedup=4.0)
+    times = np.array([pace.time(draw) for draw in range(1, pace.draws + 1)])
+    assert len(times) == 300 and times[-1] == pytest.approx(60.0)
+    gaps = np.diff(times)
+    assert gaps[0] == pytest.approx(0.5, rel=0.05) and gaps[-1] == pytest.approx(0.125, rel=0.02)
+    assert [round(pace.share(time), 3) for time in (0.0, 30.0, 60.0)] == [0.1, 0.25, 0.4]
+
+
+def test_a_world_that_speeds_up_is_proved_too():
+    world = generate("shift", 5, speedup=10.0)
+    assert check_certificate(world).valid and world.provenance.params["speedup"] == 10.0

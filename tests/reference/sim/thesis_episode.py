@@ -223,7 +223,9 @@ def _apply_events(arena: Arena, setup: Setup, step: int, state: Floats, counts: 
         x, y, new = arena.events[event, 1], arena.events[event, 2], arena.events[event, 3]
         counts[at.NEXT_EVENT] += 1
         value = WALL if new == SOLID else (FLAME if new == BURNING else arena.light[x, y])
+        harms = new != SOLID or setup.stop_at_tunnel != 0
         falls = value < 0 and value != arena.cells[x, y] and counts[at.OUT_ENDING] == at.LIMIT
+        falls = falls and harms
         arena.cells[x, y] = value
         if falls and _gap(state[at.X], state[at.Y], x, y) < setup.radius:
             counts[at.OUT_ENDING], counts[at.OUT_HIT_STATE] = at.BURNED, new

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -36,6 +36,7 @@ def shift(
     over: str = "trap",
     interval: Annotated[float, Bounds(0.01, 60.0, "s")] = 0.5,
     chance: Share = 0.1,
+    speedup: Annotated[float, Bounds(1.0, 100.0)] = 1.0,
     duration: Annotated[float, Bounds(0.0, 600.0, "s")] = 60.0,
     margin: Margin = 0.0,
     cell_size: CellSize = 0.1,
@@ -48,7 +49,7 @@ def shift(
     the whole square is swapped with its mirror image along the diagonal from the upper left to the
     lower right: a wall goes from one side of it to the other. Two equal cells change nothing.
     Unlike in the thesis's program, which moves the target and every cell's signal too, only walls
-    move, a swap of a cell that the target lies in is if omitted, and the first draw comes after one
+    move, a swap of a cell that the target lies in is left out, and the first draw comes after one
     interval, not at once.
 
     Args:
@@ -58,6 +59,8 @@ def shift(
             Words that are not given are drawn.
         interval: Time between two draws, s.
         chance: Share of the draws that swap two cells.
+        speedup: How many times as often it draws at ``duration`` as at the start, and how many
+            times as large ``chance`` is then, at most 1; both rise evenly in between.
         duration: Time after which all stays as it is, s.
         margin: The robot may set out on its witness up to this much later and still arrive, s.
         cell_size: Side of a cell, m.
@@ -82,11 +85,18 @@ def shift(
             width=ground.width,
             height=ground.height,
         )
-    return replace(ground, timeline=_swaps(rng.child("swaps"), ground, interval, chance, duration))
+    pace = _Pace(interval, chance, duration, speedup)
+    return replace(ground, timeline=_swaps(rng.child("swaps"), ground, pace))
 
 
 def shifted(
-    world: World, seed: int, *, interval: float = 0.5, chance: float = 0.1, duration: float = 600.0
+    world: World,
+    seed: int,
+    *,
+    interval: float = 0.5,
+    chance: float = 0.1,
+    duration: float = 600.0,
+    speedup: float = 1.0,
 ) -> World:
     """Build a world whose cells change places over time, as in :func:`shift`.
 
@@ -98,6 +108,7 @@ def shifted(
         interval: Time between two draws, s.
         chance: Share of the draws that swap two cells.
         duration: Time after which nothing changes any more, s.
+        speedup: As for :func:`shift`.
 
     Raises:
         InvalidParameter: If the world is not square or already changes, or if no swap happens.
@@ -116,7 +127,8 @@ def shifted(
             "the world changes already",
             "clear its changes, or take one that stands still",
         )
-    swaps = _swaps(RandomStream(seed).child("swaps"), world, interval, chance, duration)
+    pace = _Pace(interval, chance, duration, speedup)
+    swaps = _swaps(RandomStream(seed).child("swaps"), world, pace)
     if len(swaps) == 0:
         raise InvalidParameter(
             "no-room",
@@ -127,16 +139,53 @@ def shifted(
     return replace(world, timeline=swaps, certificate=None, provenance=None, failure=None)
 
 
-def _swaps(
-    rng: RandomStream, ground: World, interval: float, chance: float, duration: float
-) -> Timeline:
+@dataclass(frozen=True)
+class _Pace:
+    """When draws come, and how many of them swap.
+
+    Args:
+        interval: Time between two draws at the start, s.
+        chance: Share of the draws that swap, at the start.
+        duration: Time of the last draw, s.
+        speedup: Rate and share at the end, as multiples of those at the start.
+    """
+
+    interval: float
+    chance: float
+    duration: float
+    speedup: float
+
+    @property
+    def draws(self) -> int:
+        """How many draws there are: the rate's integral over the duration."""
+        mean = (1 + exact(self.speedup)) / 2
+        return math.floor(mean * exact(self.duration) / exact(self.interval))
+
+    def time(self, draw: int) -> float:
+        """Return when a draw comes, counted from 1, s: where the rate's integral reaches it."""
+        gain = self.speedup - 1.0
+        if gain == 0.0:
+            return float(draw * exact(self.interval))
+        rounds = draw * self.interval / self.duration
+        root = math.sqrt(1.0 + 2.0 * gain * rounds)
+        return round(min(self.duration * (root - 1.0) / gain, self.duration), 6)
+
+    def share(self, time: float) -> float:
+        """Return the share of draws that swap at a time."""
+        if self.speedup == 1.0:
+            return self.chance
+        return min(1.0, self.chance * (1.0 + (self.speedup - 1.0) * time / self.duration))
+
+
+def _swaps(rng: RandomStream, ground: World, pace: _Pace) -> Timeline:
     """Draw the swaps, and return two changes for each swap of a wall and a free cell."""
     walls = ground.walls.copy()
     last = ground.height - 1
     kept = _target_cells(ground)
     events: list[Event] = []
-    for draw in range(1, math.floor(exact(duration) / exact(interval)) + 1):
-        if rng.random() >= chance:
+    for draw in range(1, pace.draws + 1):
+        time = pace.time(draw)
+        if rng.random() >= pace.share(time):
             continue
         # Count the row from the top, as the thesis does.
         column = rng.below(ground.width)
@@ -147,7 +196,6 @@ def _swaps(
         if walls[here] == walls[there] or here in kept or there in kept:
             continue
         walls[here], walls[there] = walls[there], walls[here]
-        time = float(draw * exact(interval))
         for iy, ix in sorted((here, there)):
             events.append(Event(time, ix, iy, CellState.SOLID if walls[iy, ix] else CellState.FREE))
     return Timeline.of(events)
