@@ -8,6 +8,7 @@ from pathlib import Path
 
 from fuzz.boundary import describe_boundaries
 from fuzz.failure import Failure
+from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.hazards import HAZARD
 from sim.describe import describe_evidence, describe_frames
 from sim.drawing.picture import trail_of
@@ -38,8 +39,17 @@ def describe_seeds(failure: Failure) -> str:
     return f"{seeds[0]} of {seeds[1]} seeds {'get there' if failure.is_breach else 'fail'}"
 
 
-def describe(failure: Failure, path: Path, *, met: Counter[str] | None = None) -> str:
-    """Return a failure for the terminal: what happened, the picture, the command to replay it."""
+def describe(
+    failure: Failure, path: Path, *, met: Counter[str] | None = None, why: str = ""
+) -> str:
+    """Return a failure for the terminal: what happened, why, the picture, the command to replay it.
+
+    Args:
+        failure: The failure.
+        path: Its file.
+        met: By class, how often a campaign met it.
+        why: After which changes its robot arrives: ``arrives if cell (3, 2) is free``.
+    """
     world = failure.world
     record = failure.record
     kind = failure.bucket
@@ -61,6 +71,8 @@ def describe(failure: Failure, path: Path, *, met: Counter[str] | None = None) -
     chance += _CHANCES.get(str(record.details.get("chance")), "")
     begins = describe_boundaries(failure)
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
+    cause = cause_of(failure)
+    depends = f"  It {why}.\n" if why else ""
     color = wants_color(sys.stdout)
     return (
         f"{shown(failure.who)}: {record.verdict}{shown(words)}\n"
@@ -68,6 +80,8 @@ def describe(failure: Failure, path: Path, *, met: Counter[str] | None = None) -
         f"{_doubt(failure)}"
         f"  class {shown(kind)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
+        f"  {cause.value}: {cause.sentence}\n"
+        f"{shown_lines(depends)}"
         f"{f'  {begins}{chr(10)}' if begins else ''}"
         f"{draw_terminal(failure.stored, trail=trail, color=color)}"
         f"  {shown(failure.replay_command(path))}\n"

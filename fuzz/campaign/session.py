@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import shlex
+import sys
 import time
 from collections.abc import Mapping
 from dataclasses import fields
@@ -31,6 +32,10 @@ from fuzz.corpus import Baseline
 from fuzz.describe import describe
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Trial
+from fuzz.overview import Overview
+from fuzz.overview.building import Conclusion, build_overview
+from fuzz.overview.overview import write_overview
+from fuzz.overview.terminal import Headline, overview_lines
 from fuzz.search.names import DATABASE, TIME_STEPS
 from fuzz.search.registry import check_strategy
 from fuzz.triage.hazards import hazard_words, is_hazard
@@ -44,8 +49,9 @@ from sim.verdict import Verdict
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.grid import read_world
+from worldgen.render import wants_color
 from worldgen.support.plain_text import counted
-from worldgen.support.progress import working
+from worldgen.support.progress import is_verbose, working
 
 __all__ = ["CampaignSession", "configure"]
 
@@ -53,6 +59,10 @@ __all__ = ["CampaignSession", "configure"]
 _SUMMARY_EVERY = 1.0
 # Seconds for the runs of all pictures together.
 _TO_DRAW = 2.0
+# Share of the time in which natural worlds are run and failures explained, once the search is over.
+_TO_CONCLUDE = 0.1
+# Seconds for that after Ctrl-C.
+_TO_CONCLUDE_AT_ONCE = 1.0
 _VARY = "--vary"
 
 
@@ -145,6 +155,7 @@ class CampaignSession:
         began: When the command began, by ``time.monotonic``.
         lasts: Whether the folder still exists after the command, so that a message can name it.
         own: Seconds since then spent in the controller's own code.
+        last: Failures of the last campaign in the same folder, which this one replaces.
     """
 
     def __init__(
@@ -159,8 +170,10 @@ class CampaignSession:
         began: float | None = None,
         lasts: bool = True,
         own: float = 0.0,
+        last: Baseline | None = None,
     ) -> None:
         self._baseline = baseline or Baseline()
+        self._last = last or Baseline()
         self._count_hazards = count_hazards
         self._config = campaign_run.config
         self._store = campaign_run.store
@@ -172,7 +185,7 @@ class CampaignSession:
         self._campaign = Campaign(
             campaign_run.config,
             units=budget.units,
-            seconds=budget.seconds,
+            seconds=None if budget.seconds is None else budget.seconds * (1.0 - _TO_CONCLUDE),
             executor=executor,
             store=campaign_run.store,
             is_known=self._baseline.has,
@@ -182,6 +195,8 @@ class CampaignSession:
         self._limit = (
             f"{budget.seconds:g} s" if budget.units is None else counted(budget.units, "unit")
         )
+        self._to_conclude = None if budget.seconds is None else budget.seconds * _TO_CONCLUDE
+        self._overview = Overview(())
         self._unsaved: set[str] = set()
         self._status = "running"
         # Until all earlier results have been processed.
@@ -305,8 +320,27 @@ class CampaignSession:
         idle = None if stopped else self._nothing_ran()
         if idle is not None:
             record_error(self._out, idle)
+        else:
+            stopped = self._conclude(stopped=stopped)
         self._keep_status("stopped" if stopped else "failed" if idle else "done")
         return stopped
+
+    def _conclude(self, *, stopped: bool) -> bool:
+        """Work out and write what was found; return whether Ctrl-C came, now or before."""
+        if not stopped:
+            try:
+                with working("running natural worlds and explaining failures"):
+                    self._overview = self._build(self._to_conclude, natural=True)
+            except KeyboardInterrupt:
+                stopped = True
+        if stopped:
+            self._overview = self._build(_TO_CONCLUDE_AT_ONCE, natural=False)
+        write_overview(self._overview, self._out)
+        return stopped
+
+    def _build(self, seconds: float | None, *, natural: bool) -> Overview:
+        conclusion = Conclusion(self._baseline, self._last, seconds)
+        return build_overview(self._config, self._campaign.state, conclusion, natural=natural)
 
     def _keep_status(self, status: str) -> None:
         self._status = status
@@ -429,19 +463,23 @@ class CampaignSession:
         hazards = self._hazards()
         if self._quiet:
             lists = {"failures": self._listed(self._failing()), "hazards": self._listed(hazards)}
-            emit_json(self._summary() | lists)
+            emit_json(self._summary() | self._overview.table() | lists)
             return
-        # Describe every failure, then the hazards.
-        for kind, failure in sorted(self._failing().items()):
-            click.echo(describe(failure, self._path(kind), met=state.met))
-        if hazards:
-            click.echo(
-                f"{hazard_words(hazards.values())}: {counted(len(hazards), 'class', 'classes')}\n"
-            )
-        for kind, failure in sorted(hazards.items()):
-            click.echo(describe(failure, self._path(kind), met=state.met))
-        # Describe the work: strategies, verdicts, time.
-        click.echo(describe_strategies(state))
+        if is_verbose():
+            self._report_in_detail()
+        scenario = self._config.scenario
+        headline = Headline(
+            f"{scenario.label()} under {scenario.run.motion}",
+            self._out,
+            state.worlds,
+            len(state.met),
+            is_failing=bool(self._failing()),
+            is_known=bool(state.known),
+            lasts=self._lasts,
+        )
+        color = wants_color(sys.stdout)
+        for line in overview_lines(self._overview, headline):
+            click.echo(line, color=color)
         verdicts = ", ".join(
             f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
         )
@@ -462,27 +500,28 @@ class CampaignSession:
                 "deadline then, and a hang "
                 "is a failure (docs/reference/controllers.md)"
             )
-        # Count the known classes and the hazards.
+        if hazards:
+            note(f"--count-hazards makes failures of {hazard_words(hazards.values())}")
+
+    def _report_in_detail(self) -> None:
+        """Print each class with its picture, and what each strategy did."""
+        state = self._campaign.state
+        hazards = self._hazards()
+        for kind, failure in sorted(self._failing().items()):
+            click.echo(describe(failure, self._path(kind), met=state.met))
+        if hazards:
+            click.echo(
+                f"{hazard_words(hazards.values())}: {counted(len(hazards), 'class', 'classes')}\n"
+            )
+        for kind, failure in sorted(hazards.items()):
+            click.echo(describe(failure, self._path(kind), met=state.met))
+        click.echo(describe_strategies(state))
         if state.known:
             often = ", ".join(
                 f"{shown(kind)} {counted(times, 'time')}"
                 for kind, times in sorted(state.known.items())
             )
             click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
-        if hazards:
-            often = ", ".join(
-                f"{shown(kind)} {counted(state.met[kind], 'time')}" for kind in sorted(hazards)
-            )
-            click.echo(
-                f"{hazard_words(hazards.values())}: met {often}; --count-hazards makes failures "
-                "of them"
-            )
-        if not self._failing():
-            what = "new failure" if state.known else "failure"
-            words = hazard_words(hazards.values()).replace("hazards it", "hazards that it")
-            beside = f", but for {words}" if hazards else ""
-            who = f"{self._config.scenario.label()} under {self._config.scenario.run.motion}"
-            click.echo(f"no {what} of {who} found{beside}")
 
     def _as_report(self) -> Report:
         """Return the campaign in the form of the reports for CI services."""
@@ -508,8 +547,19 @@ class CampaignSession:
             if state.times
         }
         failing = self._failing()
+        # What a failure depends on was tried for the clearest one of each cause.
+        why = {
+            self._out / cause.file: cause.why.describe()
+            for cause in self._overview.causes
+            if cause.why is not None
+        }
         new = [
-            CiFinding.of(one, self._path(kind), "new" if kind in failing else "hazard")
+            CiFinding.of(
+                one,
+                self._path(kind),
+                "new" if kind in failing else "hazard",
+                why=why.get(self._path(kind), ""),
+            )
             for kind, one in best
         ]
         stored = sorted(self._baseline.failures.items(), key=lambda item: (item[0][2], item[1][0]))

@@ -9,6 +9,7 @@ from typing import Literal
 
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
+from fuzz.triage.diagnosis import cause_of
 from sim.describe import describe_frames
 from sim.drawing.picture import trail_of
 from sim.runners.stopping import OutOfTime
@@ -41,6 +42,9 @@ class CiFinding:
         world_id: SHA-256, in hex, of the world without its record.
         seed: Seed of the run.
         replay: The command that replays it.
+        cause: Why the robot fails: a name of :class:`fuzz.triage.cause.Cause`.
+        sentence: The cause as a sentence, with a full stop.
+        why: After which single changes it arrives; empty if that was not tried.
         frames: Where the controller crashed, one line per frame; empty if it did not crash.
     """
 
@@ -56,6 +60,9 @@ class CiFinding:
     world_id: str
     seed: int
     replay: str
+    cause: str = ""
+    sentence: str = ""
+    why: str = ""
     frames: str = ""
 
     @classmethod
@@ -66,6 +73,7 @@ class CiFinding:
         state: State,
         reason: str = "",
         controller: str | None = None,
+        why: str = "",
     ) -> CiFinding:
         """Describe a failure; this runs its controller to draw the path.
 
@@ -75,6 +83,7 @@ class CiFinding:
             state: See the class.
             reason: Why it is not confirmed.
             controller: A controller to use instead of the recorded one.
+            why: After which single changes the robot arrives.
         """
         replay = failure.replay_command(file, controller)
         failure = failure.driven_by(controller)
@@ -94,6 +103,7 @@ class CiFinding:
             words = ""
             trail = None
             frames = describe_frames(failure.evidence)
+        cause = cause_of(failure)
         what = reason if state == "not confirmed" else f"{record.verdict}{words}"
         picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
@@ -114,6 +124,9 @@ class CiFinding:
             world_id=world_digest(failure.stored),
             seed=record.seed,
             replay=shown(replay),
+            cause=cause.value,
+            sentence=cause.sentence,
+            why=shown(why),
         )
 
     @property
@@ -132,9 +145,16 @@ class CiFinding:
         return f"{self.who}: {self.what}"
 
     @property
+    def explanation(self) -> str:
+        """Why it happens: one sentence or two, empty if nothing is known."""
+        depends = f" It {self.why}." if self.why else ""
+        return f"{self.sentence}{depends}".strip()
+
+    @property
     def text(self) -> str:
         """The complete finding, as lines of text."""
-        about = f"{self.headline}\nclass {self.kind}; {self.size}"
+        cause = f"\n{self.cause}: {self.explanation}" if self.cause else ""
+        about = f"{self.headline}{cause}\nclass {self.kind}; {self.size}"
         return f"{about}\n{self.frames}{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
 
 

@@ -50,11 +50,13 @@ def _case(suite: Element, command: str, finding: CiFinding) -> None:
     )
     about = {
         "class": finding.kind,
+        "cause": finding.cause,
+        "why": finding.why,
         "seed": finding.seed,
         "world": finding.world_id,
         "replay": finding.replay,
     }
-    _properties(case, {name: str(value) for name, value in about.items()})
+    _properties(case, {name: str(value) for name, value in about.items() if value != ""})
     if finding.fails:
         SubElement(
             case, "failure", type=finding.verdict, message=finding.headline

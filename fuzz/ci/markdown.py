@@ -24,8 +24,8 @@ def markdown(report: Report) -> str:
         ]
     if report.findings:
         lines += [
-            "| | class | controller | what happens | world | file |",
-            "| --- | --- | --- | --- | --- | --- |",
+            "| | class | cause | controller | what happens | world | file |",
+            "| --- | --- | --- | --- | --- | --- | --- |",
         ]
         lines += [_row(finding) for finding in report.findings]
         lines.append("")
@@ -49,7 +49,15 @@ def escaped(text: str) -> str:
 
 
 def _row(finding: CiFinding) -> str:
-    cells = (finding.state, finding.kind, finding.who, finding.what, finding.size, finding.place)
+    cells = (
+        finding.state,
+        finding.kind,
+        finding.cause,
+        finding.who,
+        finding.what,
+        finding.size,
+        finding.place,
+    )
     return f"| {' | '.join(map(escaped, cells))} |"
 
 

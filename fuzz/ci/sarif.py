@@ -114,9 +114,7 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
         "ruleId": _rule_id(finding),
         "ruleIndex": rule,
         "level": "error" if finding.fails else "note",
-        "message": {
-            "text": _message(f"{finding.headline}. World of {finding.size}: {finding.replay}")
-        },
+        "message": {"text": _message(_sentences(finding))},
         "locations": [_location(place)],
         "relatedLocations": [
             {"id": 1, **_location(world), "message": {"text": "The world in which it happens."}}
@@ -127,10 +125,16 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
         },
         "properties": {
             "state": finding.state,
+            **({"cause": finding.cause} if finding.cause else {}),
             "seed": str(finding.seed),
             "world": finding.world_id,
         },
     }
+
+
+def _sentences(finding: CiFinding) -> str:
+    why = f" {finding.explanation}" if finding.explanation else ""
+    return f"{finding.headline}.{why} World of {finding.size}: {finding.replay}"
 
 
 def _location(place: Place) -> dict[str, Any]:

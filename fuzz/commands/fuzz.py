@@ -22,6 +22,7 @@ from worldgen.cli.output import (
 
 if TYPE_CHECKING:
     from fuzz.campaign.store import Budget, CampaignRun
+    from fuzz.corpus import Baseline
 
 __all__ = ["fuzz"]
 
@@ -157,6 +158,9 @@ def fuzz(
             )
         # Choose the baseline and the workers.
         was_known = Baseline.of(known, campaign_run.config.scenario, note)
+        # What the last campaign left here is compared with; a baseline takes its place.
+        replaces = force and resume is None and not known
+        last = _last_failures(campaign_run) if replaces else Baseline()
         if scheduler:
             executor = cluster_executor(scheduler, campaign_run.config)
         else:
@@ -170,6 +174,7 @@ def fuzz(
             count_hazards=count_hazards,
             began=began,
             own=loaded.since().own,
+            last=last,
         )
         # Search, then write the report.
         code = session.run()
@@ -198,6 +203,23 @@ def _begin(
     config = configure(options, drawn, run_budget.seconds)
     note_unused([config.scenario])
     return begin(config, out, run_budget, force=force)
+
+
+def _last_failures(campaign_run: CampaignRun) -> Baseline:
+    """Return the failures that an earlier campaign left in the folder, run again.
+
+    Whatever cannot be read is about to be overwritten, so nobody needs to hear of it.
+    """
+    import contextlib
+
+    from fuzz.corpus import Baseline, read_corpus
+    from worldgen.errors import WorldgenError
+
+    with contextlib.suppress(WorldgenError):
+        entries = read_corpus([campaign_run.store.out]).entries
+        if entries:
+            return Baseline.of(entries, campaign_run.config.scenario, lambda _: None)
+    return Baseline()
 
 
 def _refuse_beside_resume() -> None:

@@ -48,6 +48,7 @@ def replay(
     from fuzz.ci import CiFinding, Outputs, Report, State
     from fuzz.describe import describe
     from fuzz.failure import Failure
+    from fuzz.overview.building import explained
     from fuzz.replay.answer import State as Now
     from fuzz.replay.answer import answer, describe_summary
     from sim.controllers.programs.transcript import transcribed
@@ -94,7 +95,8 @@ def replay(
         if not as_json:
             click.echo(f"{shown(path)}: {shown(now.words)}")
             if with_picture and outcome.confirmed:
-                click.echo(describe(failure, path))
+                found = explained(failure.driven_by(controller))
+                click.echo(describe(failure, path, why="" if found is None else found.describe()))
             elif now.episode is not None:
                 click.echo(shown_lines(describe_frames(now.episode.evidence)), nl=False)
         if reports:

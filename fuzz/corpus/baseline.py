@@ -22,6 +22,7 @@ __all__ = ["Baseline"]
 
 _Key = tuple[str, str, str]
 _SHOWN = 3  # most controllers that a message names
+_FIXED = "no longer fails"
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,11 @@ class Baseline:
     Args:
         failures: By controller, motion model and class: the first file with that class, and the
             failure as it occurs today.
+        fixed: The failures of the same controller that do not fail any more, as stored.
     """
 
     failures: Mapping[_Key, tuple[Path, Failure]] = field(default_factory=dict)
+    fixed: tuple[Failure, ...] = ()
 
     @classmethod
     def of(
@@ -53,6 +56,7 @@ class Baseline:
             FormatError: If a file can no longer be read.
         """
         failures: dict[_Key, tuple[Path, Failure]] = {}
+        fixed: list[Failure] = []
         others: set[str] = set()
         is_any_ours = False
         for entry in entries:
@@ -68,6 +72,8 @@ class Baseline:
             # Run it again, and report if it has changed.
             now, reason = _failure_now(failure)
             if now is None:
+                if reason == _FIXED:
+                    fixed.append(failure)
                 say(f"{entry.path}: {reason}, so its class {entry.facts.kind} is not known")
                 continue
             facts = Facts.of(now, str(entry.path))
@@ -87,7 +93,16 @@ class Baseline:
                 f"only of "
                 f"{shown(', '.join(sorted(others)[:_SHOWN]))}"
             )
-        return cls(failures)
+        return cls(failures, tuple(fixed))
+
+    @property
+    def is_empty(self) -> bool:
+        """True if no failure of the controller is known."""
+        return not self.failures and not self.fixed
+
+    def failing(self) -> list[Failure]:
+        """Return the known failures that still fail, as they occur today."""
+        return [failure for _, failure in self.failures.values()]
 
     def has(self, failure: Failure) -> bool:
         """Return True if a failure's class is known."""
@@ -136,4 +151,4 @@ def _failure_now(failure: Failure) -> tuple[Failure | None, str]:
         )
     except WorldgenError as error:
         return None, f"cannot be run here ({error})"
-    return now, "no longer fails"
+    return now, _FIXED

@@ -6,10 +6,13 @@ Contents:
     Cause: The causes.
     Severity: How bad a cause is.
     cause_of: The cause of one failure.
+    Overview: The answer as data; ``overview.json`` in a campaign's hidden folder.
+    read_overview: Reads that file.
 """
 
 from fuzz.overview.causes import CauseTotals, causes_of
+from fuzz.overview.overview import Overview, read_overview
 from fuzz.triage.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 
-__all__ = ["Cause", "CauseTotals", "Severity", "cause_of", "causes_of"]
+__all__ = ["Cause", "CauseTotals", "Overview", "Severity", "cause_of", "causes_of", "read_overview"]

@@ -28,6 +28,7 @@ from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.options.run import switch_sets
+from sim.runners.stopping import OutOfTime, check_time
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value
@@ -133,13 +134,18 @@ class Counterfactuals:
         return f"if one of the cells {named}{others} is free"
 
 
-def counterfactuals(failure: Failure) -> Counterfactuals:
+def counterfactuals(
+    failure: Failure, *, effort: float = 1.0, most_runs: float = math.inf
+) -> Counterfactuals:
     """Return the single changes after which a failure's robot arrives.
 
-    Deterministic: equal failures give equal answers, on every machine.
+    Deterministic, unless :func:`sim.runners.stopping.stopping_when` ends it before all changes are
+    tried: equal failures give equal answers, on every machine.
 
     Args:
         failure: A robot that does not arrive.
+        effort: Share of the usual number of steps that it may take.
+        most_runs: How many changes may be run. In a large world the proof takes longer than a run.
 
     Raises:
         InvalidParameter: If no single change can explain the failure: its outcome depends on
@@ -154,12 +160,12 @@ def counterfactuals(failure: Failure) -> Counterfactuals:
             "explain a failure of a robot that never arrives",
             who=failure.who,
         )
-    search = _ChangedRuns(subject)
+    search = _ChangedRuns(subject, effort, most_runs)
     changes: list[Change] = []
     try:
         for change in _changes(search, failure.run()):
             changes.append(change)
-    except _OutOfStepsError:
+    except (_OutOfStepsError, OutOfTime):
         return Counterfactuals(tuple(changes), search.runs, is_complete=False)
     return Counterfactuals(tuple(changes), search.runs, is_complete=True)
 
@@ -171,12 +177,13 @@ class _OutOfStepsError(Exception):
 class _ChangedRuns:
     """Runs changed scenarios and counts their steps."""
 
-    def __init__(self, subject: Subject) -> None:
+    def __init__(self, subject: Subject, effort: float, most_runs: float) -> None:
         self.subject = subject
         self.runs = 0
+        self._most_runs = most_runs
         controller = CONTROLLERS.get(subject.scenario.controller)
         is_compiled = isinstance(controller, CompiledController)
-        self._left = _MOST_STEPS if is_compiled else _MOST_STEPS_IN_PYTHON
+        self._left = effort * (_MOST_STEPS if is_compiled else _MOST_STEPS_IN_PYTHON)
 
     def arrives(self, subject: Subject) -> bool:
         """Return True if the robot arrives, and does nothing else that is wrong."""
@@ -202,9 +209,10 @@ class _ChangedRuns:
         self._count(run.outcome.steps)
 
     def _count(self, steps: int) -> None:
+        check_time()
         self.runs += 1
         self._left -= steps
-        if self._left < 0:
+        if self._left < 0 or self.runs > self._most_runs:
             raise _OutOfStepsError
 
 

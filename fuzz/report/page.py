@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
@@ -13,8 +13,11 @@ from fuzz.campaign.store import Summary
 from fuzz.corpus import CorpusEntry
 from fuzz.player import drawn_run, drawn_world, one_file, sensors_of
 from fuzz.player.sources import modules
+from fuzz.report.answers import answers_for, entry_of
 from fuzz.report.gather import ReplayedFailure, ReportSubject, gather, look_at
 from fuzz.report.numbers import groups
+from fuzz.shrink.snippet import snippet
+from fuzz.triage.diagnosis import cause_of
 from sim.controllers import CONTROLLERS
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import counted
@@ -54,15 +57,23 @@ def write_report(
     # Refuse before the work, not after it: replaying a corpus may take minutes.
     check_output(out, force)
     subject = gather(paths)
+    answers = answers_for(subject.entries, subject.campaigns)
+    why = {cause["file"]: cause["why"] for answer in answers for cause in answer.causes}
     failures = []
     # Each entry is replayed, because the corpus stores no trajectories.
     for done, entry in enumerate(subject.entries):
         progress(done, len(subject.entries))
-        failures.append(_failure(entry, subject.campaigns))
+        failures.append(_failure(entry, subject.campaigns, why))
+    # The clearest world of a cause may be one as it was found, which is not among the failures.
+    shown = {failure["path"] for failure in failures}
+    others = [entry_of(Path(name)) for name in why if name and name not in shown]
+    extras = [_failure(entry, subject.campaigns, why) for entry in others if entry is not None]
     heading = title or _heading(subject)
     data = {
         "title": heading,
+        "answers": [answer.table() for answer in answers],
         "failures": failures,
+        "extras": extras,
         "campaigns": [_campaign(summary) for summary in subject.campaigns],
         "others": subject.others,
     }
@@ -82,12 +93,15 @@ def _heading(subject: ReportSubject) -> str:
     return f"Failures of {counted(len({controller for controller, _ in names}), 'controller')}"
 
 
-def _failure(entry: CorpusEntry, campaigns: list[Summary]) -> dict[str, Any]:
+def _failure(
+    entry: CorpusEntry, campaigns: list[Summary], why: Mapping[str, str]
+) -> dict[str, Any]:
     """Return a failure as the page's script expects it."""
     reported = look_at(entry, campaigns)
     seen = reported.seen
     facts = entry.facts
     record = seen.failure.record
+    cause = cause_of(seen.failure)
     met = campaigns[reported.campaign].met.get(facts.kind) if reported.campaign >= 0 else None
     return {
         "id": facts.digest[:_ID_DIGITS],
@@ -106,6 +120,12 @@ def _failure(entry: CorpusEntry, campaigns: list[Summary]) -> dict[str, Any]:
         "reason": seen.replay.reason,
         "path": str(entry.path),
         "replay": entry.replay_command,
+        "cause": cause.value,
+        "sentence": cause.sentence,
+        "advice": cause.advice,
+        "why": why.get(str(entry.path), ""),
+        "shrunk": seen.failure.is_shrunk,
+        "test": snippet(seen.failure),
         "groups": groups(reported, campaigns),
         "now": _drawn(seen),
         "before": None if reported.original is None else _drawn(reported.original),

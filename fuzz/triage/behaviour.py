@@ -24,14 +24,6 @@ __all__ = ["RepeatedPart", "behaviour_of"]
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
-_ROUNDING = 1e-6
-
-# Heading for the target: within 6 degrees. Controllers that aim at it do so to within a step.
-_AIMED = 0.1
-
-# A turn of nearly half a turn in one step has no direction.
-_HALF_TURN = math.pi - _ROUNDING
-
 # Places on a straight line that are tested for walls, per cell.
 _SAMPLES = 8
 
@@ -43,13 +35,13 @@ class RepeatedPart:
     Args:
         steps: Its length in steps.
         extent: Longer side of the box around its path, cells.
+        length: Length of its path, cells.
         turning: Mean size of the turn in a step, in whole turns.
         sharpest: Largest turn in one step, in whole turns.
         touching: Share of its steps that touch a wall.
         around_island: How often the path goes around an island of walls, at most.
         around_target: How often it goes around the target.
         off_wall: Longest path between two touches, cells; infinite if it touches nothing.
-        aims: True if it heads for the target in a step that touches a wall.
         nearest: Least distance from the target's centre, cells.
         farthest: Greatest distance from the target's centre, cells.
         is_blocked: True if a wall is between the target and the place nearest to it.
@@ -58,13 +50,13 @@ class RepeatedPart:
 
     steps: int
     extent: float
+    length: float
     turning: float
     sharpest: float
     touching: float
     around_island: int
     around_target: int
     off_wall: float
-    aims: bool
     nearest: float
     farthest: float
     is_blocked: bool
@@ -97,10 +89,9 @@ def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart
     target = (world.target.x / side, world.target.y / side)
     walls = _SolidCells(world)
 
-    # Turns, and whether it heads for the target where a wall is in the way.
+    # What each step does.
     turn = np.abs(_wrapped(np.diff(heading)))
-    bearing = np.arctan2(target[1] - y[:-1], target[0] - x[:-1])
-    aimed = np.abs(_wrapped(heading[1:] - bearing)) < _AIMED
+    stride = np.hypot(np.diff(x), np.diff(y))
 
     # The path around islands and the target, and how near to the target it comes.
     apart = np.hypot(x - target[0], y - target[1])
@@ -110,13 +101,13 @@ def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart
     return RepeatedPart(
         steps=last - first,
         extent=max(float(np.ptp(x)), float(np.ptp(y))),
+        length=float(stride.sum()),
         turning=float(turn.mean()) / (2 * math.pi),
         sharpest=float(turn.max()) / (2 * math.pi),
         touching=float(bump.mean()),
         around_island=winding_number(x, y, walls.islands(x, y)),
         around_target=abs(_around(x, y, target)),
-        off_wall=_longest_between(np.hypot(np.diff(x), np.diff(y)), bump),
-        aims=bool((aimed & bump).any()),
+        off_wall=_longest_between(stride, bump),
         nearest=float(apart.min()),
         farthest=float(apart.max()),
         is_blocked=walls.between(place, target, radius),
@@ -206,8 +197,8 @@ def _obstacles(solid: Bools) -> npt.NDArray[np.int64]:
         touch = (one >= 0) & (other >= 0) & (one != other)
         pairs.update(zip(one[touch].tolist(), other[touch].tolist(), strict=True))
     joined = np.arange(int(numbers.max()) + 1)
-    for one, other in sorted(pairs):
-        joined[joined == joined[one]] = joined[other]
+    for first, second in sorted(pairs):
+        joined[joined == joined[first]] = joined[second]
     return np.where(numbers >= 0, joined[np.maximum(numbers, 0)], -1)
 
 

@@ -93,6 +93,7 @@ class Cause(StrEnum):
     # Neither a fault nor a reason.
     BREAKS_A_RULE = "breaks-a-rule"
     HARMED_UNSENSED = "harmed-by-what-it-cannot-sense"
+    PUSHED_TOO_HARD = "pushed-too-hard"
     UNKNOWN = "unknown"
 
     @property
@@ -143,6 +144,7 @@ _SENTENCES = {
     Cause.GIVES_WAY_FOREVER: "Robots avoid each other again and again and get nowhere.",
     Cause.BREAKS_A_RULE: "It breaks a rule that you asked about with --oracle.",
     Cause.HARMED_UNSENSED: "Fire or debris catches it that none of its senses shows.",
+    Cause.PUSHED_TOO_HARD: "It is moved by more than any controller is sure to make up for.",
     Cause.UNKNOWN: "It fails; its controller could not be run here, or not in time, to see why.",
 }
 
@@ -183,6 +185,7 @@ _ADVICE = {
     "both do alike.",
     Cause.BREAKS_A_RULE: "The violation says which rule, and by how much.",
     Cause.HARMED_UNSENSED: "Give it a sense that shows the hazard, or leave such worlds out.",
+    Cause.PUSHED_TOO_HARD: "Compare with a run without pushes, tilts and decoys.",
     Cause.UNKNOWN: "Replay it where its controller is.",
 }
 
@@ -199,4 +202,5 @@ _SEVERITIES = {
     Cause.WANDERS: Severity.TOO_SLOW,
     Cause.BREAKS_A_RULE: Severity.QUESTIONABLE,
     Cause.HARMED_UNSENSED: Severity.UNSENSED,
+    Cause.PUSHED_TOO_HARD: Severity.UNSENSED,
 }

@@ -13,7 +13,7 @@ from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
 from fuzz.triage.cause import Cause
 from fuzz.triage.fleet_signature import Standoff, standoff
-from fuzz.triage.hazards import is_unsensed
+from fuzz.triage.hazards import is_hazard, is_unsensed
 from fuzz.triage.signature import is_entered
 from sim.episode import Episode
 from sim.evidence import BurnedEvidence, JointLoopEvidence, LoopEvidence, WallEvidence
@@ -83,8 +83,9 @@ def cause_of(failure: Failure) -> Cause:
     # These need no run: the record says enough.
     if failure.oracle is not None:
         return Cause.BREAKS_A_RULE
-    if is_unsensed(failure.record.details):
-        return Cause.HARMED_UNSENSED
+    if is_hazard(failure):
+        is_blind = is_unsensed(failure.record.details)
+        return Cause.HARMED_UNSENSED if is_blind else Cause.PUSHED_TOO_HARD
     if (known := _BY_VERDICT.get(failure.verdict)) is not None:
         return known
     try:

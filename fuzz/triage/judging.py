@@ -15,7 +15,7 @@ from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
 from fuzz.triage.cause import Cause
 from fuzz.triage.crash_bucket import FACTS
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
-from fuzz.triage.hazards import hazard_details, is_unsensed
+from fuzz.triage.hazards import HAZARD, hazard_details, is_unsensed
 from fuzz.triage.proofs import certificate_fault
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import Episode
@@ -121,7 +121,7 @@ def failure_of(
         evidence=found.table,
         details={
             "class": found.bucket,
-            CAUSE: _cause(trial, found, oracle, is_blind=is_unsensed(details)).value,
+            CAUSE: _cause(trial, found, oracle, details).value,
             "motion_version": MOTIONS.get(scenario.run.motion).version,
             **details,
         },
@@ -129,11 +129,11 @@ def failure_of(
     return Failure(replace(world, failure=None), record)
 
 
-def _cause(trial: Trial, found: Violation, oracle: Oracle, *, is_blind: bool) -> Cause:
+def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]) -> Cause:
     if not oracle.by_verdict:
         return Cause.BREAKS_A_RULE
-    if is_blind:
-        return Cause.HARMED_UNSENSED
+    if HAZARD in details:
+        return Cause.HARMED_UNSENSED if is_unsensed(details) else Cause.PUSHED_TOO_HARD
     episode = trial.episode
     return cause_of_run(trial.world, replace(episode, evidence=found.evidence or episode.evidence))
 

@@ -94,7 +94,7 @@ def test_a_class_that_the_baseline_has_not_is_found_still(found, tmp_path):
 
 
 def test_the_terminal_says_how_often_known_classes_were_met(found, tmp_path):
-    text = worldgen(*FUZZ, "--out", tmp_path / "out", "--baseline", found[0]).out
+    text = worldgen(*FUZZ, "--out", tmp_path / "out", "--baseline", found[0], "--verbose").out
     assert (
         "known: " in text
         and f"{found[1][0]} " in text

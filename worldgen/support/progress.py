@@ -27,6 +27,7 @@ __all__ = [
     "Work",
     "display_on_stderr",
     "is_quiet",
+    "is_verbose",
     "say_once",
     "set_verbosity",
     "spoke",
@@ -313,6 +314,11 @@ def set_verbosity(verbosity: int) -> None:
 def is_quiet() -> bool:
     """Return True if the command line was told to print only results and errors."""
     return _display is not None and _display.verbosity < 0
+
+
+def is_verbose() -> bool:
+    """Return True if the command line was asked for every detail."""
+    return _display is not None and _display.verbosity > 0
 
 
 def spoke() -> None:

@@ -17,6 +17,7 @@ from fuzz.campaign.store.last_error import errors_recorded, forget_error, read_e
 from fuzz.campaign.store.opening import Budget, CampaignRun, begin, resume, stored_seed
 from fuzz.campaign.store.summary import (
     MEMORY,
+    OVERVIEW_FILE,
     Archive,
     BucketTotals,
     StrategyTotals,
@@ -26,6 +27,7 @@ from fuzz.campaign.store.summary import (
 
 __all__ = [
     "MEMORY",
+    "OVERVIEW_FILE",
     "Archive",
     "BucketTotals",
     "Budget",

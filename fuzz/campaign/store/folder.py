@@ -20,7 +20,7 @@ from typing import Any
 from fuzz.campaign.store.entry import Done, read_entry, write_entry
 from fuzz.campaign.store.fingerprint import Fingerprint
 from fuzz.campaign.store.last_error import forget_error
-from fuzz.campaign.store.summary import MEMORY, SUMMARY_FILE
+from fuzz.campaign.store.summary import MEMORY, OVERVIEW_FILE, SUMMARY_FILE
 from fuzz.failure import ID_DIGITS, Failure
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files.grid import loads
@@ -184,6 +184,7 @@ class FolderStore(CampaignStore):
             # This one first: the rest is then no longer a campaign.
             (self._path / "campaign.json").unlink(missing_ok=True)
             (self._path / SUMMARY_FILE).unlink(missing_ok=True)
+            (self._path / OVERVIEW_FILE).unlink(missing_ok=True)
             (self._path / _WRITTEN).unlink(missing_ok=True)
             for part in _PARTS:
                 if (self._path / part).exists():

@@ -13,6 +13,7 @@ from worldgen.files.whole import read_text
 
 __all__ = [
     "MEMORY",
+    "OVERVIEW_FILE",
     "SUMMARY_FILE",
     "Archive",
     "BucketTotals",
@@ -24,6 +25,7 @@ __all__ = [
 # Name of the store's folder in a campaign's folder.
 MEMORY = ".campaign"
 SUMMARY_FILE = "summary.json"
+OVERVIEW_FILE = "overview.json"  # written and read by fuzz.overview
 _VERSION = 2
 _MOST_ROWS = 100_000
 _STATUSES = ("", "running", "done", "stopped", "failed")

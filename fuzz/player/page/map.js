@@ -10,6 +10,7 @@ import { drawMemory } from "#player/memory.js";
 import { drawNumbers } from "#player/numbers.js";
 import { disc, penFor } from "#player/pen.js";
 import { drawPierced } from "#player/pierced.js";
+import { drawScaleBar } from "#player/scale_bar.js";
 import { drawSenses } from "#player/senses.js";
 import { drawTouched } from "#player/touched.js";
 import { drawTrail } from "#player/trail.js";
@@ -32,6 +33,7 @@ export function drawScene(canvas, scene, view = null) {
   drawTarget(pen, world);
   if (run) drawRun(pen, { ...scene, run, step }, cells);
   else drawStart(pen, world);
+  drawScaleBar(pen, world);
 }
 
 /**

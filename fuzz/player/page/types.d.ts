@@ -190,6 +190,14 @@ interface ReportFailure {
   reason: string;
   path: string;
   replay: string;
+  cause: string;
+  sentence: string;
+  advice: string;
+  /** After which single changes the robot arrives; empty if that was not tried. */
+  why: string;
+  shrunk: boolean;
+  /** A test that contains the world. */
+  test: string;
   groups: [string, [string, string][]][];
   now: DrawnFailure;
   before: DrawnFailure | null;
@@ -211,9 +219,53 @@ interface ReportCampaign {
   archive: Archive | null;
 }
 
+/** Counts of natural worlds under one name. */
+interface NaturalRow {
+  worlds: number;
+  arrived: number;
+}
+
+interface NaturalWorlds {
+  worlds: number;
+  arrived: number;
+  unsensed: number;
+  share: number;
+  low: number;
+  high: number;
+  families: Record<string, NaturalRow>;
+  clearances: Record<string, NaturalRow>;
+  turns: Record<string, NaturalRow>;
+}
+
+interface ReportCause {
+  cause: string;
+  sentence: string;
+  advice: string;
+  severity: string;
+  state: string;
+  met: number;
+  natural: number | null;
+  classes: string[];
+  /** Path of the clearest failure; empty if there is none. */
+  file: string;
+  why: string;
+}
+
+interface ReportAnswer {
+  controller: string;
+  motion: string;
+  causes: ReportCause[];
+  natural: NaturalWorlds | null;
+  comparison: { sentence: string } | null;
+  campaign: number;
+}
+
 interface ReportData {
   title: string;
+  answers: ReportAnswer[];
   failures: ReportFailure[];
+  /** Failures that only the summary shows. */
+  extras: ReportFailure[];
   campaigns: ReportCampaign[];
   others: number;
 }
@@ -221,6 +273,8 @@ interface ReportData {
 /** The report's list of failures. */
 interface Overview {
   redraw(): void;
+  /** Draws every picture at once. */
+  drawAll(): void;
   /** Ids of the visible failures, in order. */
   shown(): string[];
 }

@@ -6,6 +6,7 @@ import { byId, el, grouped, plural, say, verdictDot } from "#player/dom.js";
 import { drawSmall, pictureLabel } from "#player/map.js";
 import { hasMap } from "#player/memory.js";
 import { besideIn } from "#player/pair.js";
+import { copyButton } from "#report/copy.js";
 
 /**
  * @param {HTMLElement} section
@@ -85,6 +86,11 @@ function topOf(failure, [before, after]) {
     ),
     el("h2", { tabindex: "-1" }, verdictDot(failure.verdict), " ", failure.kind),
     el("p", { class: "words" }, `${failure.controller} under ${failure.motion}: ${failure.words}`),
+    el("p", { class: "words" }, el("b", {}, failure.cause.replaceAll("-", " ")), `: ${failure.sentence} ${failure.advice}`),
+    failure.why ? el("p", { class: "words why" }, `It ${failure.why}.`) : null,
+    failure.shrunk
+      ? null
+      : el("p", { class: "notice" }, "This world is as it was found: walls in it may not matter. worldgen shrink makes it small."),
     failure.confirmed
       ? null
       : el("p", { class: "notice" }, `Running it again for this report did not confirm it: ${failure.reason}`),
@@ -182,7 +188,9 @@ function replayPart(failure) {
       { class: "actions" },
       file(failure.now, `Download ${failure.now.name}`),
       failure.before ? file(failure.before, "Download as found") : null,
+      copyButton("Copy test", () => failure.test),
     ),
+    el("details", {}, el("summary", {}, "Test to paste"), el("pre", { class: "test" }, failure.test)),
   );
 }
 

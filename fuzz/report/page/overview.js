@@ -11,6 +11,7 @@ const ORDERS = {
   met: ["Met most often", (a, b) => (b.met || 0) - (a.met || 0)],
 };
 const GROUPS = {
+  cause: ["Cause", (failure) => failure.cause.replaceAll("-", " ")],
   verdict: ["Verdict", (failure) => failure.verdict],
   class: ["Class", (failure) => failure.kind],
   controller: ["Controller", (failure) => `${failure.controller} under ${failure.motion}`],
@@ -36,7 +37,7 @@ function stepsOf(failure) {
  * @returns {Overview}
  */
 export function makeOverview(section, failures) {
-  const wanted = { text: "", verdicts: new Set(), controller: "", order: "class", group: "verdict" };
+  const wanted = { text: "", verdicts: new Set(), controller: "", order: "class", group: "cause" };
   const list = el("div", { class: "groups" });
   const count = el("span", { class: "quiet", role: "status" });
   // Draw a card's picture only when it is about to be seen: a page may have a thousand of them.
@@ -63,7 +64,13 @@ export function makeOverview(section, failures) {
   section.append(toolbar(failures, wanted, refresh, count), list);
   list.addEventListener("keydown", moveBetweenCards);
   refresh();
-  return { redraw, shown: () => [...list.querySelectorAll("canvas")].map((canvas) => canvas.dataset.id ?? "") };
+  const drawAll = () => {
+    for (const canvas of list.querySelectorAll("canvas")) {
+      const failure = failureOf(failures, canvas.dataset.id);
+      if (failure) drawSmall(canvas, failure.now);
+    }
+  };
+  return { redraw, drawAll, shown: () => [...list.querySelectorAll("canvas")].map((canvas) => canvas.dataset.id ?? "") };
 }
 
 /**
@@ -76,7 +83,7 @@ export function failureOf(failures, id) {
 }
 
 function fits(failure, wanted) {
-  const text = `${failure.kind} ${failure.controller} ${failure.motion} ${failure.path} ${failure.strategy}`.toLowerCase();
+  const text = `${failure.kind} ${failure.cause} ${failure.controller} ${failure.motion} ${failure.path} ${failure.strategy}`.toLowerCase();
   return (
     (wanted.verdicts.size === 0 || wanted.verdicts.has(failure.verdict)) &&
     (wanted.controller === "" || failure.controller === wanted.controller) &&
@@ -190,6 +197,7 @@ function card(failure, several) {
         facts.map((fact) => el("span", {}, fact)),
       ),
       several ? el("div", { class: "facts" }, `${failure.controller}, ${failure.motion}`) : null,
+      failure.shrunk ? null : el("div", { class: "facts" }, "as found, not shrunk"),
       failure.confirmed ? null : el("div", { class: "facts bad" }, "not confirmed here"),
     ),
   );

@@ -3,6 +3,7 @@
 import { short } from "#player/archive.js";
 import { byId, el, grouped } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
+import { makeAnswer } from "#report/answer.js";
 import { makeCampaign } from "#report/charts.js";
 import { makeDetail } from "#report/detail.js";
 import { failureOf, makeOverview } from "#report/overview.js";
@@ -10,11 +11,13 @@ import { keyListener, showKeys } from "#report/page_keys.js";
 
 /** @type {ReportData} */
 const data = JSON.parse(byId("data").textContent);
+const everything = [...data.failures, ...data.extras];
 const views = { overview: byId("overview"), campaign: byId("campaign"), detail: byId("detail") };
-/** @type {{ overview: Overview | null, detail: Detail | null, id: string, scroll: number }} */
-const page = { overview: null, detail: null, id: "", scroll: 0 };
+/** @type {{ answer: { redraw(): void } | null, overview: Overview | null, detail: Detail | null, id: string, scroll: number }} */
+const page = { answer: null, overview: null, detail: null, id: "", scroll: 0 };
 
 function redraw() {
+  page.answer?.redraw();
   if (page.overview) page.overview.redraw();
   if (page.detail) page.detail.redraw();
 }
@@ -67,7 +70,7 @@ function neighboursOf(id) {
 // The address selects the view: empty, "campaign", or a failure's digest.
 function route() {
   const name = location.hash.slice(1),
-    failure = failureOf(data.failures, name);
+    failure = failureOf(everything, name);
   const view = failure ? "detail" : name === "campaign" && data.campaigns.length > 0 ? "campaign" : "overview";
   const before = page.id;
   if (!views.overview.hidden) page.scroll = scrollY;
@@ -75,6 +78,7 @@ function route() {
   page.detail = null;
   page.id = failure ? name : "";
   for (const [key, section] of Object.entries(views)) section.hidden = key !== view;
+  byId("answer").hidden = view !== "overview";
   showTabs(view);
   document.title = failure ? `${failure.kind} - ${data.title}` : data.title;
   if (failure) {
@@ -90,15 +94,19 @@ function route() {
 
 function start() {
   showTotals();
+  page.answer = makeAnswer(byId("answer"), data);
   if (data.failures.length > 0) page.overview = makeOverview(views.overview, data.failures);
-  else views.overview.append(el("p", { class: "quiet" }, "No failure was found."));
+  else if (data.answers.length === 0) views.overview.append(el("p", { class: "quiet" }, "No failure was found."));
   if (data.campaigns.length > 0) makeCampaign(views.campaign, data.campaigns, data.failures);
   followSystem(byId("theme"), redraw);
   byId("show-keys").addEventListener("click", showKeys);
   addEventListener("hashchange", route);
   addEventListener("keydown", keyListener(page, neighboursOf));
   addEventListener("resize", redraw);
+  // Small pictures are drawn when they come into view, which on paper they all do.
+  addEventListener("beforeprint", () => page.overview?.drawAll());
   route();
+  page.answer.redraw();
 }
 
 start();

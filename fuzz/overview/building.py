@@ -1,0 +1,209 @@
+"""Build the overview of a campaign that has ended, within a share of its budget."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.run import CampaignState
+from fuzz.campaign.store import MEMORY
+from fuzz.corpus import Baseline
+from fuzz.failure import Failure
+from fuzz.overview.causes import CauseTotals, causes_of, with_natural
+from fuzz.overview.clearest import clearest
+from fuzz.overview.comparison import RegressionView, compare, with_states
+from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
+from fuzz.overview.natural import natural_families, natural_runs
+from fuzz.overview.overview import Overview
+from fuzz.triage.cause import Cause, Severity
+from fuzz.triage.diagnosis import cause_of
+from sim.runners.stopping import OutOfTime, stopping_when
+from worldgen.errors import WorldgenError
+
+__all__ = ["Conclusion", "build_overview", "explained"]
+
+# Natural worlds of a campaign without a time limit: a tenth of what its units may try, so that a
+# short campaign stays short, and no more than gives an interval of +/- 3 %.
+_NATURAL_SHARE = 10
+_MOST_NATURAL = 900
+_FEWEST_NATURAL = 9
+
+# Causes whose clearest world is explained. The terminal and the first screen show no more.
+_MOST_EXPLAINED = 5
+
+# Share of the usual effort that one explanation of a campaign may take.
+_EFFORT = 0.15
+
+# Cells that the proofs of one explanation may look at: about a second. A map of 200,000 cells gets
+# ten changes, a shrunk world all of them.
+_MOST_CELLS = 2_000_000
+
+# Share of the time that goes to natural worlds; the rest explains.
+_NATURAL_TIME = 0.6
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What a campaign is to be concluded with.
+
+    Args:
+        known: Failures that the user knows, as a baseline.
+        last: Failures of the last campaign in the same folder.
+        seconds: Time that the conclusion may take; ``None`` for a fixed amount of work, so that
+            the result depends on the seed alone.
+    """
+
+    known: Baseline = field(default_factory=Baseline)
+    last: Baseline = field(default_factory=Baseline)
+    seconds: float | None = None
+
+
+def build_overview(
+    config: CampaignConfig,
+    state: CampaignState,
+    conclusion: Conclusion,
+    *,
+    natural: bool = True,
+) -> Overview:
+    """Return the overview of a campaign.
+
+    Args:
+        config: What it looked for.
+        state: What it did.
+        conclusion: Known failures, and the time.
+        natural: Whether to run natural worlds. An interrupted campaign does not.
+    """
+    began = time.monotonic()
+    seconds = conclusion.seconds
+
+    # Group first: it takes no runs.
+    found = {**state.best, **state.memory.failures}
+    causes = causes_of(found, {kind: state.met[kind] for kind in found})
+
+    # Natural worlds say how often each cause matters, and so which to explain first.
+    runs = None
+    families = natural_families(config.families) if config.fixed_map is None else []
+    if natural and families:
+        runs = natural_runs(
+            config.scenario,
+            families,
+            _natural_count(config, state, seconds),
+            config.seed,
+            _after(began, seconds, _NATURAL_TIME),
+        )
+        causes = with_natural(causes, runs.causes)
+
+    # The clearest world of each cause, and what it depends on.
+    is_over = _after(began, seconds, 1.0)
+    candidates = _candidates(state)
+    shown = [
+        _shown(one, candidates, is_explained=number < _MOST_EXPLAINED, is_over=is_over)
+        for number, one in enumerate(causes)
+    ]
+
+    comparison = _compared(state, conclusion)
+    if comparison is not None:
+        shown = with_states(shown, comparison)
+    return Overview(tuple(shown), runs, comparison)
+
+
+def _natural_count(config: CampaignConfig, state: CampaignState, seconds: float | None) -> int:
+    if seconds is not None:
+        return _MOST_NATURAL
+    count = state.units * config.examples // (_NATURAL_SHARE * config.slower)
+    return min(max(count, _FEWEST_NATURAL), _MOST_NATURAL)
+
+
+def _after(began: float, seconds: float | None, share: float) -> Callable[[], bool]:
+    if seconds is None:
+        return lambda: False
+    end = began + share * seconds
+    return lambda: time.monotonic() >= end
+
+
+def _candidates(state: CampaignState) -> dict[str, Failure]:
+    """Return the failures that have a file, by its name in the campaign's folder."""
+    found = {f"{kind}.grid": failure for kind, failure in state.best.items()}
+    kept = {find.failure.id: find.failure for find in state.finds}
+    return found | {f"{MEMORY}/failures/{name}.grid": failure for name, failure in kept.items()}
+
+
+def _shown(
+    cause: CauseTotals,
+    candidates: Mapping[str, Failure],
+    *,
+    is_explained: bool,
+    is_over: Callable[[], bool],
+) -> CauseTotals:
+    """Return a cause with its clearest and its smallest world, and what the clearest depends on."""
+    with stopping_when(is_over):
+        own = {name: one for name, one in candidates.items() if cause_of(one) == cause.cause}
+        best = clearest(own.values(), cause.cause)
+    if best is None:
+        return cause
+    smallest = min(own.values(), key=lambda failure: (failure.size, failure.id))
+    why = explained(best, is_over) if is_explained else None
+    return replace(cause, file=_name_of(best, own), smallest=_name_of(smallest, own), why=why)
+
+
+def explained(
+    failure: Failure, is_over: Callable[[], bool] = lambda: False
+) -> Counterfactuals | None:
+    """Return after which single changes a failure's robot arrives, at little cost.
+
+    Args:
+        failure: The failure.
+        is_over: Returns True once there is no more time.
+
+    Returns:
+        The changes, ``None`` if there is no time, or if no change can explain such a failure.
+    """
+    # What never depends on a wall, a number or an option is explained by its own sentence.
+    if cause_of(failure).severity in (Severity.CONTROLLER_ERROR, Severity.UNSENSED) or is_over():
+        return None
+    try:
+        with stopping_when(is_over):
+            found = counterfactuals(
+                failure, effort=_EFFORT, most_runs=_MOST_CELLS / failure.world.walls.size
+            )
+    except (WorldgenError, OutOfTime):
+        return None
+    # Nothing tried is nothing known.
+    return found if found.runs else None
+
+
+def _name_of(failure: Failure, files: Mapping[str, Failure]) -> str:
+    """Return the file of a failure; a file that the user sees rather than a hidden one."""
+    names = [name for name, other in files.items() if other is failure or other.id == failure.id]
+    return min(names, key=lambda name: (name.startswith(MEMORY), name))
+
+
+def _compared(state: CampaignState, conclusion: Conclusion) -> RegressionView | None:
+    if conclusion.known.is_empty and conclusion.last.is_empty:
+        return None
+    against, before = (
+        ("baseline", conclusion.known)
+        if not conclusion.known.is_empty
+        else ("last campaign", conclusion.last)
+    )
+    now = {kind: cause_of(failure) for kind, failure in state.best.items()}
+    return compare(against, now, _causes(before.failing()), _causes(before.fixed))
+
+
+def _causes(failures: Iterable[Failure]) -> dict[str, Cause]:
+    """Return the cause of each class; the first failure of a class decides."""
+    found: dict[str, Cause] = {}
+    for failure in failures:
+        if failure.bucket not in found:
+            found[failure.bucket] = cause_of(failure)
+    return found
+
+
+def causes_in(failures: Sequence[Failure]) -> list[CauseTotals]:
+    """Return the causes of failures that no campaign tells anything about."""
+    found: dict[str, Failure] = {}
+    for failure in failures:
+        found.setdefault(failure.bucket, failure)
+    return causes_of(found, {})

@@ -1,0 +1,104 @@
+"""Choose the failure of a cause that a person understands at a glance.
+
+The smallest world of a bucket is often a room of three cells in which the robot covers its target.
+It is kept, because small worlds make good tests. But the one to look at first is the clearest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from fuzz.failure import Failure
+from fuzz.triage.behaviour import behaviour_of
+from fuzz.triage.cause import Cause
+from sim.runners.stopping import OutOfTime
+from worldgen.errors import WorldgenError
+
+__all__ = ["Clarity", "clarity", "clearest"]
+
+# Cells between the edges of robot and target at the start: less looks like a robot that is there.
+_APART = 1.0
+
+# Cells. A narrower room shows no walls to speak of, a wider one shows no single one of them.
+_NARROWEST = 4
+_WIDEST = 30
+
+# Times the longer side of the world. A longer period fills the picture with lines.
+_TANGLE = 30.0
+
+# Candidates of one cause that are looked at, the simplest first.
+_MOST = 12
+
+
+@dataclass(frozen=True, order=True)
+class Clarity:
+    """How hard a failure is to understand from its picture; smaller is clearer.
+
+    Args:
+        flaws: Number of the reasons against it.
+        is_unshrunk: True if walls are in it that do not matter.
+        size: Cells of the grid.
+        name: Digest of its file, so that the order is the same everywhere.
+    """
+
+    flaws: int
+    is_unshrunk: bool
+    size: int
+    name: str
+
+
+def clarity(failure: Failure, cause: Cause) -> Clarity:
+    """Return how clear a failure's picture is. Its controller is run.
+
+    Args:
+        failure: The failure.
+        cause: Its cause.
+
+    Raises:
+        WorldgenError: If it cannot be run.
+        OutOfTime: If it cannot be run in time.
+    """
+    world = failure.world
+    side = world.cell_size
+    robot = world.robot_radius / side
+    target = world.target.radius / side
+
+    # What can be told from the world alone.
+    apart = math.dist((world.start.x, world.start.y), (world.target.x, world.target.y)) / side
+    flaws = int(apart < robot + target + _APART)
+    flaws += min(world.width, world.height) < _NARROWEST
+    flaws += max(world.width, world.height) > _WIDEST
+
+    # What only the run shows: a robot drawn over its target, and a period that is a tangle.
+    episode = failure.run(through_walls=failure.is_breach)
+    behaviour = behaviour_of(world, episode)
+    if behaviour is not None:
+        flaws += cause != Cause.MISSES_THE_TARGET and behaviour.nearest < robot
+        flaws += behaviour.length > _TANGLE * max(world.width, world.height)
+    return Clarity(flaws, not failure.is_shrunk, world.walls.size, failure.id)
+
+
+def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:
+    """Return the clearest of several failures of one cause; ``None`` if there are none.
+
+    Args:
+        failures: The candidates. The simplest dozen are looked at.
+        cause: Their cause.
+    """
+    candidates = sorted(failures, key=lambda failure: (failure.size, failure.id))
+    # Shrunk and unshrunk ones are both looked at: the simplest of each.
+    shrunk = [failure for failure in candidates if failure.is_shrunk][:_MOST]
+    others = [failure for failure in candidates if not failure.is_shrunk][:_MOST]
+    best: tuple[Clarity, Failure] | None = None
+    for failure in (*shrunk, *others):
+        try:
+            found = clarity(failure, cause)
+        except (WorldgenError, OutOfTime):
+            continue
+        if best is None or found < best[0]:
+            best = (found, failure)
+    if best is not None:
+        return best[1]
+    return candidates[0] if candidates else None

@@ -1,0 +1,106 @@
+"""Compare a campaign with what was known before: what is new, what is fixed, what is still there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from fuzz.overview.causes import CauseTotals
+from fuzz.triage.cause import Cause
+from worldgen.support.plain_text import counted
+
+__all__ = ["RegressionView", "compare"]
+
+
+@dataclass(frozen=True)
+class RegressionView:
+    """What changed since an earlier campaign or a baseline.
+
+    Args:
+        against: ``baseline`` or ``last campaign``.
+        new: Classes met now that were not known.
+        still: Known classes that still fail.
+        fixed: Known classes whose known failure does not fail any more.
+        new_causes: Causes met now of which no failure was known.
+        still_causes: Causes known before that still occur.
+        fixed_causes: Causes known before that do not occur any more.
+    """
+
+    against: str
+    new: tuple[str, ...]
+    still: tuple[str, ...]
+    fixed: tuple[str, ...]
+    new_causes: tuple[Cause, ...]
+    still_causes: tuple[Cause, ...]
+    fixed_causes: tuple[Cause, ...]
+
+    def table(self) -> dict[str, Any]:
+        """Return the form of this record in JSON."""
+        return {
+            "against": self.against,
+            "causes": {
+                "new": [cause.value for cause in self.new_causes],
+                "still": [cause.value for cause in self.still_causes],
+                "fixed": [cause.value for cause in self.fixed_causes],
+            },
+            "classes": {
+                "new": list(self.new),
+                "still": list(self.still),
+                "fixed": list(self.fixed),
+            },
+            "sentence": self.describe(),
+        }
+
+    def describe(self) -> str:
+        """Return one sentence: ``against the baseline: 1 new cause (crashes), 2 fixed classes``."""
+        parts = []
+        for words, causes, classes in (
+            ("new", self.new_causes, self.new),
+            ("fixed", self.fixed_causes, self.fixed),
+            ("still there", self.still_causes, self.still),
+        ):
+            names = f" ({', '.join(causes)})" if causes else ""
+            count = f"{counted(len(causes), 'cause')}{names} and " if causes else ""
+            parts.append(f"{words}: {count}{counted(len(classes), 'class', 'classes')}")
+        return f"against the {self.against}, {'; '.join(parts)}"
+
+
+def compare(
+    against: str,
+    now: Mapping[str, Cause],
+    still: Mapping[str, Cause],
+    fixed: Mapping[str, Cause],
+) -> RegressionView:
+    """Return what changed.
+
+    Args:
+        against: What it is compared with.
+        now: By class, the cause of what was met now.
+        still: By class, the cause of known failures that still fail.
+        fixed: By class, the cause of known failures that do not fail any more.
+    """
+    known = still.keys() | fixed.keys()
+    causes_before = set(still.values()) | set(fixed.values())
+    causes_now = set(now.values()) | set(still.values())
+    return RegressionView(
+        against,
+        new=tuple(sorted(now.keys() - known)),
+        still=tuple(sorted(still)),
+        fixed=tuple(sorted(fixed.keys() - still.keys() - now.keys())),
+        new_causes=_sorted(causes_now - causes_before),
+        still_causes=_sorted(causes_now & causes_before),
+        # Without a run, nobody knows why an old failure failed that no longer does.
+        fixed_causes=_sorted(causes_before - causes_now - {Cause.UNKNOWN}),
+    )
+
+
+def with_states(causes: Iterable[CauseTotals], comparison: RegressionView) -> list[CauseTotals]:
+    """Return causes that say whether they are new."""
+    new = set(comparison.new_causes)
+    return [replace(one, state="new" if one.cause in new else "still") for one in causes]
+
+
+def _sorted(causes: Iterable[Cause]) -> tuple[Cause, ...]:
+    order = list(Cause)
+    return tuple(sorted(causes, key=order.index))

@@ -1,0 +1,221 @@
+"""Run a controller in natural worlds: how often does it arrive where nobody looked for trouble?
+
+A search goes where failures are, so its counts say nothing about a controller's quality. Natural
+worlds are those of families at default settings, drawn by a seed that no search strategy uses. What
+happens in them estimates a rate, with an interval.
+"""
+
+from __future__ import annotations
+
+import bisect
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from fuzz.triage.cause import Cause
+from fuzz.triage.diagnosis import cause_of_run
+from fuzz.triage.hazards import can_sense
+from fuzz.triage.signature import is_entered
+from sim.controllers import CONTROLLERS
+from sim.episode import Episode, simulate
+from sim.evidence import BurnedEvidence
+from sim.runners.stopping import OutOfTime, stopping_when
+from sim.scenario import Scenario
+from sim.verdict import ARRIVALS
+from worldgen.difficulty.bottleneck import bottleneck
+from worldgen.errors import WorldgenError
+from worldgen.family import FAMILIES
+from worldgen.generation import generate
+from worldgen.random_streams import RandomStream
+from worldgen.support.intervals import interval_95
+from worldgen.world import Witness, World
+
+__all__ = ["CLEARANCES", "TURNS", "NaturalRuns", "natural_families", "natural_runs"]
+
+# The seeds of natural worlds are their own: no unit of a search draws from this stream.
+_STREAM = "natural"
+
+CLEARANCES = ("below 1.1", "1.1 to 1.5", "1.5 to 2", "2 to 3", "above 3")
+"""Radius of the largest disc that gets from start to target, divided by the robot's radius."""
+
+_CLEARANCE_EDGES = (1.1, 1.5, 2.0, 3.0)
+
+TURNS = ("no", "1 or 2", "3 to 5", "6 or more")
+"""Quarter turns on the path that proves the target reachable."""
+
+_TURN_EDGES = (0.5, 2.5, 5.5)
+
+
+@dataclass
+class NaturalRuns:
+    """What a controller did in natural worlds.
+
+    Args:
+        worlds: How many were run, without those in which a hazard that the controller cannot sense
+            harmed the robot: there it could not have known better.
+        arrived: In how many the robot arrived.
+        unsensed: In how many such a hazard harmed it.
+        verdicts: How often each verdict came up.
+        causes: How often each cause did.
+        families: By family, the worlds run and those in which the robot arrived.
+        clearances: By name in :data:`CLEARANCES`, the same.
+        turns: By name in :data:`TURNS`, the same.
+        is_complete: False if the time ended before all worlds were run.
+    """
+
+    worlds: int = 0
+    arrived: int = 0
+    unsensed: int = 0
+    verdicts: Counter[str] = field(default_factory=Counter)
+    causes: Counter[Cause] = field(default_factory=Counter)
+    families: dict[str, tuple[int, int]] = field(default_factory=dict)
+    clearances: dict[str, tuple[int, int]] = field(default_factory=dict)
+    turns: dict[str, tuple[int, int]] = field(default_factory=dict)
+    is_complete: bool = True
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The 95 % interval of the share of natural worlds in which the robot arrives."""
+        return interval_95(self.arrived, self.worlds)
+
+    def count(self, world: World, family: str, episode: Episode, cause: Cause | None) -> None:
+        """Add one run.
+
+        Args:
+            world: Its world.
+            family: The family that made it.
+            episode: The run.
+            cause: Why the robot does not arrive; ``None`` if it does.
+        """
+        if cause == Cause.HARMED_UNSENSED:
+            self.unsensed += 1
+            return
+        arrived = cause is None
+        self.worlds += 1
+        self.arrived += arrived
+        self.verdicts[episode.verdict.value] += 1
+        if cause is not None:
+            self.causes[cause] += 1
+        _count(self.families, family, arrived)
+        # How wide and how winding the path is, in the world as it is at first.
+        witness = world.certificate
+        if isinstance(witness, Witness):
+            share = bottleneck(world, world.walls) / world.robot_radius
+            _count(self.clearances, CLEARANCES[bisect.bisect(_CLEARANCE_EDGES, share)], arrived)
+            _count(self.turns, TURNS[bisect.bisect(_TURN_EDGES, _quarter_turns(witness))], arrived)
+
+    def table(self) -> dict[str, Any]:
+        """Return the form of this record in JSON."""
+        low, high = self.interval if self.worlds else (0.0, 1.0)
+        return {
+            "worlds": self.worlds,
+            "arrived": self.arrived,
+            "unsensed": self.unsensed,
+            "share": round(self.arrived / self.worlds, 4) if self.worlds else None,
+            "low": round(low, 4),
+            "high": round(high, 4),
+            "verdicts": dict(self.verdicts.most_common()),
+            "causes": {cause.value: count for cause, count in self.causes.most_common()},
+            "families": _rows(self.families, tuple(self.families)),
+            "clearances": _rows(self.clearances, CLEARANCES),
+            "turns": _rows(self.turns, TURNS),
+            "complete": self.is_complete,
+        }
+
+
+def natural_families(chosen: Sequence[str]) -> list[str]:
+    """Return the families whose worlds count as natural for a campaign.
+
+    Args:
+        chosen: Families and other strategies that the user asked for; empty for all families.
+
+    Returns:
+        The chosen families, or all that come with worldgen or are installed. Empty if only
+        strategies were chosen that draw no family.
+    """
+    if not chosen:
+        return list(FAMILIES.names())
+    names = set(FAMILIES.names())
+    return [name for name in chosen if name in names or ":" in name or name.endswith(".toml")]
+
+
+def natural_runs(
+    scenario: Scenario,
+    families: Sequence[str],
+    count: int,
+    seed: int,
+    is_over: Callable[[], bool] = lambda: False,
+) -> NaturalRuns:
+    """Run a scenario in natural worlds, each family in turn.
+
+    Without ``is_over`` the result depends on the other arguments alone.
+
+    Args:
+        scenario: Controller and options.
+        families: Names of families.
+        count: How many worlds.
+        seed: Seed of the campaign.
+        is_over: Returns True once no more worlds are to be run.
+    """
+    runs = NaturalRuns()
+    stream = RandomStream(seed).child(_STREAM)
+    for number in range(count if families else 0):
+        world_seed = stream.next64()
+        family = families[number % len(families)]
+        try:
+            with stopping_when(is_over):
+                if is_over():
+                    raise OutOfTime
+                world = generate(family, world_seed)
+                episode, cause = _run(world, scenario.with_run(seed=number))
+        except OutOfTime:
+            runs.is_complete = False
+            break
+        except WorldgenError:
+            # A world that cannot be made, or a run that is too long to be recorded, says nothing
+            # about the controller.
+            continue
+        runs.count(world, family, episode, cause)
+    return runs
+
+
+def _run(world: World, scenario: Scenario) -> tuple[Episode, Cause | None]:
+    """Run a scenario; return the run and, if the robot does not arrive, the cause."""
+    options = scenario.options(world)
+    episode = simulate(world, scenario.controller, options)
+    if episode.verdict in ARRIVALS:
+        return episode, None
+    # Only a recording shows the cause. Most runs arrive, so it is cheaper to run again.
+    episode = simulate(world, scenario.controller, options, record=True)
+    evidence = episode.evidence
+    if isinstance(evidence, BurnedEvidence) and episode.trace is not None:
+        how = "entered" if is_entered(world, episode.trace, evidence) else "caught"
+        controller = CONTROLLERS.get(scenario.controller)
+        if not can_sense(controller, scenario.run.robot, evidence.state, how):
+            return episode, Cause.HARMED_UNSENSED
+    return episode, cause_of_run(world, episode)
+
+
+def _quarter_turns(witness: Witness) -> float:
+    """Return by how many quarter turns a path changes its direction, in all."""
+    bearing = np.arctan2(np.diff(witness.y), np.diff(witness.x))
+    moves = (np.diff(witness.x) != 0.0) | (np.diff(witness.y) != 0.0)
+    change = (np.diff(bearing[moves]) + math.pi) % (2 * math.pi) - math.pi
+    return float(np.abs(change).sum()) / (math.pi / 2)
+
+
+def _count(table: dict[str, tuple[int, int]], name: str, arrived: bool) -> None:
+    worlds, before = table.get(name, (0, 0))
+    table[name] = (worlds + 1, before + arrived)
+
+
+def _rows(table: Mapping[str, tuple[int, int]], names: Sequence[str]) -> dict[str, dict[str, int]]:
+    """Return the counts of each name; those that were never tried have zeros."""
+    rows = {name: table.get(name, (0, 0)) for name in names}
+    return {
+        name: {"worlds": worlds, "arrived": arrived} for name, (worlds, arrived) in rows.items()
+    }

@@ -1,0 +1,169 @@
+"""Say what a campaign found in at most fifteen lines: does it work, how bad is it, why, what now."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from fuzz.overview.causes import CauseTotals
+from fuzz.overview.natural import NaturalRuns
+from fuzz.overview.overview import Overview
+from fuzz.triage.cause import Cause, Severity
+from worldgen.support.plain_text import counted, shown
+
+__all__ = ["Headline", "describe_coverage", "describe_rate", "overview_lines"]
+
+# The first cause has four lines, the next ones two; others are counted. With the lines about the
+# whole campaign these are fifteen.
+_MOST_IN_SHORT = 2
+
+_COLOURS = {
+    Severity.THROUGH_WALLS: "red",
+    Severity.THROUGH_ROBOTS: "red",
+    Severity.CONTROLLER_ERROR: "red",
+    Severity.HARMED: "red",
+    Severity.NEVER_ARRIVES: "yellow",
+    Severity.TOO_SLOW: "yellow",
+    Severity.QUESTIONABLE: "cyan",
+    Severity.UNSENSED: "blue",
+}
+
+
+@dataclass(frozen=True)
+class Headline:
+    """Who was tested, and where the answer is.
+
+    Args:
+        who: Controller and motion model: ``bug2 under swept``.
+        folder: The campaign's folder.
+        worlds: Worlds that the search tried.
+        classes: Classes of failures that it met.
+        is_failing: True if failures were found that make the exit code 1.
+        is_known: True if known failures were met.
+        lasts: False if the folder is gone after the command, so that no command can use it.
+    """
+
+    who: str
+    folder: Path
+    worlds: int
+    classes: int
+    is_failing: bool = True
+    is_known: bool = False
+    lasts: bool = True
+
+
+def overview_lines(overview: Overview, headline: Headline) -> list[str]:
+    """Return the summary for the terminal, in colour; ``click.echo`` takes colours away again."""
+    causes = overview.causes
+    lines = [_verdict_line(overview, headline)]
+    if overview.natural is not None and overview.natural.worlds:
+        lines.append(f"  {describe_rate(overview.natural, causes)}")
+    if causes:
+        lines += _in_full(causes[0], overview.natural, headline)
+    for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
+        lines += [f"{number}. {_title(cause, overview.natural)}", f"   {cause.cause.sentence}"]
+    more = len(causes) - 1 - _MOST_IN_SHORT
+    if more > 0:
+        names = ", ".join(cause.cause.value for cause in causes[1 + _MOST_IN_SHORT :])
+        lines.append(f"and {counted(more, 'more cause')}: {names}")
+    if overview.comparison is not None:
+        lines.append(shown(overview.comparison.describe()))
+    if overview.natural is not None and overview.natural.worlds:
+        lines.append(describe_coverage(overview.natural))
+    if causes and headline.lasts:
+        folder = shlex.quote(str(headline.folder))
+        lines.append(f"look at it: worldgen report {shown(folder)} --out report.html")
+    return lines
+
+
+def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> str:
+    """Return how often the robot arrives, with its interval, and what it does where it does not.
+
+    ``arrives in 72 % of 900 natural worlds (95 %: 69 to 75 %); goes through walls in 6; ...``
+
+    Args:
+        natural: The runs.
+        causes: The causes, to count those of each severity.
+    """
+    low, high = natural.interval
+    share = 100 * natural.arrived / natural.worlds
+    text = (
+        f"arrives in {share:.0f} % of {counted(natural.worlds, 'natural world')} "
+        f"(95 %: {100 * low:.0f} to {100 * high:.0f} %)"
+    )
+    for severity in Severity:
+        found = {cause: n for cause, n in natural.causes.items() if cause.severity == severity}
+        if found:
+            several = f": {len(found)} causes" if len(found) > 1 else ""
+            text += f"; {severity.phrase} in {sum(found.values())}{several}"
+    if natural.unsensed:
+        text += f"; {natural.unsensed} more with hazards that it cannot sense"
+    return text
+
+
+def describe_coverage(natural: NaturalRuns) -> str:
+    """Return which natural worlds were tried, and which never."""
+    tried = [name for name, (worlds, _) in natural.families.items() if worlds]
+    table = natural.table()
+    clearances = [name for name, row in table["clearances"].items() if not row["worlds"]]
+    turns = [name for name, row in table["turns"].items() if not row["worlds"]]
+    never = []
+    if clearances:
+        never.append(f"room for {', '.join(clearances)} robot radii")
+    if turns:
+        never.append(f"paths with {', '.join(turns)} quarter turns")
+    text = f"natural worlds of {counted(len(tried), 'family', 'families')}"
+    return text + (f"; never tried: {'; '.join(never)}" if never else "")
+
+
+def _verdict_line(overview: Overview, headline: Headline) -> str:
+    """Return whether it works, in a few words."""
+    own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
+    searched = f"{counted(headline.worlds, 'world')} searched"
+    if not headline.is_failing:
+        what = "new failure" if headline.is_known else "failure"
+        pushed = any(one.cause == Cause.PUSHED_TOO_HARD for one in overview.causes)
+        beyond = "sense or withstand" if pushed else "sense"
+        others = len(own) < len(overview.causes)
+        hazards = f", but for hazards that it cannot {beyond}" if others else ""
+        found = f"no {what} of {shown(headline.who)} found{hazards}"
+        return f"{click.style(found, fg='green', bold=True)}; {searched}"
+    who = click.style(shown(headline.who), bold=True)
+    worst = overview.causes[0].cause.severity
+    failed = click.style(worst.phrase, fg=_COLOURS[worst], bold=True)
+    classes = counted(headline.classes, "class", "classes")
+    return f"{who}: {failed}; {counted(len(own), 'cause')}, {classes} of failures, {searched}"
+
+
+def _title(cause: CauseTotals, natural: NaturalRuns | None) -> str:
+    name = click.style(cause.cause.value, fg=_COLOURS[cause.cause.severity], bold=True)
+    new = f" {click.style('NEW', fg='magenta', bold=True)}" if cause.state == "new" else ""
+    return f"{name}{new}: {_how_often(cause, natural)}"
+
+
+def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
+    parts = []
+    if natural is not None and natural.worlds and cause.natural is not None:
+        of = natural.worlds if cause.cause.severity != Severity.UNSENSED else 0
+        parts.append(f"{cause.natural} of {of} natural worlds" if of else "")
+    if cause.classes:
+        met = ", ".join(f"{count} {verdict}" for verdict, count in cause.verdicts.items() if count)
+        classes = counted(len(cause.classes), "class", "classes")
+        # A class that only shrinking led to was met by no world of the search.
+        parts.append(f"{met} in {classes}" if met else f"{classes}, met while shrinking")
+    return "; ".join(filter(None, parts))
+
+
+def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline) -> list[str]:
+    """Return four lines: what and how often, why, what it depends on, the command."""
+    lines = [f"1. {_title(cause, natural)}", f"   {cause.cause.sentence} {cause.cause.advice}"]
+    if cause.why is not None:
+        lines.append(f"   It {shown(cause.why.describe())}.")
+    if cause.file and headline.lasts:
+        path = shlex.quote(str(headline.folder / cause.file))
+        lines.append(f"   worldgen replay {shown(path)} --show")
+    return lines

@@ -1,0 +1,192 @@
+// The first screen: does it work, how bad is it, why, and what to do.
+
+import { el, grouped, plural, verdictDot } from "#player/dom.js";
+import { drawSmall, pictureLabel } from "#player/map.js";
+import { copyButton } from "#report/copy.js";
+
+const PHRASES = {
+  "through-walls": "It goes through walls",
+  "through-robots": "It drives through other robots",
+  "controller-error": "Its controller breaks down",
+  harmed: "It runs into hazards that it can sense",
+  "never-arrives": "It does not always arrive",
+  "too-slow": "It is too slow in some worlds",
+  questionable: "It breaks a rule that you set",
+};
+// The severity's colour is that of the verdict that is typical of it.
+const COLOURS = {
+  "through-walls": "tunnel",
+  "through-robots": "tunnel",
+  "controller-error": "crash",
+  harmed: "burned",
+  "never-arrives": "loop",
+  "too-slow": "timeout",
+  questionable: "oracle",
+  unsensed: "burned",
+};
+
+/**
+ * Fills the section with the answer for each controller.
+ * @param {HTMLElement} section
+ * @param {ReportData} data
+ * @returns {{ redraw(): void }}
+ */
+export function makeAnswer(section, data) {
+  const all = [...data.failures, ...data.extras];
+  const find = (path) => all.find((failure) => failure.path === path);
+  const several = data.answers.length > 1;
+  section.replaceChildren(...data.answers.map((answer) => answerPart(answer, find, several)));
+  const redraw = () => {
+    for (const canvas of section.querySelectorAll("canvas")) {
+      const failure = all.find((one) => one.id === canvas.dataset.id);
+      const drawn = failure && failure[canvas.dataset.which === "before" ? "before" : "now"];
+      if (drawn) drawSmall(canvas, drawn);
+    }
+  };
+  return { redraw };
+}
+
+function answerPart(answer, find, several) {
+  const causes = answer.causes.filter((cause) => cause.severity !== "unsensed");
+  const worst = causes[0];
+  const failure = worst && find(worst.file);
+  return el(
+    "div",
+    { class: "answer" },
+    several ? el("h2", {}, `${answer.controller} under ${answer.motion}`) : null,
+    el(
+      "div",
+      { class: "answer-two" },
+      el(
+        "div",
+        {},
+        verdictPart(worst, answer),
+        el(
+          "ol",
+          { class: "causes" },
+          answer.causes.map((cause, index) => causeItem(cause, answer, find(cause.file), index === 0)),
+        ),
+        answer.comparison ? el("p", { class: "quiet" }, capital(`${answer.comparison.sentence}.`)) : null,
+        answer.natural && answer.natural.worlds ? coverage(answer.natural) : null,
+      ),
+      failure ? picturePart(failure) : null,
+    ),
+  );
+}
+
+function verdictPart(worst, answer) {
+  const words = worst ? PHRASES[worst.severity] : "No failure found";
+  return el(
+    "div",
+    {},
+    el(
+      "p",
+      { class: "headline", "data-verdict": worst ? COLOURS[worst.severity] : "reached" },
+      `${worst ? "" : "✓ "}${words}.`,
+    ),
+    answer.natural && answer.natural.worlds ? ratePart(answer.natural) : null,
+  );
+}
+
+// How often it arrives in natural worlds, as a sentence and as a bar with the interval.
+function ratePart(natural) {
+  const percent = (share) => `${Math.round(100 * share)} %`;
+  const low = percent(natural.low),
+    high = percent(natural.high);
+  const bar = el("span", { class: "rate", role: "img", "aria-label": `95 % interval: ${low} to ${high}` });
+  const range = el("i", { class: "range" }),
+    point = el("i", { class: "point" });
+  range.style.left = `${100 * natural.low}%`;
+  range.style.width = `${Math.max(1, 100 * (natural.high - natural.low))}%`;
+  point.style.left = `${100 * natural.share}%`;
+  bar.append(range, point);
+  const unsensed = natural.unsensed ? ` ${natural.unsensed} more have hazards that it cannot sense.` : "";
+  return el(
+    "p",
+    { class: "rate-line" },
+    el("b", {}, `Arrives in ${percent(natural.share)}`),
+    ` of ${plural(natural.worlds, "natural world")} (95 %: ${low.replace(" %", "")} to ${high}) `,
+    bar,
+    el("span", { class: "quiet" }, unsensed),
+  );
+}
+
+function coverage(natural) {
+  const never = (rows) => Object.keys(rows).filter((name) => rows[name].worlds === 0);
+  const tried = Object.keys(natural.families).filter((name) => natural.families[name].worlds > 0);
+  const clearances = never(natural.clearances),
+    turns = never(natural.turns);
+  const missing = [
+    clearances.length ? `room for ${clearances.join(", ")} robot radii` : "",
+    turns.length ? `paths with ${turns.join(", ")} quarter turns` : "",
+  ].filter(Boolean);
+  return el(
+    "p",
+    { class: "quiet" },
+    `Natural worlds are those of families at default settings: ${tried.join(", ")}.`,
+    missing.length ? ` Never tried: ${missing.join("; ")}.` : "",
+  );
+}
+
+function causeItem(cause, answer, failure, first) {
+  const often = [];
+  if (answer.natural && answer.natural.worlds && cause.natural !== null && cause.severity !== "unsensed")
+    often.push(`${cause.natural} of ${plural(answer.natural.worlds, "natural world")}`);
+  if (cause.met > 0) often.push(`${grouped(cause.met)} met in ${plural(cause.classes.length, "class", "classes")}`);
+  else if (cause.classes.length > 0) often.push(plural(cause.classes.length, "class", "classes"));
+  const name = cause.cause.replaceAll("-", " ");
+  return el(
+    "li",
+    { class: "cause" },
+    el(
+      "div",
+      { class: "line" },
+      verdictDot(COLOURS[cause.severity]),
+      failure ? el("a", { href: `#${failure.id}`, class: "name" }, name) : el("span", { class: "name" }, name),
+      cause.state === "new" ? el("span", { class: "new" }, "new") : null,
+      el("span", { class: "quiet" }, often.join("; ")),
+    ),
+    el("p", {}, cause.sentence, first ? ` ${cause.advice}` : ""),
+    cause.why ? el("p", { class: "why" }, `It ${cause.why}.`) : null,
+    first && failure ? commandPart(failure) : null,
+  );
+}
+
+function commandPart(failure) {
+  return el(
+    "div",
+    { class: "command" },
+    el("code", {}, `${failure.replay} --show`),
+    copyButton("Copy", () => `${failure.replay} --show`),
+    copyButton("Copy test", () => failure.test),
+  );
+}
+
+function picturePart(failure) {
+  const figure = (drawn, which, words) =>
+    el(
+      "figure",
+      {},
+      el(
+        "a",
+        { href: `#${failure.id}`, "aria-label": `${words}: play it` },
+        el("canvas", { "data-id": failure.id, "data-which": which, role: "img", "aria-label": pictureLabel(drawn) }),
+      ),
+      el("figcaption", {}, words),
+    );
+  const now = failure.shrunk
+    ? `Shrunk: ${failure.now.size} cells, ${grouped(failure.now.solid)} solid`
+    : `As found, not shrunk: ${failure.now.size} cells, ${grouped(failure.now.solid)} solid`;
+  return el(
+    "div",
+    { class: "pictures" },
+    failure.now.world ? figure(failure.now, "now", now) : null,
+    failure.before && failure.before.world
+      ? figure(failure.before, "before", `As found: ${failure.before.size} cells`)
+      : null,
+  );
+}
+
+function capital(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

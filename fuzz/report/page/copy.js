@@ -1,0 +1,38 @@
+// Buttons that copy a text.
+
+import { el, say } from "#player/dom.js";
+
+const SHOWN = 1500; // ms that the button says what it did
+
+/**
+ * Returns a button that copies a text, or says that it could not.
+ * @param {string} words
+ * @param {() => string} text
+ * @returns {HTMLButtonElement}
+ */
+export function copyButton(words, text) {
+  const button = el("button", { type: "button" }, words);
+  button.addEventListener("click", async () => {
+    button.textContent = (await copied(text())) ? "Copied" : "Not copied";
+    say(button.textContent);
+    setTimeout(() => {
+      button.textContent = words;
+    }, SHOWN);
+  });
+  return button;
+}
+
+// A page from disk may not use the clipboard; then a hidden text area does.
+async function copied(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch {
+    const area = el("textarea", { readonly: true, class: "hidden" }, text);
+    document.body.append(area);
+    area.select();
+    const done = document.execCommand("copy");
+    area.remove();
+    return done;
+  }
+}

@@ -1,0 +1,258 @@
+"""Causes: what repeats decides, wherever it happens, and the overview groups, orders and compares them."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fuzz.failure import Failure
+from fuzz.overview import Cause, CauseTotals, causes_of, read_overview
+from fuzz.overview.causes import in_order, with_natural
+from fuzz.overview.clearest import clearest
+from fuzz.overview.comparison import compare
+from fuzz.overview.natural import NaturalRuns, natural_families, natural_runs
+from fuzz.overview.overview import Overview, write_overview
+from fuzz.triage.behaviour import behaviour_of
+from fuzz.triage.cause import Severity
+from fuzz.triage.diagnosis import CAUSE, cause_of, cause_of_run
+from fuzz.triage.judging import failure_of
+from fuzz.triage.proofs import certified
+from sim import Command, simulate
+from sim.scenario import Scenario
+from tests.helpers.raising import raises
+from worldgen import Pose, Target, World
+from worldgen.errors import FormatError
+
+SHIPPED = Path(__file__).parents[2] / "corpora/failures"
+HERE = "tests.fuzz.test_root_causes"
+
+
+class Still:
+    """Never moves."""
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        return Command(0.0, 0.0), memory
+
+
+class Pushes(Still):
+    """Drives straight on, whatever it touches."""
+
+    def act(self, observation, memory):
+        return Command(observation.top_speed, 0.0), memory
+
+
+class Dithers(Still):
+    """Turns around in every step."""
+
+    def act(self, observation, memory):
+        return Command(0.0, math.pi / observation.time_step), memory
+
+
+class Backs(Still):
+    """Drives a square of a cell, away from all walls."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        turn = math.pi / 2 if memory[0] == 9.0 else 0.0
+        return Command(0.5, turn / observation.time_step), ((memory[0] + 1.0) % 10.0,)
+
+
+def hall(width=30, height=20, start=(1.55, 1.05)):
+    """An empty hall; the robot looks right, away from its target."""
+    return World(
+        np.zeros((height, width), bool),
+        start=Pose(*start, 0.0),
+        target=Target(0.25, 0.25, 0.05),
+        cell_size=0.1,
+        robot_radius=0.07,
+    )
+
+
+def found_by(name, world=None):
+    failure = failure_of(world or certified_hall(), Scenario(f"{HERE}:{name}"))
+    assert failure is not None
+    return failure
+
+
+def certified_hall():
+
+    return certified(hall())
+
+
+@pytest.mark.parametrize(
+    ("controller", "cause"),
+    [
+        ("Still", Cause.STANDS_STILL),
+        ("Pushes", Cause.PUSHES_A_WALL),
+        ("Dithers", Cause.TURNS_BACK_AND_FORTH),
+        ("Backs", Cause.DRIVES_IN_CIRCLES),
+    ],
+)
+def test_a_plain_fault_has_the_cause_that_its_run_shows(controller, cause):
+    failure = found_by(controller)
+    assert failure.record.details[CAUSE] == cause.value and cause_of(failure) == cause
+
+
+@pytest.mark.parametrize(
+    ("name", "cause"),
+    [
+        ("wall-left/swept", Cause.CIRCLES_A_WALL),
+        ("turn-right/swept", Cause.BOUNCES_BETWEEN_WALLS),
+        ("tangent-bug/swept", Cause.RETURNS_TO_THE_WALL),
+    ],
+)
+def test_most_loops_of_a_library_controller_have_its_known_weakness(name, cause):
+    loops = [Failure.read(path) for path in sorted((SHIPPED / name).glob("loop-*.grid"))]
+    causes = [cause_of(failure) for failure in loops]
+    assert loops and causes.count(cause) >= 0.6 * len(causes)
+
+
+def test_a_cause_is_the_same_in_a_world_that_is_turned_by_a_quarter():
+    failure = found_by("Pushes")
+    world = failure.world
+    turned = World(
+        np.rot90(world.walls).copy(),
+        start=Pose(
+            world.height * world.cell_size - world.start.y,
+            world.start.x,
+            world.start.heading + math.pi / 2,
+        ),
+        target=Target(
+            world.height * world.cell_size - world.target.y, world.target.x, world.target.radius
+        ),
+        cell_size=world.cell_size,
+        robot_radius=world.robot_radius,
+    )
+    episode = simulate(turned, f"{HERE}:Pushes", record=True)
+    assert cause_of_run(turned, episode) == cause_of(failure)
+
+
+def test_a_recorded_cause_needs_no_run_and_a_missing_one_is_found():
+    shipped = Failure.read(next((SHIPPED / "wall-left/swept").glob("loop-*round*.grid")))
+    assert CAUSE not in shipped.record.details and cause_of(shipped) == Cause.CIRCLES_A_WALL
+    unknown = replace(shipped.record, controller="./gone.py:Robot")
+    assert cause_of(replace(shipped, record=unknown)) == Cause.UNKNOWN
+    recorded = replace(shipped, record=unknown).noting(cause="pushes-a-wall")
+    assert cause_of(recorded) == Cause.PUSHES_A_WALL
+
+
+def test_a_path_around_an_island_goes_around_what_touches_it_at_a_corner():
+    path = next((SHIPPED / "wall-left/swept").glob("loop-*round*.grid"))
+    failure = Failure.read(path)
+    seen = behaviour_of(failure.world, failure.run())
+    assert seen.around_island + seen.around_target >= 1 and seen.off_wall <= 1.0
+
+
+def test_causes_come_by_severity_and_then_by_frequency_in_natural_worlds():
+    rare = CauseTotals(Cause.CIRCLES_A_WALL, ("a",), {"loop": 900})
+    often = CauseTotals(Cause.PUSHES_A_WALL, ("b",), {"loop": 1})
+    worst = CauseTotals(Cause.STEPS_OVER_A_WALL, ("c",), {"tunnel": 1})
+    assert in_order([often, rare, worst]) == [worst, rare, often]
+    ordered = with_natural([often, rare, worst], {Cause.PUSHES_A_WALL: 5, Cause.WANDERS: 1})
+    assert [one.cause for one in ordered] == [
+        Cause.STEPS_OVER_A_WALL,
+        Cause.PUSHES_A_WALL,
+        Cause.CIRCLES_A_WALL,
+        Cause.WANDERS,
+    ]
+
+
+def test_buckets_are_grouped_with_how_often_they_were_met():
+    failures = {"one": found_by("Pushes"), "two": found_by("Pushes"), "three": found_by("Still")}
+    causes = causes_of(failures, {"one": 3, "two": 4, "three": 1})
+    assert [(one.cause, one.classes, one.met) for one in causes] == [
+        (Cause.PUSHES_A_WALL, ("one", "two"), 7),
+        (Cause.STANDS_STILL, ("three",), 1),
+    ]
+
+
+def test_natural_worlds_give_a_rate_that_depends_on_the_seed_alone():
+    runs = [natural_runs(Scenario("bug2"), ["trap", "maze"], 6, seed=3) for _ in range(2)]
+    assert runs[0] == runs[1] and runs[0].worlds == 6 and runs[0].is_complete
+    low, high = runs[0].interval
+    assert 0.0 <= low <= runs[0].arrived / 6 <= high <= 1.0
+    assert runs[0].families.keys() == {"trap", "maze"}
+
+
+def test_natural_worlds_end_with_the_time_and_say_so():
+    runs = natural_runs(Scenario("bug2"), ["trap"], 5, seed=3, is_over=lambda: True)
+    assert runs.worlds == 0 and not runs.is_complete
+
+
+def test_hazards_that_nobody_can_sense_are_left_out_of_the_rate():
+    runs = natural_runs(Scenario("bug2"), ["fire"], 4, seed=1)
+    assert runs.unsensed + runs.worlds == 4 and runs.unsensed > 0
+    assert Cause.HARMED_UNSENSED not in runs.causes
+
+
+def test_only_families_have_natural_worlds():
+    assert natural_families(["native", "trap", "./mine.toml"]) == ["trap", "./mine.toml"]
+    assert {"trap", "maze", "fire"} <= set(natural_families([]))
+
+
+def test_a_robot_that_covers_its_target_is_not_the_clearest_picture():
+    near = found_by("Still", hall(6, 5, start=(0.32, 0.25)))
+    far = found_by("Still")
+    assert near.size < far.size and clearest([near, far], Cause.STANDS_STILL) is far
+
+
+def test_a_comparison_tells_new_from_fixed_and_still_there():
+    found = compare(
+        "baseline",
+        now={"a": Cause.CRASHES},
+        still={"b": Cause.WANDERS},
+        fixed={"c": Cause.PUSHES_A_WALL, "b": Cause.WANDERS},
+    )
+    assert (found.new, found.still, found.fixed) == (("a",), ("b",), ("c",))
+    assert found.new_causes == (Cause.CRASHES,) and found.still_causes == (Cause.WANDERS,)
+    assert found.fixed_causes == (Cause.PUSHES_A_WALL,)
+    assert "new: 1 cause (crashes)" in found.describe()
+
+
+def test_an_overview_that_is_read_is_the_one_that_was_written(tmp_path):
+    (tmp_path / ".campaign").mkdir()
+    natural = natural_runs(Scenario("bug2"), ["trap"], 2, seed=1)
+    cause = CauseTotals(Cause.CRASHES, ("crash-a",), {"crash": 2}, 1, "crash-a.grid")
+    written = Overview((cause,), natural)
+    write_overview(written, tmp_path)
+    read = read_overview(tmp_path)
+    assert read["causes"][0]["cause"] == "crashes" and read["comparison"] is None
+    assert read["natural"]["worlds"] == natural.worlds
+
+
+@pytest.mark.parametrize("file", ["../secret.grid", "a/b.grid", "/etc/passwd", ".campaign/x.grid"])
+def test_an_overview_names_no_file_outside_its_folder(tmp_path, file):
+    (tmp_path / ".campaign").mkdir()
+    write_overview(Overview((CauseTotals(Cause.CRASHES, (), {}, 1, file),)), tmp_path)
+    with raises(FormatError, "invalid-overview"):
+        read_overview(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "text", ["[]", "{}", '{"version": 1}', '{"version": 1, "causes": [1]}', "{"]
+)
+def test_an_overview_of_another_form_is_refused(tmp_path, text):
+    (tmp_path / ".campaign").mkdir()
+    (tmp_path / ".campaign/overview.json").write_text(text)
+    with raises(FormatError, "invalid-overview"):
+        read_overview(tmp_path)
+
+
+def test_every_cause_has_a_sentence_and_an_advice():
+    for cause in Cause:
+        assert cause.sentence.endswith(".") and cause.advice.endswith((".", "?"))
+        assert cause.severity in Severity and cause.severity.phrase
+
+
+def test_the_table_of_natural_worlds_names_what_was_never_tried():
+    table = NaturalRuns().table()
+    assert table["share"] is None and json.loads(json.dumps(table)) == table
+    assert table["clearances"]["below 1.1"] == {"worlds": 0, "arrived": 0}
