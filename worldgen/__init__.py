@@ -1,7 +1,7 @@
 """Worlds for mobile robots: generated, proved reachable, written as one text file.
 
-Each of these is imported when it is first used: World, Pose, Target, Witness, Cut, Provenance,
-    FailureRecord: a world and its parts. Timeline, Event, CellState: its changes over time.
+Each of these is imported when it is first used: World, Robot, Pose, Target, Witness, JointWitness,
+    Cut, Provenance, FailureRecord: a world and its parts. Timeline, Event, CellState: its changes over time.
     generate: a world of a family, with its proof. stream: a sequence of such worlds, made on
     demand. read_world, write_world, world_digest: the ``.grid`` file. decide, check_certificate:
     prove reachability, and check the proof independently. WorldgenError, with FormatError,
@@ -30,7 +30,17 @@ if TYPE_CHECKING:
     from worldgen.generation import generate, stream
     from worldgen.reach import check_certificate, decide
     from worldgen.timeline import CellState, Event, Timeline
-    from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
+    from worldgen.world import (
+        Cut,
+        FailureRecord,
+        JointWitness,
+        Pose,
+        Provenance,
+        Robot,
+        Target,
+        Witness,
+        World,
+    )
 
 __getattr__, __dir__ = lazy_names(
     __name__,
@@ -47,12 +57,23 @@ __getattr__, __dir__ = lazy_names(
         "generation": ("generate", "stream"),
         "reach": ("check_certificate", "decide"),
         "timeline": ("CellState", "Event", "Timeline"),
-        "world": ("Cut", "FailureRecord", "Pose", "Provenance", "Target", "Witness", "World"),
+        "world": (
+            "Cut",
+            "FailureRecord",
+            "JointWitness",
+            "Pose",
+            "Provenance",
+            "Robot",
+            "Target",
+            "Witness",
+            "World",
+        ),
     },
 )
 
 __all__ = [
-    "CellState", "Cut", "Event", "FailureRecord", "FormatError", "GenerationFailed", "InvalidParameter",
-    "InvalidWorld", "OutputError", "Pose", "Provenance", "Target", "Timeline", "Witness", "World",
-    "WorldgenError", "check_certificate", "decide", "generate", "read_world", "stream", "world_digest", "write_world",
+    "CellState", "Cut", "Event", "FailureRecord", "FormatError", "GenerationFailed",
+    "InvalidParameter", "InvalidWorld", "JointWitness", "OutputError", "Pose", "Provenance",
+    "Robot", "Target", "Timeline", "Witness", "World", "WorldgenError", "check_certificate",
+    "decide", "generate", "read_world", "stream", "world_digest", "write_world",
 ]  # fmt: skip

@@ -97,7 +97,7 @@ def test_without_gymnasium_the_import_says_how_to_get_it():
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("block", [0, 2, 3], ids=["single", "vector", "policy"])
+@pytest.mark.parametrize("block", [0, 2, 3, 4], ids=["single", "vector", "fleet", "policy"])
 def test_an_example_of_the_guide_works(block):
     names = {"gymnasium": gymnasium, "best_action": lambda seen: 0}
     exec(re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)[block], names)

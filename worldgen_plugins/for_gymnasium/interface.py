@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from sim import Command, Observation
 from sim._core import ffi, lib
+from sim.kernels import layout
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 from worldgen.support.ccall import pointer, writable
@@ -187,7 +188,7 @@ class Interface:
     def observe(self, observation: Observation) -> Singles:
         """Return (size,) float32, the environment's observation, given that of a controller."""
         # Fill the core's struct, whose numbers have the order of the observation's fields.
-        numbers = np.array(observation[:-1], np.float64)
+        numbers = np.array(observation[: layout.OBS_SIZE], np.float64)
         beams = np.array(observation.beams, np.float64)
         seen = ffi.new("WgObservation *")
         ffi.memmove(seen, pointer(ffi, numbers, np.float64), numbers.nbytes)

@@ -36,20 +36,35 @@ def check_render_mode(mode: object) -> str | None:
     )
 
 
-def frame_of(world: World, places: Sequence[tuple[float, float]], mode: str) -> Any:
+Places = Sequence[tuple[float, float]]
+
+
+def frame_of(world: World, places: Sequence[Places], mode: str) -> Any:
     """Return a frame: (height, width, 3) uint8 for ``rgb_array``, text for ``ansi``.
 
     Args:
         world: The world of the episode.
-        places: Positions of the robot so far, m, the latest one last.
+        places: Positions of each robot so far, m, the latest one last.
         mode: One of :data:`RENDER_MODES`.
     """
-    x, y = np.array(places, np.float64).T
-    trail = Trail(x, y, None, [EventMark(float(x[-1]), float(y[-1]), "end")])
+    trails = [_trail(one) for one in places]
+
     if mode == "ansi":
-        return draw_terminal(world, trail=trail, width=_COLUMNS, color=False)
+        return draw_terminal(world, trail=trails[0], width=_COLUMNS, color=False)
     from worldgen.render.png import draw_parts
     from worldgen.render.scene import compose
 
-    scene = compose(world, trail, signal=True, witness=False, title="", pixels=_PIXELS)
+    scene = compose(
+        world,
+        trails if world.others else trails[0],
+        signal=True,
+        witness=False,
+        title="",
+        pixels=_PIXELS,
+    )
     return np.array(draw_parts(scene.primitives, scene.frame, (scene.width, scene.height)))
+
+
+def _trail(places: Places) -> Trail:
+    x, y = np.array(places, np.float64).T
+    return Trail(x, y, None, [EventMark(float(x[-1]), float(y[-1]), "end")])

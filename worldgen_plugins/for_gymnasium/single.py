@@ -126,7 +126,7 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
                 'render() without a render mode shows nothing; make(..., render_mode="rgb_array")'
             )
             return None
-        frame: npt.NDArray[np.uint8] | str = frame_of(self.world, self._places, self.render_mode)
+        frame: npt.NDArray[np.uint8] | str = frame_of(self.world, [self._places], self.render_mode)
         return frame
 
     def _note_place(self) -> None:

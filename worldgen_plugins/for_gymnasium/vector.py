@@ -201,7 +201,7 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         worlds = self._lockstep.worlds
         crew = self._lockstep.crew
         return tuple(
-            frame_of(worlds[world], places, self.render_mode)
+            frame_of(worlds[world], [places], self.render_mode)
             for world, places in zip(crew.world.tolist(), self._places, strict=True)
         )
 
