@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import math
 import re
 import textwrap
 from collections.abc import Callable, Mapping
@@ -11,7 +12,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
 
+from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
+from worldgen.families.parts.placing import place_robots
+from worldgen.lattice import in_cells
 from worldgen.parameters import (
     Bounds,
     Parameter,
@@ -26,7 +30,7 @@ from worldgen.parameters import (
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.registry import Registry
 from worldgen.random_streams import RandomStream, Seed, seed_of
-from worldgen.reach import REACHABLE, decide
+from worldgen.reach import REACHABLE, Decision, decide
 from worldgen.world import Provenance, Value, World
 
 __all__ = [
@@ -34,6 +38,7 @@ __all__ = [
     "MARGIN",
     "MAX_ATTEMPTS",
     "RECIPE",
+    "ROBOTS",
     "Bounds",
     "Family",
     "FamilyRegistry",
@@ -48,12 +53,23 @@ __all__ = [
 
 Build = Callable[..., World]
 
-# Layouts tried per seed before the parameters count as unsolvable.
-MAX_ATTEMPTS = 64
-# Name of a parameter that means the same in every family: how many seconds later the witness may
-# begin.
-MARGIN = "margin"
-# Parameters of generate(), and options of every family's command.
+MAX_ATTEMPTS = 64  # layouts tried per seed before the parameters are called unsolvable
+MAX_PLACEMENTS = 4  # of the robots, tried in each layout
+# Layouts tried for several robots. In the first ones passages are as narrow as for one robot, so
+# that robots have to make way for each other; in those after that, two robots can pass.
+MAX_NARROW_ATTEMPTS = 3
+MAX_FLEET_ATTEMPTS = 12
+_PASSAGES = ("width", "passage")  # parameters of families that say how wide passages are
+ROBOTS = "robots"  # the parameter of every family that says how many robots its worlds have
+ROBOTS_PARAMETER = Parameter(
+    ROBOTS,
+    1,
+    (),
+    "Robots of the world; the others are like the first, at places drawn by the seed.",
+    Bounds(1, MAX_ROBOTS),
+)
+MARGIN = "margin"  # of every parameter so called: seconds by which the witness may begin later
+# parameters of generate(), and options of every family's command
 _TAKEN = (
     "name",
     "seed",
@@ -113,10 +129,17 @@ class Family:
         complete = self.complete(params)
         number = seed_of(seed)
         margin = float(cast("float", complete.get(MARGIN, 0.0)))
-        # Build layouts until one is solvable.
-        for attempt in range(MAX_ATTEMPTS):
-            world = self.build(stream_for(number, self.name, attempt), **complete)
+        own = dict(complete)
+        robots = 1 if self.places_robots else int(cast("int", own.pop(ROBOTS, 1)))
+        is_fleet = complete.get(ROBOTS, 1) != 1
+        for attempt in range(MAX_FLEET_ATTEMPTS if is_fleet else MAX_ATTEMPTS):
+            rng = stream_for(number, self.name, attempt)
+            if robots > 1 and attempt == MAX_NARROW_ATTEMPTS:
+                own |= self._wide_passages(own)
+            world = self.build(rng, **own)
             decision = decide(world, margin=margin, cut=False)
+            if decision.result == REACHABLE and robots > 1:
+                world, decision = self._with_robots(world, rng.child(ROBOTS), robots, margin)
             if decision.result == REACHABLE:
                 provenance = Provenance(self.name, self.version, number, complete)
                 return replace(world, certificate=decision.certificate, provenance=provenance)
@@ -125,13 +148,46 @@ class Family:
         )
         raise GenerationFailed(
             "no-layout-found",
-            "{family}: none of {layouts} layouts lets the robot through (seed {seed}; {settings})",
-            "give it more room: a larger size, a smaller robot_radius, or fewer obstacles",
+            "{family}: none of {layouts} layouts lets "
+            + ("the robot" if robots == 1 else f"{robots} robots")
+            + " through (seed {seed}; {settings})",
+            "give it more room: a larger size, a smaller robot_radius, or fewer obstacles"
+            + ("" if robots == 1 else " or robots"),
             family=self.name,
-            layouts=MAX_ATTEMPTS,
+            layouts=attempt + 1,
             seed=number,
             settings=settings,
         )
+
+    def _with_robots(
+        self, world: World, rng: RandomStream, robots: int, margin: float
+    ) -> tuple[World, Decision]:
+        """Return the world with more robots, and whether all of them can arrive."""
+        for number in range(MAX_PLACEMENTS):
+            placed = place_robots(world, rng.child(number), robots, self.name)
+            decision = decide(placed, margin=margin, cut=False)
+            if decision.result == REACHABLE:
+                break
+        return placed, decision
+
+    def _wide_passages(self, own: Mapping[str, Value]) -> dict[str, Value]:
+        """Return widths for passages that were left open, so that two robots can pass."""
+        wanted = [known for known in self.parameters if known.name in _PASSAGES]
+        radius = own.get("robot_radius")
+        cell_size = own.get("cell_size")
+        if not isinstance(radius, float) or not isinstance(cell_size, float):
+            return {}
+        width = math.ceil(4 * in_cells(radius, cell_size))
+        return {
+            known.name: width
+            for known in wanted
+            if known.bounds is not None and own[known.name] == known.bounds.chosen
+        }
+
+    @functools.cached_property
+    def places_robots(self) -> bool:
+        """Whether ``robots`` is a parameter of its own, because it places them itself."""
+        return any(known.name == ROBOTS for known in self.parameters)
 
     def __repr__(self) -> str:
         return f"<family {self.name}, version {self.version}>"
@@ -156,7 +212,7 @@ class Family:
                 default=known.python_default,
                 annotation=known.annotation,
             )
-            for known in self.parameters
+            for known in self.all_parameters
         ]
         return inspect.Signature([seed, *own], return_annotation=World)
 
@@ -164,9 +220,8 @@ class Family:
         """Return the function's docstring, worded for the family's caller."""
         text = inspect.cleandoc(self.build.__doc__ or "")
         try:
-            parameters = self.parameters
-        # The family describes it where it is used.
-        except InvalidParameter:
+            parameters = self.all_parameters
+        except InvalidParameter:  # it says so where the family is used
             return text
         notes = [
             "seed: Equal seed and parameters, equal world. A whole number or a NumPy generator."
@@ -195,6 +250,11 @@ class Family:
         return parameters_of(self.build, f"family {self.name!r}")
 
     @property
+    def all_parameters(self) -> tuple[Parameter, ...]:
+        """Its own parameters and ``robots``, which every family has."""
+        return self.parameters if self.places_robots else (*self.parameters, ROBOTS_PARAMETER)
+
+    @property
     def description(self) -> str:
         """The docstring up to its first section."""
         text = inspect.cleandoc(self.build.__doc__ or "")
@@ -212,8 +272,7 @@ class Family:
         Defaults are omitted.
         """
         words: list[str] = []
-        # Defaults need no option.
-        for parameter in self.parameters:
+        for parameter in self.all_parameters:
             value = params.get(parameter.name, parameter.default)
             flag = parameter.name.replace("_", "-")
             if value == parameter.default:
@@ -232,11 +291,16 @@ class Family:
                 is out of bounds.
         """
         known = {parameter.name: parameter for parameter in self.parameters}
+        if ROBOTS in params and not self.places_robots:
+            robots = ROBOTS_PARAMETER.accept(params[ROBOTS], self.name)
+            rest = {name: value for name, value in params.items() if name != ROBOTS}
+            # A world of one robot has the provenance that it always had.
+            return self.complete(rest) | ({ROBOTS: robots} if robots != 1 else {})
         for name in params:
             if name in self.constants:
                 self._check_constant(name, cast("Value", params[name]))
             else:
-                find_parameter(name, self.parameters, self.name)
+                find_parameter(name, self.all_parameters, self.name)
         complete = {
             name: parameter.accept(params.get(name, parameter.default), self.name)
             for name, parameter in known.items()

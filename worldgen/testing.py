@@ -25,7 +25,7 @@ from worldgen.reach import check_certificate, witness_margin
 from worldgen.support.plain_text import quote
 from worldgen.support.time_limit import TimeLimitReached, time_limit
 from worldgen.timeline import CellState
-from worldgen.world import Value, Witness, World
+from worldgen.world import JointWitness, Value, Witness, World
 
 __all__ = [
     "CHECKS",
@@ -208,7 +208,7 @@ def _certificate(family: Family, case: Mapping[str, Value]) -> None:
     for seed in range(_SEEDS):
         world = generate(family, seed, **case)
         report = check_certificate(world)
-        held = isinstance(world.certificate, Witness) and report.valid
+        held = isinstance(world.certificate, Witness | JointWitness) and report.valid
         _demand(held, f"seed {seed}: the independent checker refuses the witness: {report.reason}")
 
 

@@ -23,7 +23,7 @@ from worldgen.support.progress import working
 if TYPE_CHECKING:
     from worldgen.family import Family, Parameter
     from worldgen.support.progress import Work
-    from worldgen.world import Value, Witness, World
+    from worldgen.world import JointWitness, Value, Witness, World
 
 __all__ = ["command_of", "family_command"]
 
@@ -88,7 +88,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
         seed_option,
     ):
         command = decorate(command)
-    for parameter in reversed(made_by.parameters):
+    for parameter in reversed(made_by.all_parameters):
         command = _option(parameter, made_by)(command)
     return click.command(name)(command)
 
@@ -186,7 +186,8 @@ def _make_one(
     note(
         (f"{out}: " if out is not None else "")
         + f"{made_by.name} {world.width} x {world.height} cells, "
-        f"witness {result['witness_length']:.4g} m in {result['witness_time']:.4g} s, seed {seed}"
+        + (f"{len(world.robots)} robots, joint " if world.others else "")
+        + f"witness {result['witness_length']:.4g} m in {result['witness_time']:.4g} s, seed {seed}"
     )
     if as_json:
         emit_json({**_identity(made_by, seed, params), **result})
@@ -222,8 +223,8 @@ def _made(
 def _result(world: World, file: Path | None) -> dict[str, Any]:
     from worldgen.files.grid import world_digest
 
-    # generate() makes no world without one.
-    witness = cast("Witness", world.certificate)
+    # generate() gives no world without one.
+    witness = cast("Witness | JointWitness", world.certificate)
     return {
         "file": None if file is None else str(file),
         "digest": world_digest(world),

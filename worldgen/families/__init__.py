@@ -3,6 +3,7 @@
 Call one for a proved world: ``maze(seed=7, size=60)``. Contents, each imported when it is first
     used: cave, corridor, forest, maze, rooms, rubble, trap: worlds at rest.
     fire, shift: worlds that change with time.
+    alley, crossing, doorway, junction, warehouse: worlds in which several robots meet.
     Families of other packages, by the name that they are registered under, with underscores for
     dashes.
 """
@@ -12,17 +13,37 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from worldgen.families.builtin.alley import alley
     from worldgen.families.builtin.cave import cave
     from worldgen.families.builtin.corridor import corridor
+    from worldgen.families.builtin.crossing import crossing
+    from worldgen.families.builtin.doorway import doorway
     from worldgen.families.builtin.fire import fire
     from worldgen.families.builtin.forest import forest
+    from worldgen.families.builtin.junction import junction
     from worldgen.families.builtin.maze import maze
     from worldgen.families.builtin.rooms import rooms
     from worldgen.families.builtin.rubble import rubble
     from worldgen.families.builtin.shift import shift
     from worldgen.families.builtin.trap import trap
+    from worldgen.families.builtin.warehouse import warehouse
 
-__all__ = ["cave", "corridor", "fire", "forest", "maze", "rooms", "rubble", "shift", "trap"]
+__all__ = [
+    "alley",
+    "cave",
+    "corridor",
+    "crossing",
+    "doorway",
+    "fire",
+    "forest",
+    "junction",
+    "maze",
+    "rooms",
+    "rubble",
+    "shift",
+    "trap",
+    "warehouse",
+]
 
 
 def _registered() -> dict[str, str]:

@@ -58,6 +58,8 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
     if below.name == "maze":
         given.setdefault("braid", MAZE_BRAID)
     params = {name: value for name, value in shared.items() if name in below.defaults()} | given
+    if below.places_robots:  # the family that changes it places them
+        params["robots"] = 1
 
     # Try all combinations of the choices that are not given, in random order. Some of them may need
     # more room than there is.

@@ -38,16 +38,17 @@ def decide_joint(
         radius: Radius of every robot, m; each one's own if None.
         margin: s by which all may set out later, in a world that changes.
         certificate: Whether the proof is wanted.
-        cut: Whether it is wanted if it is a cut.
+        cut: Whether it is wanted if it is a cut. Without it, nothing that shows that there is no
+            witness is looked for, and the search for one is short.
     """
     exhausted = 0
-    for k in (2, _FINER):
+    for k in (2, _FINER) if cut else (2,):
         if k > 2 and world.walls.size > _MOST_FINE:
             break
         question = joint_question(world, k=k, radius=radius, margin=margin)
         if question is None:
             continue
-        plan = find_plan(question)
+        plan = find_plan(question, thorough=cut)
         if plan.nodes is not None:
             witness = make_joint_witness(question, plan.nodes)
             if witness is not None:
@@ -59,12 +60,12 @@ def decide_joint(
         elif plan.is_exhausted and question.spans is None:
             exhausted = k
         # Before the finer graph is searched, look for a proof that there is nothing to find.
-        blocked = _proved_impossible(world, radius, certificate and cut) if k == 2 else None
-        if blocked is not None:
-            return blocked
-    return _proved_impossible(world, radius, certificate and cut) or Decision(
-        UNDECIDED, None, _undecided_reason(exhausted)
-    )
+        if k == 2 and cut:
+            blocked = _proved_impossible(world, radius, certificate)
+            if blocked is not None:
+                return blocked
+    blocked = _proved_impossible(world, radius, certificate) if cut and not exhausted else None
+    return blocked or Decision(UNDECIDED, None, _undecided_reason(exhausted))
 
 
 def _undecided_reason(exhausted: int) -> str:

@@ -21,6 +21,10 @@ _MOST_ONE = 2_000_000  # states of one robot
 _MOST_EXHAUST = 1_500_000  # joint states: about 2 s and 100 MB for two robots
 _FEW = 3  # robots whose joint states are searched one by one
 _MOST_LACAM = 30_000  # joint states for more of them
+_QUICK_EXHAUST = 30_000  # for a search that is not thorough: some tens of milliseconds
+_QUICK_LACAM = 1_000
+_QUICK_ONE = 200_000
+_QUICK_ORDERS = 6
 
 Ints = npt.NDArray[np.int64]
 
@@ -38,26 +42,32 @@ class PlanResult:
     is_exhausted: bool = False
 
 
-def find_plan(question: JointQuestion) -> PlanResult:
+def find_plan(question: JointQuestion, *, thorough: bool = True) -> PlanResult:
     """Look for a plan in which all robots get from their nodes to their targets.
 
     The robots are planned one after the other at first, in several orders. What that cannot solve,
     it leaves to a search over the joint states: all of them for few robots, and depth first for
     many.
+
+    Args:
+        question: What is to be planned.
+        thorough: Whether to search long; a generator has other places to try instead.
     """
     described, held = question.described()
-    nodes = _one_after_the_other(question, described)
+    nodes = _one_after_the_other(question, described, thorough=thorough)
     if nodes is not None:
         return PlanResult(nodes)
     if len(question.ends) <= _FEW:
-        found = _joint(lib.wg_joint_exhaust, described, _MOST_EXHAUST)
+        most = _MOST_EXHAUST if thorough else _QUICK_EXHAUST
+        found = _joint(lib.wg_joint_exhaust, described, most)
     else:
-        found = _joint(lib.wg_joint_lacam, described, _MOST_LACAM)
+        most = _MOST_LACAM if thorough else _QUICK_LACAM
+        found = _joint(lib.wg_joint_lacam, described, most)
     del held  # C has their addresses only
     return found
 
 
-def _one_after_the_other(question: JointQuestion, described: Any) -> Ints | None:
+def _one_after_the_other(question: JointQuestion, described: Any, *, thorough: bool) -> Ints | None:
     """Plan by priority; those that find no way get the highest priority in the next try."""
     # Begin with the robots that have the farthest to go.
     starts = [end.node for end in question.ends]
@@ -66,13 +76,12 @@ def _one_after_the_other(question: JointQuestion, described: Any) -> Ints | None
     tried: set[bytes] = set()
     made = ffi.new("WgJointPlan **")
     failed = ffi.new("int64_t *")
-    # If one gets stuck, move it to the front; if it was first, to the end.
-    for _ in range(min(2 * len(starts) + 2, _MOST_ORDERS)):
+    most = _MOST_ONE if thorough else _QUICK_ONE
+    orders = _MOST_ORDERS if thorough else _QUICK_ORDERS
+    for _ in range(min(2 * len(starts) + 2, orders)):
         tried.add(order.tobytes())
         check(
-            lib.wg_joint_prioritised(
-                described, pointer(ffi, order, np.int64), _MOST_ONE, made, failed
-            )
+            lib.wg_joint_prioritised(described, pointer(ffi, order, np.int64), most, made, failed)
         )
         if made[0] != ffi.NULL:
             return _taken(made[0], described.robots)

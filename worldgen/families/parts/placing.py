@@ -1,0 +1,205 @@
+"""Place several robots in a world: starts and targets that do not overlap, drawn from a stream."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+from worldgen.lattice import (
+    TURN,
+    UNIT,
+    heading_from_lattice,
+    lattice_to_metres,
+    lattice_units,
+    radius_in_cells,
+)
+from worldgen.random_streams import RandomStream
+from worldgen.reach.still.lattice_graph import build_graph, flood
+from worldgen.world import Pose, Robot, Target, World
+
+__all__ = ["Box", "PlacedEnds", "place_in_boxes", "place_robots"]
+
+_HALF = UNIT // 2
+# Cells that robots keep between their discs, if there is room; else they may touch.
+_GAP = 1
+# Placements that are tried before the room is called too small: greedy draws can block each other.
+_TRIES = 20
+# Targets drawn of which the farthest is taken: robots with short paths seldom meet.
+_DRAWS = 4
+
+Box: TypeAlias = tuple[int, int, int, int]
+"""Cells (first column, first row, last column, last row) of a rectangle."""
+
+
+class PlacedEnds(NamedTuple):
+    """Where a robot starts and what it must reach, in half cells."""
+
+    start: tuple[int, int]
+    target: tuple[int, int]
+
+
+class _Room:
+    """The places where a robot fits, and how far each is from those that are taken.
+
+    Args:
+        places: (n, 2) int64, half cells.
+        radius: Of the robots, cells.
+    """
+
+    def __init__(self, places: npt.NDArray[np.int64], radius: Fraction) -> None:
+        self._places = places
+        self._nearest_sq = np.full(len(places), np.iinfo(np.int64).max)
+        self._apart_sq = [math.ceil((2 * (2 * radius + gap)) ** 2) for gap in (_GAP, 0)]
+
+    def take(self, place: tuple[int, int]) -> None:
+        """Keep other robots away from a place."""
+        apart = self._places - np.array(place)
+        np.minimum(self._nearest_sq, (apart * apart).sum(axis=1), out=self._nearest_sq)
+
+    def left(self, box: Box | None) -> npt.NDArray[np.int64]:
+        """Return the places in a box that are far enough from those that are taken."""
+        inside: npt.NDArray[np.bool_] = np.ones(len(self._places), np.bool_)
+        if box is not None:
+            low = 2 * np.array(box[:2])
+            high = 2 * np.array(box[2:]) + 2
+            inside = np.logical_and.reduce((self._places >= low) & (self._places <= high), axis=1)
+        for apart_sq in self._apart_sq:
+            found = self._places[inside & (self._nearest_sq >= apart_sq)]
+            if len(found):
+                break
+        return found
+
+
+def place_robots(world: World, rng: RandomStream, count: int, owner: str) -> World:
+    """Return a world with more robots like its own, between places that its robot can reach.
+
+    Args:
+        world: A world of one robot.
+        rng: The only source of randomness.
+        count: Robots in all.
+        owner: Name of the family, for the error message.
+
+    Raises:
+        InvalidParameter: If there is no room for so many robots.
+    """
+    first = PlacedEnds(
+        (_halves(world.start.x, world), _halves(world.start.y, world)),
+        (_halves(world.target.x, world), _halves(world.target.y, world)),
+    )
+    boxes: list[tuple[Box | None, Box | None]] = [(None, None)] * (count - 1)
+    radius = radius_in_cells(world)
+    never = world.walls | world.timeline.cells_that_become(shape=world.walls.shape)
+    try:
+        placed = _draw_ends(never, radius, rng.child("safe"), boxes, [first], owner)
+    except InvalidParameter:
+        # Where nearly every cell changes, only what is solid at first counts. Whether the robots are
+        # safe is proved later anyway.
+        if not world.is_dynamic:
+            raise
+        placed = _draw_ends(world.walls, radius, rng.child("bold"), boxes, [first], owner)
+    return replace(world, others=tuple(_robot(world, ends) for ends in placed))
+
+
+def place_in_boxes(
+    world: World, rng: RandomStream, boxes: Sequence[tuple[Box, Box]], owner: str
+) -> World:
+    """Return a world with a robot for each pair of boxes, from the one to the other.
+
+    Args:
+        world: A world whose own robot gives size and speed; its start and target are replaced.
+        rng: The only source of randomness.
+        boxes: Where each robot starts and where it must go.
+        owner: Name of the family, for the error message.
+
+    Raises:
+        InvalidParameter: If there is no room for so many robots.
+    """
+    placed = _draw_ends(world.walls, radius_in_cells(world), rng, boxes, [], owner)
+    robots = [_robot(world, ends) for ends in placed]
+    first = robots[0]
+    return replace(world, start=first.start, target=first.target, others=tuple(robots[1:]))
+
+
+def _draw_ends(
+    blocked: npt.NDArray[np.bool_],
+    radius: Fraction,
+    rng: RandomStream,
+    boxes: Sequence[tuple[Box | None, Box | None]],
+    before: list[PlacedEnds],
+    owner: str,
+) -> list[PlacedEnds]:
+    graph = build_graph(blocked, radius, 2)
+    clear = graph.clear.ravel()
+    if before:
+        # Only what the first robot can reach, so that no robot is walled off.
+        node = before[0].start[1] * graph.stride + before[0].start[0]
+        if clear[node]:
+            clear = flood(graph, np.array([node], np.int64))
+    rows, columns = np.divmod(np.flatnonzero(clear), graph.stride)
+    places = np.stack([columns, rows], axis=1)
+    most = 0
+    for _ in range(_TRIES):
+        rooms = (_Room(places, radius), _Room(places, radius))
+        ends = list(before)
+        for one in before:
+            rooms[0].take(one.start)
+            rooms[1].take(one.target)
+        for box in boxes:
+            drawn = _draw_one(rooms, rng, box)
+            if drawn is None:
+                break
+            ends.append(drawn)
+        most = max(most, len(ends))
+        if len(ends) == len(before) + len(boxes):
+            return ends[len(before) :]
+    raise InvalidParameter(
+        "too-many-robots",
+        "{family}: room was found for {placed} robots, not for robots={robots}",
+        "give fewer or smaller robots, or a larger size",
+        family=owner,
+        placed=most,
+        robots=len(before) + len(boxes),
+    )
+
+
+def _draw_one(
+    rooms: tuple[_Room, _Room], rng: RandomStream, box: tuple[Box | None, Box | None]
+) -> PlacedEnds | None:
+    starts = rooms[0].left(box[0])
+    targets = rooms[1].left(box[1])
+    if not len(starts) or not len(targets):
+        return None
+    start = starts[rng.below(len(starts))].tolist()
+    drawn = [targets[rng.below(len(targets))].tolist() for _ in range(_DRAWS)]
+    target = max(drawn, key=lambda place: math.dist(place, start))
+    ends = PlacedEnds((start[0], start[1]), (target[0], target[1]))
+    rooms[0].take(ends.start)
+    rooms[1].take(ends.target)
+    return ends
+
+
+def _halves(metres: float, world: World) -> int:
+    """Return the nearest multiple of half a cell."""
+    return round(lattice_units(metres, world.cell_size) / _HALF)
+
+
+def _robot(world: World, ends: PlacedEnds) -> Robot:
+    """Return a robot like the world's own, which looks along the axis nearest to its target."""
+    dx = ends.target[0] - ends.start[0]
+    dy = ends.target[1] - ends.start[1]
+    quarter = (0 if dx >= 0 else 2) if abs(dx) >= abs(dy) else (1 if dy > 0 else 3)
+    size = world.cell_size
+    x, y, u, v = (lattice_to_metres(_HALF * value, size) for value in (*ends.start, *ends.target))
+    return Robot(
+        Pose(x, y, heading_from_lattice(quarter * TURN // 4)),
+        Target(u, v, lattice_to_metres(_HALF, size)),
+        world.robot_radius,
+        world.robot_speed,
+    )
