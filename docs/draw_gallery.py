@@ -21,7 +21,7 @@ from PIL.PngImagePlugin import PngInfo
 from worldgen import generate, world_digest
 from worldgen.family import FAMILIES, Family
 from worldgen.render import Panel, Trail, draw_sheet
-from worldgen.world import Value, Witness, World
+from worldgen.world import JointWitness, Value, Witness, World
 
 DOCS = Path(__file__).parent
 FIRST, EACH = 1, 3  # seeds of every kind
@@ -34,8 +34,8 @@ INTRO = f"""# Gallery
 
 Every family with every one of its words, each with seeds {FIRST} to {FIRST + EACH - 1}. The orange line is the witness:
 it proves that a disc of the robot's size gets from the start (green, with its heading) to the target (blue). Hatched
-cells burn, dotted outlines change. Below each picture stand the commands that make its worlds, as sets
-([sets.md](../howto/sets.md)), and the first {ID} hex digits of the worlds' ids.
+cells burn, dotted outlines change. Where there are several robots, each has its own colour. Below each picture stand
+the commands that make its worlds, as sets ([sets.md](../howto/sets.md)), and the first {ID} hex digits of the worlds' ids.
 [families.md](families.md) says what the words mean.
 
 `python docs/draw_gallery.py` makes this page and its pictures.
@@ -121,6 +121,11 @@ GALLERY: dict[str, list[Kind]] = {
         Kind("wind", {"over": "forest", "wind": 0.8, "spread_cells": 600}),
     ],
     "shift": _words("over", "trap", "corridor", "maze", "rooms", before="over ", chance=1.0),
+    "doorway": [Kind("2 robots", {}), Kind("6 robots", {"robots": 6})],
+    "junction": _words("shape", "X", "T"),
+    "alley": [Kind("2 robots", {}), Kind("4 robots", {"robots": 4})],
+    "crossing": [Kind("4 robots", {}), Kind("street 6", {"street": 6})],
+    "warehouse": [Kind("4 robots", {}), Kind("6 robots, size 50", {"robots": 6, "size": 50})],
 }
 
 RECIPES = "recipes"
@@ -167,9 +172,12 @@ def draw(family: str) -> bytes:
     panels: list[Panel] = []
     for kind in GALLERY[family]:
         for seed, world in enumerate(worlds(family, kind), FIRST):
-            way = world.certificate
-            trail = Trail(way.x, way.y) if isinstance(way, Witness) else None
-            panels.append(Panel(world, kind.label if seed == FIRST else f"seed {seed}", (trail,)))
+            proof = world.certificate
+            paths = proof.paths if isinstance(proof, JointWitness) else (proof,)
+            trails = tuple(
+                Trail(path.x, path.y) if isinstance(path, Witness) else None for path in paths
+            )
+            panels.append(Panel(world, kind.label if seed == FIRST else f"seed {seed}", trails))
     picture = Image.open(
         io.BytesIO(draw_sheet(panels, (), **(LARGE if family == RECIPES else LOOK)))
     )
