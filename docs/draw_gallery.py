@@ -35,8 +35,8 @@ INTRO = f"""# Gallery
 Every family with every one of its words, each with seeds {FIRST} to {FIRST + EACH - 1}. The orange line is the witness:
 it proves that a disc of the robot's size gets from the start (green, with its heading) to the target (blue). Hatched
 cells burn, dotted outlines change. Where there are several robots, each has its own colour. Below each picture stand
-the commands that make its worlds, as sets ([sets.md](../howto/sets.md)), and the first {ID} hex digits of the worlds' ids.
-[families.md](families.md) says what the words mean.
+the commands that make its worlds, as sets ([sets.md](../howto/sets.md)), and the first {ID} hex digits of the worlds'
+ids. [families.md](families.md) says what the words mean.
 
 `python docs/draw_gallery.py` makes this page and its pictures.
 """

@@ -12,6 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from worldgen.errors import InvalidParameter
 from worldgen.render.disturbance_parts import above_the_trail
+from worldgen.render.fleet_parts import colour_of
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import GREY, INK, PAPER, mix, rgb
@@ -106,7 +107,10 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     frame = Frame.of(panel.world, pixels)
     parts = map_parts(panel.world, frame)
     for k, trail in enumerate(panel.trails):
-        parts += _way(trail, frame, k, len(panel.trails))
+        # Robots of one world have the colours of their starts, and no equal paths.
+        colour = colour_of(k) if panel.world.others else COLOURS[k]
+        shift = 0.0 if panel.world.others else (k - (len(panel.trails) - 1) / 2) * _WIDTH * 0.6
+        parts += _way(trail, frame, shift, colour)
         if trail is not None:
             parts += above_the_trail(trail.disturbances, frame, panel.world.cell_size)
     size = (frame.picture_width, frame.bottom + frame.band + frame.margin)
@@ -135,16 +139,15 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     return image
 
 
-def _way(trail: Trail | None, frame: Frame, index: int, count: int) -> list[Primitive]:
+def _way(trail: Trail | None, frame: Frame, shift: float, colour: str) -> list[Primitive]:
     """Return a robot's path, shifted slightly from the others', so that equal paths stay visible."""
     if trail is None:
         return []
     points = simplified(frame.points(np.column_stack((trail.x, trail.y))), 0.3)
-    points = points + (index - (count - 1) / 2) * _WIDTH * 0.6
+    points = points + shift
     if len(points) < 2:
         points = np.repeat(points, 2, axis=0)
     x, y = (float(value) for value in points[-1])
-    colour = COLOURS[index]
     return [
         DrawnLine(points, Paint(stroke=PAPER, width=_WIDTH + 1.4, opacity=0.6)),
         DrawnLine(points, Paint(stroke=colour, width=_WIDTH)),
