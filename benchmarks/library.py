@@ -56,10 +56,14 @@ class Row:
     detour: float
 
 
+FOR_FLEETS = {"naive", "orca", "right-hand"}
+"""Controllers that see no walls, because they are for several robots."""
+
+
 def controllers() -> list[str]:
-    """Return all registered controllers, by the first of their names."""
+    """Return all registered controllers for one robot, by the first of their names."""
     found = {id(CONTROLLERS.get(name)): name for name in reversed(CONTROLLERS.names())}
-    return sorted(found.values())
+    return sorted(set(found.values()) - FOR_FLEETS)
 
 
 def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[str, list[World]]]:

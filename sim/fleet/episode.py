@@ -133,6 +133,13 @@ def _check_options(options: Sequence[RunOptions]) -> None:
                 at_terminal=True,
                 motion=one.motion,
             )
+        if one.task != RunOptions.task:
+            raise InvalidParameter(
+                "option-for-one-robot",
+                "task={task} is for one robot, and the world has several",
+                "leave it out",
+                task=str(one.task),
+            )
         if one.robot.pushes or one.robot.push_places:
             raise InvalidParameter(
                 "option-for-one-robot",

@@ -11,11 +11,14 @@ void wg_composition_act(const WgObservation *seen, double *memory, WgCommand *co
 void wg_dynamic_window_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_dynamic_window_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_mapper_act(const WgObservation *seen, double *memory, WgCommand *command);
+void wg_naive_act(const WgObservation *seen, double *memory, WgCommand *command);
+void wg_orca_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_potential_field_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_potential_field_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_q_learning_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_q_learning_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_random_walk_act(const WgObservation *seen, double *memory, WgCommand *command);
+void wg_right_hand_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_tangent_bug_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_three_layer_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_three_layer_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);

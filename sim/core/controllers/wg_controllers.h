@@ -77,6 +77,10 @@ typedef struct WgTangentBugMemory {
     double leave_y;
 } WgTangentBugMemory;
 
+typedef struct WgOrcaMemory {
+    double speed;  // m/s: commanded in the step before
+} WgOrcaMemory;
+
 typedef struct WgRandomWalkMemory {
     double left;  // m: remainder of the leg
 } WgRandomWalkMemory;

@@ -1,0 +1,36 @@
+"""Controllers for several robots: straight at the target, keeping to the right, and ORCA.
+
+All of them see no walls, along which the robot slides. ``naive`` takes no notice of other robots
+either, and shows what a world demands. ``right-hand`` and ``orca`` sense robots up to 2 m away.
+
+Sources: for ``right-hand``, the International Regulations for Preventing Collisions at Sea (1972),
+    rules 14 and 15. For ``orca``, Jur van den Berg, Stephen J. Guy, Ming Lin and Dinesh Manocha,
+    "Reciprocal n-body collision avoidance", Robotics Research (2011).
+"""
+
+from __future__ import annotations
+
+from sim.controllers.base import CompiledController
+from sim.controllers.core_act import CoreAct, place
+from sim.controllers.memory_view import MemoryField
+from sim.options.robot import RobotOptions
+
+__all__ = ["naive", "orca", "right_hand"]
+
+_SENSES = ("heading", "target_heading", "time_step", "top_speed", "radius")
+_SENSING = RobotOptions(neighbour_range=2.0)
+
+naive = CompiledController("naive", CoreAct("naive"), senses=_SENSES)
+
+right_hand = CompiledController(
+    "right-hand", CoreAct("right-hand"), senses=(*_SENSES, "neighbours"), needs=_SENSING
+)
+
+orca = CompiledController(
+    "orca",
+    CoreAct("orca"),
+    (0.0,),
+    senses=(*_SENSES, "neighbours"),
+    needs=_SENSING,
+    memory_fields=(MemoryField("speed", place("WgOrcaMemory", "speed")),),
+)
