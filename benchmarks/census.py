@@ -297,6 +297,7 @@ def main(
 ) -> None:
     """Judge every available source."""
     given = {name: folder for name, folder in folders.items() if folder is not None}
+    # Rows measured on another machine are added as they are.
     added = {row["name"]: row for file in add for row in json.loads(file.read_text())["rows"]}
     results = []
     skipped = []
@@ -313,6 +314,7 @@ def main(
             f"{row.name}: {result.get('skipped') or str(round(result['seconds'])) + ' s'}", err=True
         )
     click.echo(json.dumps({"rows": results, "skipped": skipped}) if as_json else table(results))
+    # An absent file is not an error, unless nothing was measured.
     for result in skipped:
         click.echo(f"SKIPPED: {result['name']}: {result['skipped']}", err=True)
     sys.exit(1 if skipped and not results else 0)

@@ -313,6 +313,7 @@ def main() -> None:
         given.worlds, given.seed, [name for name in controllers() if name not in SKIPPED]
     )
     result = report(campaign)
+    # The BARN worlds are a data set of others, and take minutes to convert.
     result["barn"] = None if given.barn is None else barn_table(given.barn)
     if given.json:
         click.echo(json.dumps(result))

@@ -63,6 +63,7 @@ def main() -> None:
     for family, where in WISHES:
         row: dict[str, Any] = {"family": family, "where": where}
         for kind, how in KINDS.items():
+            # The median over seeds, because a lucky first try decides a single search.
             counts = [
                 tries_of(family, where, seed, given.tries, **how) for seed in range(given.seeds)
             ]

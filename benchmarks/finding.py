@@ -280,10 +280,12 @@ def _fails_likewise(failure: Failure, candidate: World) -> bool:
     if proved is None:
         return False
     if record.verdict in (Verdict.STALLED, Verdict.TIMEOUT):
+        # The smaller world may need more steps than the first one's budget.
         options = replace(options, steps=step_budget(proved, options))
     if record.details.get("kept") == "class":
         other = failure_of(proved, failure.scenario, steps=options.steps)
         return other is not None and other.bucket == failure.bucket
+    # Compare the cause too, or a shrunk failure may be another one.
     episode = simulate(proved, record.controller, options)
     manner = "kind" if record.verdict == Verdict.STALLED else "cause"
     return episode.verdict == record.verdict and evidence_table(episode.evidence).get(
@@ -316,6 +318,7 @@ def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = No
     """Search for failures of a correct controller; keep what is found in a folder."""
     met = Counter[str]()
     looked = []
+    # Runs without oracles are cheap, so they have most of the worlds.
     for oracles, most in (
         ((), worlds),
         (ORACLES, 0 if searcher in _FAILURES_ALONE else worlds // 10),
@@ -422,9 +425,11 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
         own = [row for row in rows if row["searcher"] == name]
         hits = [row for row in own if row["found"]]
         entry: dict[str, Any] = {"searcher": name, "searches": len(own), "found": len(hits)}
+        # Count distinct faults as well: ten searches for one fault prove little.
         entry["faults"] = len({row["fault"] for row in hits})
         entry["in_60_s"] = sum(row["seconds"] <= _FLOOR_SECONDS for row in hits)
         for what in ("worlds", "steps", "seconds"):
+            # A search without a find counts as infinitely long.
             entry[what] = _quartiles([row[what] if row["found"] else math.inf for row in own])
         entry["solid_cells"] = _quartiles([row["solid_cells"][1] for row in hits])
         entry["shrink_ms"] = _quartiles([1000 * row["shrink_seconds"] for row in hits])

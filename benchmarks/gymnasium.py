@@ -83,6 +83,7 @@ def _many(
     )
     act = policy(ROBOTS)
     observation, _ = envs.reset(seed=1)
+    # The first 200 steps warm up and are not timed.
     count = -200
     took = 0.0
     while took < SECONDS:
@@ -150,6 +151,7 @@ def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
     theirs = {}
     versions = {}
     loads = []
+    # Take the best of several rounds, because other load can only slow a round down.
     for _ in range(rounds):
         loads.append(os.getloadavg()[0])
         for name in CASES:

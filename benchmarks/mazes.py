@@ -177,6 +177,7 @@ def measure_peers(sizes: list[int], limit: float) -> tuple[dict[str, dict[str, A
             absent.append(f"{name}: {type(error).__name__}: {error}")
         else:
             side = max(done)
+            # Make one maze untimed, so that neither caches nor compilation are measured.
             ours_once = partial(_grid, ours, (side - 1) // 2, 1)
             ours_once()
             own = max(_rate(side, _seconds(ours_once)) for _ in range(5))
@@ -284,6 +285,7 @@ def main() -> None:
     )
     arguments = parser.parse_args()
     sizes = sorted(int(side) for side in arguments.sizes.split(","))
+    # Peak memory is of a whole process, so it has a run without timing.
     if arguments.memory:
         taken = {name: peak_memory(name, sizes[-1]) for name in LARGE}
         lines = (

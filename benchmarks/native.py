@@ -112,6 +112,7 @@ def _units(scenario: Scenario, strategy: str, budget: float) -> tuple[float, flo
     Compilation does not count.
     """
     config = CampaignConfig(scenario, seed=3, families=(strategy,))
+    # The first unit compiles and fills caches; it is not timed.
     run_unit(config, 0)
     steps = 0
     worlds = 0
@@ -148,6 +149,7 @@ def _bare(scenario: Scenario, looks: Screening) -> float:
     steps = 0
     taken = 0.0
     for n in np.flatnonzero(looks.ran).tolist():
+        # Run the same worlds without strategies, as fast as the core alone can.
         world = looks.world(n)
         run = LatticeRun(
             world, controller, looks.scenario_of(n).options(world, int(looks.budget[n]))

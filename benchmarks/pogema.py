@@ -192,6 +192,7 @@ def run_pibt(instance: Instance) -> PibtRun:
         )
         history.append((places, waits))
         now = len(history) - 1
+        # The same places and waits recur: from here the planner can only repeat itself.
         for entry in visits.setdefault(places, []):
             if places != targets and _repeats(history, entry):
                 moved = len({state for state, _ in history[entry:]}) > 1

@@ -104,9 +104,11 @@ def referee(moves: int, seed: int) -> Report:
     while report.moves < moves:
         cells = _room(stream)
         radius = RADII[stream.below(len(RADII))]
+        # Square distances are whole numbers, so the referee's comparisons are exact.
         clear_sq = clear_distance_sq(radius)
         reach = math.isqrt(clear_sq - 1) + 1
         place = _place(stream, cells, clear_sq, reach)
+        # Some rooms have no clear place for a start.
         if place is not None:
             _drive(stream, cells, clear_sq, reach, place, chain, report)
     report.seconds = time.perf_counter() - begin

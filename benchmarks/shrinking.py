@@ -156,6 +156,7 @@ def by_hypothesis(found: Found) -> Failure:
         feed(found.data)
     with contextlib.suppress(_Fails):
         arrives()
+    # Hypothesis shrinks the bytes of the layout, so prove the result again.
     proved = certified(decode_world(best))
     small = (
         None

@@ -278,6 +278,7 @@ def _plain(name: str) -> Callable[[], Rate]:
 def _shapely() -> Callable[[], Rate]:
     world = maze()
     steps = 2_000
+    # A tree of boxes is the fastest query that shapely offers.
     tree = shapely.STRtree([shapely.box(*box) for box in _boxes(world)])
 
     def once() -> Rate:
@@ -337,6 +338,7 @@ def _mujoco() -> Callable[[], Rate]:
 
     world = maze()
     steps = 5_000
+    # One geom per rectangle of walls, because MuJoCo's time grows with their number.
     geoms = "".join(
         f'<geom type="box" pos="{(a + c) / 2} {(b + d) / 2} 0" size="{(c - a) / 2} {(d - b) / 2} '
         f'0.1"/>'
@@ -357,6 +359,7 @@ def _mujoco() -> Callable[[], Rate]:
         begin = time.process_time()
         for _ in range(steps):
             speed = 2.0 if ahead else 0.0
+            # MuJoCo has no bump sensor: the robot has bumped if it moved far less than commanded.
             data.qvel[:] = speed * math.cos(heading), speed * math.sin(heading)
             before = data.qpos.copy()
             mujoco.mj_step(model, data)

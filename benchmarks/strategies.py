@@ -80,17 +80,20 @@ def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) 
         Scenario.parse(controller, motion=motion), seed=seed, examples=_EXAMPLES
     )
     at = strategies_at(way, config)
+    # Compile and cache everything before the clock starts.
     for name in strategies_for(config, SearchState()):
         run_unit(replace(config, families=(name,), examples=1), _COMPILES)
     memory = SearchState()
     known = [SearchState(), SearchState()]
     unit = 0
     started = time.process_time()
+    # CPU time, so that other processes on the machine don't take from the budget.
     while time.process_time() - started < seconds:
         memory = memory.after(
             run_unit(replace(config, families=at(unit)), unit, known[unit // config.epoch])
         )
         unit += 1
+        # Later epochs know what earlier ones found, as in a real campaign.
         if unit % config.epoch == 0:
             known.append(memory)
     brought = memory.strategies.values()

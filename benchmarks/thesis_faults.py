@@ -143,6 +143,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1, help="seed of the worlds (default 1)")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()
+    # All rules and repairs drive in the same worlds, so their counts are comparable.
     worlds = {kind: list(draw_worlds(kind, given.worlds, given.seed)) for kind in KINDS}
     table: dict[str, dict[str, dict[str, int]]] = {}
     for repairs in [("keep_going",), *_sets_of(_REPAIRS)]:

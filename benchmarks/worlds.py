@@ -109,12 +109,14 @@ def _asked(side: int) -> Iterator[tuple[str, World]]:
         yield name, _layout(name, side)
     yield "maze, backtracker", _layout("maze", side, algorithm="backtracker")
     yield "maze, robot 4.8 cells wide", _layout("maze", side, passage=5, robot_radius=0.24)
+    # Worlds without walls, or with one wall, bound the time from both sides.
     empty = np.zeros((side, side), np.bool_)
     ends = Pose(0.15, 0.15), Target(side / 10 - 0.15, side / 10 - 0.15, 0.05)
     yield "nothing in the way", World(empty, *ends)
     wall = empty.copy()
     wall[side // 2] = True
     yield "one wall across", World(wall, *ends)
+    # Obstacles of several radii, once with a gap left and once closed.
     for radius in (3, 10, 30):
         yield (
             f"cells here and there, radius {radius} cells",
@@ -172,6 +174,7 @@ def _proofs(side: int, rounds: int, absent: set[str]) -> dict[str, Any]:
         with_proof = functools.partial(check_certificate, world, decision.certificate)
         one["check"] = _best(with_proof, 1)
         one["valid"] = with_proof().valid
+        # Peers decide reachability without a proof, so the answers are compared as well.
         for peer, ask in PEERS.items():
             try:
                 answer = ask(world)

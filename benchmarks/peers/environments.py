@@ -85,6 +85,7 @@ def _navix() -> Iterator[tuple[str, float]]:
         keys = jax.random.split(jax.random.PRNGKey(0), robots)
         steps = jax.vmap(env.step)
 
+        # One compiled scan over all steps: a Python call per step would measure Python.
         def many(state: Any, actions: Any, steps: Any = steps) -> Any:
             return jax.lax.scan(lambda now, action: (steps(now, action), None), state, actions)[0]
 
@@ -93,6 +94,7 @@ def _navix() -> Iterator[tuple[str, float]]:
         actions = jax.random.randint(jax.random.PRNGKey(1), (rounds, robots), 0, 3)
 
         def step(_: int, run: Any = run, state: Any = state, actions: Any = actions) -> None:
+            # JAX returns before it has computed, so wait for the result.
             jax.block_until_ready(run(state, actions))
 
         yield name, _rate(step, robots * rounds)

@@ -36,10 +36,12 @@ def drive(file, via, speed, steps):
     for k in range(steps + 1):
         x, y, heading = (float(value) for value in robot.state[:3, 0])
         rows.append((k * step, x, y, heading))
+        # Drop every waypoint that was reached, but keep the goal.
         while len(way) > 1 and math.dist((x, y), way[0]) < max(0.05, 0.5 * speed * step):
             del way[0]
         if math.dist((x, y), way[0]) < max(0.05, 0.5 * speed * step):
             break
+        # Turn on the spot first; a turn while driving would leave the straight path.
         turn = math.remainder(math.atan2(way[0][1] - y, way[0][0] - x) - heading, 2.0 * math.pi)
         ahead = speed if abs(turn) < 0.1 else 0.0
         env.step(np.array([[ahead], [max(-1.0, min(1.0, turn / step))]]))
@@ -65,6 +67,7 @@ def main():
     given = parser.parse_args()
     via = [tuple(float(number) for number in place.split(",")) for place in given.via]
     rows, collisions, arrived = drive(given.world, via, given.speed, given.steps)
+    # The audit reads times, positions and headings from this table.
     with Path(given.out).open("w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(("t", "x", "y", "heading"))

@@ -82,12 +82,14 @@ def main():
     parser.add_argument("--out", required=True, help="CSV: t,x,y")
     given = parser.parse_args()
     via = [tuple(float(number) for number in place.split(",")) for place in given.via]
+    # The export names the start and the target as sites.
     world = mujoco.MjModel.from_xml_path(given.world)
     start, target = (tuple(map(float, world.site(name).pos[:2])) for name in ("start", "target"))
     model = with_ball(
         given.world, float(world.numeric("robot_radius").data[0]), start, given.time_step
     )
     rows, touched, arrived = drive(model, [start, *via, target], given.speed, given.seconds)
+    # The audit reads times and positions from this table.
     with Path(given.out).open("w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(("t", "x", "y"))

@@ -157,6 +157,7 @@ class Bridge:
         self._ports.publish(situation)
         said = self._ports.wait(settings.timeout)
         if said is not None:
+            # A command arrived: it stays valid until the next one, or until it is too old.
             episode.command = said
             episode.silent = 0.0
         else:

@@ -104,11 +104,13 @@ class RosPorts:
 
     def publish(self, situation: Situation) -> None:
         """Publish a step: the clock first, the scan last, because drivers react to it."""
+        # Commands for an earlier step must not move the robot in this one.
         self._drop_what_is_late()
         self._now = situation.time
         self._clock.publish(Clock(clock=_time(situation.time)))
         self._transforms.sendTransform(_transform(MAP, ODOM, situation.odom_in_map, situation.time))
         self._transforms.sendTransform(_transform(ODOM, BASE, situation.odometry, situation.time))
+        # The goal is sent once per episode, as navigation stacks expect it.
         if self._goal_is_due:
             self._goal.publish(_pose_stamped(situation.target, situation.time))
             self._goal_is_due = False
