@@ -55,7 +55,7 @@ _MOST_SCENES = 20_000
 
 @dataclass(frozen=True)
 class Widest:
-    """Drive into the widest of 36 beams near the target's direction, worked out with NumPy."""
+    """Drive into the widest of 36 beams near the target's direction, computed with NumPy."""
 
     senses = ("bump", "heading", "target_heading", "beams")
     needs = RobotOptions(beams=BEAMS)
@@ -152,6 +152,7 @@ def _looks(
     """Return worlds and steps per second of screening runs."""
     _look(scenario, 20, budget)
     count = 100
+    # Take more scenes until the run is long enough to be timed.
     while True:
         begin = clock()
         looks = _look(scenario, count, budget)

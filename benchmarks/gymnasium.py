@@ -12,7 +12,7 @@ counts: what Python does around the kernel, observations made again, rewards, an
 begin.
 
 - ``random``: discrete actions, equally likely. Robots push along walls in nearly half of their
-  steps, the dear ones.
+  steps, which are the expensive ones.
 - ``turns away``: ahead, and after a bump on the spot for 5 to 24 steps; walls are touched in one
   step of twenty.
 

@@ -10,7 +10,7 @@ Peers run once at each side of ``--sizes``, and at 60, as long as a run is expec
 ``--peer-seconds``; the ratio is that of ``grid`` at the peer's largest side. A peer that is not
 installed is named. The peers differ: labmaze and tcod have none of these algorithms (labmaze: a
 maze between rooms, here without rooms; tcod: a binary space partition), and the Python peers return
-grids or lattices of their own kind.
+grids or lattices of another kind.
 
 ``python -m benchmarks.mazes --memory`` makes one maze with each algorithm that fits, each in its
 own process, at the largest of ``--sizes``, and reports its peak memory beyond the resulting grid.

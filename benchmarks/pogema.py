@@ -369,7 +369,7 @@ def table(found: dict[str, Any]) -> str:
 @click.option("--python", default=sys.executable, help="Interpreter that can import pogema.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def main(snapshot: Path, python: str, as_json: bool) -> None:
-    """Decide the instances and print what came of it."""
+    """Decide the instances and print the results."""
     found = judge(read_instances(snapshot / "maps.yaml", python), snapshot)
     click.echo(json.dumps(found) if as_json else table(found))
 

@@ -47,6 +47,7 @@ def measure(count: int) -> Iterator[dict[str, Any]]:
         ``family``, ``case``, ``worlds``, ``rate`` (worlds a second) and ``ratio`` (to ``stream``).
     """
     for family in FAMILIES:
+        # The first worlds load code and fill caches, so they are not timed.
         deque(stream(family, count=WARM), maxlen=0)
         bare = _seconds(lambda family=family: deque(stream(family, count=count), maxlen=0))
         yield {
@@ -58,6 +59,8 @@ def measure(count: int) -> Iterator[dict[str, Any]]:
         }
         for case, how in CASES.items():
             with tempfile.TemporaryDirectory() as folder:
+                # Sets record metrics only in some cases, because measuring can take longer than
+                # making.
                 out = Path(folder) / how["name"]
                 plan = plan_set(family, 0, count, {}, metrics=how["metrics"])
                 taken = _seconds(lambda plan=plan, out=out: make_set(plan, out))
@@ -68,6 +71,7 @@ def measure(count: int) -> Iterator[dict[str, Any]]:
                     "rate": count / taken,
                     "ratio": bare / taken,
                 }
+                # Checking reads every file again, so only the folder's case is timed.
                 if case == "folder":
                     taken = _seconds(lambda out=out: check_set(out, manifest_of(out)))
                     yield {

@@ -6,8 +6,8 @@ named: pymunk and mujoco come with pip.
 
 The maze has 60 x 60 cells, the disc a radius of 0.7 cells, and a step is 0.3 cells long. The
 controller is a simple reactive one: straight ahead, and after a bump on the spot for 5 to 24 steps.
-Rates are steps per second of processor time, except for several threads or processes, where they
-are per second of wall time; the best of all rounds counts. Cases and peers take turns in every
+Rates are steps per second of processor time, but per second of wall time with several
+threads or processes; the best of all rounds counts. Cases and peers take turns in every
 round, so that other work on the machine affects all alike.
 
 Two peers are our own C (``peers/plain_disc.c``): a disc that drives through the maze without a

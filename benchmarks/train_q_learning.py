@@ -88,12 +88,14 @@ class Learner:
         """
         wait, turned = memory
         turn = 0
+        # Decide again at the end of a stretch, or at once after a bump.
         if wait <= 0.0 or observation.bump:
             now = _situation(observation, memory)
             self._learn(now, observation)
             choice = self._choose(now)
             self._before = (now, choice, observation.target_distance)
             turn = TURNS[choice]
+            # A stretch of fixed length makes decisions comparable.
             wait = float(DRIVEN)
             turned = 0.0 if turn % 4 == 0 else 1.0 if turn < 4 else 2.0
         rate = (turn if turn <= 4 else turn - 8) * (2.0 * np.pi / 8.0) / observation.time_step

@@ -47,7 +47,7 @@ class Kind:
     """Worlds of one family with the same parameters.
 
     Args:
-        label: What stands above them.
+        label: Text above the pictures.
         params: Those that are not defaults.
         recipe: The file, seen from the repository's root, if a recipe makes them.
     """
@@ -191,7 +191,7 @@ def draw(family: str) -> bytes:
 
 
 def page() -> str:
-    """Return the page; it goes by what the pictures say that they show."""
+    """Return the page; it relies on the ids in the pictures."""
     parts = [INTRO]
     for family, kinds in GALLERY.items():
         names = iter(shown(family))
@@ -210,7 +210,7 @@ def page() -> str:
 
 
 def heading(family: str) -> str:
-    """Return the heading of a family, and what it says of itself."""
+    """Return the heading of a family, and its description."""
     if family == RECIPES:
         about = (
             "Worlds put together from parts, each by a file ([compose.md](../howto/compose.md)). One "

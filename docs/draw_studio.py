@@ -1,6 +1,6 @@
 """Draw the pictures of docs/howto/studio.md: ``python -m docs.draw_studio``.
 
-Each shows the studio in Debian's Chromium at 1280 x 720, and comes about as a person's would: by
+Each shows the studio in Debian's Chromium at 1280 x 720, and is made as a person would make it: by
 mouse and keyboard. Those of the walk are taken on the walk itself.
 """
 

@@ -201,7 +201,7 @@ def share_that_fails(world: World, scenario: Scenario, count: int) -> dict[str, 
     controller = CONTROLLERS.get(scenario.controller)
     options = scenario.options(world)
     sealed = isinstance(world.certificate, Cut)
-    # In a walled-off world a run should go on past the wall, to see where it ends.
+    # In a walled-off world a run should continue past the wall, to see where it ends.
     options = regardless_of_walls(options) if sealed else options
     failing = 0
     for seed in range(count):

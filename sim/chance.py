@@ -118,11 +118,13 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
         world: The world that it drives in.
         options: Options of the run.
     """
+    # First what the controller and the motion model must be.
     if not isinstance(controller, CompiledController):
         return "only what a compiled controller does can be explored"
     if MOTIONS.get(options.motion).name != "swept":
         return "only the motion model swept has a lattice of poses on which no wall is ever entered"
     robot = robot_for(controller, options.robot)
+    # Then everything that makes a state's future depend on more than the state.
     if world.is_dynamic:
         return "the world changes"
     if options.task != TARGET:
@@ -132,6 +134,7 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
     if robot.moved and senses_of(controller) & lib.WG_SENSE_ODOMETRY:
         return "the controller reads odometry, which what moves the robot makes wrong"
     if is_noisy(controller, options):
+        # Last the sources of randomness, which must be few and the controller's own.
         return "the simulator draws its own random numbers, for slip or a noisy sensor"
     if "time" in controller.senses:
         return "the controller reads the clock, so it never returns to a state"

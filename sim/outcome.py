@@ -62,7 +62,7 @@ class Outcome:
         cells_visited: Cells that the centre has been in after a step, the start's included.
         points: Points of the path after the start.
         cells_left: Cells that a coverage task still asks for.
-        cells_wanted: Cells that it asked for; 0 for another task.
+        cells_wanted: Cells to visit; 0 for another task.
         complete: Whether the recorded state alone decides the future.
         fault: The controller's fault, without the step; ``None`` if it made none or only the core
             knows it.

@@ -57,7 +57,7 @@ class Scenario:
         Args:
             text: A name, then ``+option`` or ``+option=value`` as often as you like, see
                 :func:`read_settings`.
-            defaults: Fields of :class:`RunOptions`, used where the text says nothing.
+            defaults: Fields of :class:`RunOptions`, used where the text doesn't set them.
 
         Raises:
             InvalidParameter: If the text names no controller, or an option is unknown or out of
@@ -77,9 +77,11 @@ class Scenario:
         name = self.controller
         colon = ""
         command = ""
+        # A command line may contain anything, so the options stand before it.
         if _has_options_first(name):
             name, colon, command = name.partition(":")
         words = [name]
+        # Name only what differs from the defaults, so that labels stay short.
         if motion is not None and self.run.motion != motion:
             words.append(f"motion={self.run.motion}")
         if time_step is not None and self.run.time_step != time_step:

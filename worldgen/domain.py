@@ -46,13 +46,13 @@ LATEST: Final = 1e9
 def radius_fault(name: str, radius: float, cell_size: float) -> Message | None:
     """Describe what is wrong with a radius in m.
 
-    Return None if a robot or a target can have it.
+    Return None if it suits a robot or a target.
     """
     return number_fault(name, radius, (RADII[0] * cell_size, RADII[1] * cell_size), "m")
 
 
 def speed_fault(name: str, speed: float, cell_size: float) -> Message | None:
-    """Describe what is wrong with a speed in m/s; return None if a robot can have it."""
+    """Describe what is wrong with a speed in m/s; return None if it suits a robot."""
     return number_fault(name, speed, (SPEEDS[0] * cell_size, SPEEDS[1] * cell_size), "m/s")
 
 

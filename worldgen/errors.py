@@ -80,7 +80,7 @@ class Message:
 
     Args:
         code: Names the rule, in lower case with dashes: ``door-too-narrow``.
-        problem: Template of what came and the rule: ``"door_width={door_width:g} m is less than
+        problem: Template of the problem and the rule: ``"door_width={door_width:g} m is less than
             {least:g} m"``. Fields are facts, as in ``str.format``; ``{name!q}`` quotes text from
             outside, ``{names!l:none}`` lists, ``{size!n}{unit!u}`` is a number and its unit.
         remedy: Template of the way out: ``"widen the door"``; empty if the problem already says it.
@@ -199,7 +199,7 @@ class WorldgenError(Exception):
 
     Args:
         code: Same as in `Message`, as are the others.
-        problem: Template of what came and the rule.
+        problem: Template of the problem and the rule.
         remedy: Template of the remedy.
         facts: The values, by name.
     """
@@ -270,7 +270,7 @@ class FormatError(WorldgenError, ValueError):
 
     Args:
         code: Same as in `Message`, as are the others.
-        problem: Template of what came and the rule.
+        problem: Template of the problem and the rule.
         remedy: Template of the remedy.
         line: Line of the fault, counted from 1; ``None`` if the file has no lines.
         source: The file's name for the message.

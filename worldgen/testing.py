@@ -158,6 +158,7 @@ def check_family(
     Raises:
         BrokenContract: With a line for each broken promise.
     """
+    # Collect every fault, so that one run of the test shows all of them.
     faults = [shown(found) for found in run_checks(family, cases) if found.fault]
     for case in (family_cases(family) if cases is None else cases) if golden is not None else []:
         key = str(next(iter(case.values()), ""))
@@ -166,7 +167,7 @@ def check_family(
         if digest != pinned:
             faults.append(
                 f"seed 7{_told(case)} gives {digest}, pinned is {pinned}; raise the version, or "
-                f"pin it anew"
+                f"pin it again"
             )
     if faults:
         raise BrokenContract("\n".join((f"{family.name} breaks its contract:", *faults)))

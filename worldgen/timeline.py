@@ -56,6 +56,7 @@ class Timeline(HoldsFrozen):
     states: npt.NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
 
     def __post_init__(self) -> None:
+        # Convert first: the checks below rely on arrays of these types.
         for name, dtype in (
             ("times", np.float64),
             ("ix", np.int64),
@@ -75,6 +76,7 @@ class Timeline(HoldsFrozen):
             raise InvalidWorld(
                 "not-finite", "timeline: every time must be a finite number of seconds, 0 or later"
             )
+        # Later times would overflow when the core counts them in its smallest unit.
         if (self.times > LATEST).any():
             raise InvalidWorld(
                 "out-of-range",

@@ -332,6 +332,7 @@ class World(HoldsFrozen):
     others: tuple[Robot, ...] = ()
 
     def __post_init__(self) -> None:
+        # Freeze the arrays, so that a certificate can't become wrong afterwards.
         object.__setattr__(
             self, "walls", _frozen_array(self.walls, np.bool_, "walls", (None, None))
         )
@@ -347,6 +348,7 @@ class World(HoldsFrozen):
         fault = number_fault("cell_size", self.cell_size, CELL_SIZES, "m")
         if fault is not None:
             raise InvalidWorld.of(fault)
+        # Start, target and radius of each robot must suit the grid.
         for number, robot in enumerate(self.robots, start=1):
             self._check_robot(robot, f"robot {number} " if self.others else "")
         if self.others:
@@ -381,6 +383,7 @@ class World(HoldsFrozen):
         """Reject a certificate for another number of robots."""
         proof = self.certificate
         count = len(self.others) + 1
+        # A cut proves something about one robot; a joint witness needs a path for each.
         if isinstance(proof, Cut):
             fits = 1 <= proof.robot <= count
             kind = f"a cut for robot {proof.robot}"

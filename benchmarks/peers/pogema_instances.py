@@ -26,6 +26,7 @@ def main() -> None:
     for name, rows in yaml.safe_load(Path(sys.argv[1]).read_text()).items():
         for agents in AGENTS:
             for seed in SEEDS:
+                # Let POGEMA place the agents, so that both sides solve its own instances.
                 config = pogema.GridConfig(map=rows, num_agents=agents, seed=seed)
                 placed = grid.Grid(config, add_artificial_border=False)
                 instances.append(

@@ -22,6 +22,7 @@ def maps(
     for number in count():
         state = reset(jax.random.PRNGKey((seed + number) % 2**31)).state
         walls = np.array(state.grid) != 0
+        # Lava ends an episode, so it counts as a wall here; unused objects are at row -1.
         for kind in ("wall", "lava"):
             for row, column in np.array(
                 getattr(state.entities.get(kind), "position", np.empty((0, 2))), int

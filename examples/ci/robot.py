@@ -26,6 +26,7 @@ class Robot:
     def act(self, seen, memory):
         """Return the command of a step, and the new memory."""
         follows, nearest = memory
+        # Leave the wall once the target is nearer than where the robot hit it.
         if follows and not seen.bump and seen.target_distance < nearest - seen.radius:
             follows = 0.0
         if seen.bump and not follows:

@@ -93,11 +93,13 @@ def _walls(seen, radii):
     ]
     walls = []
     for k, (d, (x, y)) in enumerate(zip(seen.beams, hits, strict=True)):
+        # Skip hits that are far away, or so far apart that the robot fits between.
         if (
             min(d, seen.beams[k - 1]) > radii * seen.radius
             or math.dist(hits[k - 1], (x, y)) > 2.0 * seen.radius
         ):
             continue
+        # Lengthen the last wall if this segment continues it nearly straight.
         if walls and walls[-1][2:] == [*hits[k - 1]] and _turn(walls[-1], x, y) < 0.1:
             walls[-1][2:] = [x, y]
         else:

@@ -42,6 +42,7 @@ class _Navground:
         robot = self.behaviour(wheels, seen.radius)
         robot.optimal_speed = top
         robot.horizon = 20.0 * seen.radius
+        # Lengths are multiples of the radius, so that robots of every size behave the same.
         robot.safety_margin = 0.1 * seen.radius
         for name, value in self.settings.items():
             setattr(robot, name, value)
@@ -49,6 +50,7 @@ class _Navground:
         robot.orientation = seen.heading
         robot.twist = core.Twist2((memory[0], 0.0), memory[1], core.Frame.relative)
         robot.target = core.Target.Point(_at(seen, seen.target_distance, seen.target_heading), 0.0)
+        # Join neighbouring hits to segments if the robot doesn't fit between them.
         hits = [_at(seen, d, seen.heading + k * FIELD) for k, d in enumerate(seen.beams)]
         pairs = [
             (a, b)

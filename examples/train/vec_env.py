@@ -32,6 +32,7 @@ class Vectorised(VecEnv):
         self.lengths += 1
         over = terminated | truncated
         told = [{} for _ in range(self.num_envs)]
+        # Stable-Baselines3 expects the last observation and the episode's figures here.
         for k in np.flatnonzero(over):
             told[k] = {
                 "terminal_observation": information["final_obs"][k],

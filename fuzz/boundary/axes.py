@@ -85,7 +85,7 @@ def _with_radius(subject: Subject, value: float) -> Subject:
 def _with_speed(subject: Subject, value: float) -> Subject:
     """Return the robot with another speed.
 
-    The witness is slowed down or sped up accordingly, unless the world changes on its way.
+    The witness is slowed down or sped up accordingly, unless the world changes meanwhile.
     """
     world = subject.world
     witness = subject.world.certificate

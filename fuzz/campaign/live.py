@@ -34,7 +34,7 @@ LIVE_FILE = "live.json"
 _EVERY = 0.5  # s between two versions of the file
 _NOT_FAILED = ("reached", "covered", "sealed")  # verdicts at first look
 
-Counters = Any  # a shared array of three numbers, which has no type of its own
+Counters = Any  # a shared array of three numbers, which has no public type
 _counters: list[Counters] = []
 
 
@@ -74,7 +74,7 @@ class LiveCounts:
 
 @dataclass(frozen=True)
 class LiveState:
-    """What a campaign is doing at a moment.
+    """The current activity of a campaign.
 
     Args:
         phase: ``preparing`` until the first run, which no budget counts; then ``searching``, and

@@ -1,4 +1,4 @@
-"""The result of a unit, and what later units know of it."""
+"""The result of a unit, and what later units learn from it."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class StrategyYield:
 
 @dataclass(frozen=True)
 class SearchState:
-    """What the units of an epoch know about all units up to the epoch before the last.
+    """Knowledge that the units of an epoch share about all units up to the epoch before the last.
 
     It is the same for any timing.
 

@@ -493,7 +493,7 @@ class Campaign:
             return _Under(executor.submit(run_unit, self.config, unit, known, deadline))
 
     def _wait(self, executor: Executor) -> None:
-        # Units done after the next one to merge are no reason to wake up.
+        # Units after the next one to merge don't wake us up.
         units = [
             one
             for unit, one in self._under_way.items()
@@ -571,7 +571,7 @@ class Campaign:
             if is_interesting:
                 totals = (state.worlds, state.steps, seconds)
                 state.finds.append(DiscoveryTotals(unit, result.strategy, kind, failure, *totals))
-            # What is stored depends only on complete units, so that a resumed campaign agrees.
+            # The stored result depends only on complete units, so that a resumed campaign agrees.
             few_whole = self.config.shrink and self._met_whole[kind, is_known] < _RESTARTS
             if few_whole or self._memory.is_interesting(kind, failure):
                 kept[kind] = failure

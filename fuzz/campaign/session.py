@@ -146,7 +146,7 @@ class CampaignSession:
     Args:
         campaign_run: The campaign, with its folder and how long it is to search; closed by
             :meth:`run`.
-        executor: Who does the work.
+        executor: Where the units run.
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
         baseline: Failures whose classes are known, which are only counted; none if omitted.
@@ -494,7 +494,7 @@ class CampaignSession:
         if state.effort.broken:
             steps = counted(state.effort.broken, "step")
             note(
-                f"{steps} of {self._config.scenario.controller} went on when the time was over, "
+                f"{steps} of {self._config.scenario.controller} were still running when the time was over, "
                 f"and had to be broken "
                 "off; if a step may hang, run the controller as a program: each step has a "
                 "deadline then, and a hang "

@@ -55,6 +55,7 @@ class Outputs:
         for option, path in options.items():
             if path is None:
                 continue
+            # The campaign creates its own folder, so reports in it can't exist yet.
             if made is None or made.exists() or path.resolve().parent != made.resolve():
                 check_output(path, self.force or option == "--summary")
             other = named.setdefault(path.resolve(), option)

@@ -297,7 +297,7 @@ def export(
     """Write failures into one file: an archive with pictures and a table, or a table.
 
     Equal failures are an equal archive, byte for byte, and every command reads it like a folder.
-    The pictures show the robot's way: the controllers that the files name are run, but for a .csv.
+    The pictures show the robot's path: the controllers that the files name are run, but for a .csv.
     """
     from fuzz.corpus import export as export_failures
 

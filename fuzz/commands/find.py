@@ -106,7 +106,7 @@ def find(
     reached@<400, reached@4.95s, loop@104. Of a controller with chance, 19 of 20 seeds are to do so,
     or their median time counts.
 
-    The target of what is written can be reached. Exit code 0 if every outcome is as wanted, else 1.
+    The target of what is written can be reached. Exit code 0 if every outcome is as requested, else 1.
     Ctrl-C writes the nearest until then, exit code 130.
     """
     import os
@@ -190,7 +190,7 @@ def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
         )
         raise OutputError(
             "worker-died",
-            "a worker process died, perhaps killed by a controller or for want of memory; {kept}",
+            "a worker process died, perhaps killed by a controller or for lack of memory; {kept}",
             "try --workers 1",
             at_terminal=True,
             kept=kept,

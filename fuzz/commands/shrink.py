@@ -58,7 +58,7 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     type=click.Choice(["verdict", "class"]),
     default="verdict",
     show_default=True,
-    help="What is to stay: verdict and cause, or the whole class.",
+    help="What must stay the same: verdict and cause, or the whole class.",
 )
 @click.option(
     "--snippet",

@@ -21,7 +21,7 @@ _ROUNDING = 1e-9  # m
 def check_covered(world: World, trace: Trace, evidence: CoveredEvidence, motion: Motion) -> str:
     """Check that the last step enters a new cell, and that none of the others is left.
 
-    The cells are counted anew, from the start's on, each reached from its neighbour by a straight
+    The cells are counted again, from the start's on, each reached from its neighbour by a straight
     line between their centres on which the disc is clear, by shapely. What can only be reached in
     another way is not looked for.
     """
@@ -41,6 +41,7 @@ def check_covered(world: World, trace: Trace, evidence: CoveredEvidence, motion:
 
 def _cells_from(world: World, first: tuple[int, int]) -> set[tuple[int, int]]:
     """Return the cells that straight lines between centres lead to, the first not counted."""
+    # The checker must not share code with the core, so shapely decides what is clear.
     side = world.cell_size
     height, width = world.walls.shape
     grid = shapely.box(0.0, 0.0, width * side, height * side)
@@ -55,8 +56,10 @@ def _cells_from(world: World, first: tuple[int, int]) -> set[tuple[int, int]]:
         line = shapely.LineString([((x + 0.5) * side, (y + 0.5) * side) for x, y in (one, other)])
         return bool(shapely.distance(line, obstacles) >= world.robot_radius - _ROUNDING)
 
+    # The robot can't even stand at the centre of its first cell.
     if world.walls[first[1], first[0]] or not is_clear(first, first):
         return set()
+    # Breadth first over the four neighbours.
     found = {first}
     queue = deque([first])
     while queue:

@@ -214,7 +214,7 @@ def _half(walls: Walls) -> list[Box]:
     """Return boxes that, with their mirror images, make up a symmetric world's solid cells.
 
     Boxes on the diagonal stay whole. The box of a cell's mirror image may differ from the box's
-    mirror image, so that both are left out; the missing cells then form boxes of their own.
+    mirror image, so that both are left out; the missing cells then form separate boxes.
     """
     side = len(walls)
     boxes = [box for box in _boxes(walls) if box <= _mirrored(box, side)]

@@ -133,8 +133,8 @@ class _Unit:
     Args:
         config: The goal.
         number: Number of the unit, which together with the seed determines all randomness.
-        stopped: Called before each world; once it returns True, the unit ends with what it has, at
-            least one world.
+        stopped: Called before each world; once it returns True, the unit ends with the worlds that it
+            has made, at least one.
     """
 
     def __init__(

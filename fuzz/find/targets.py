@@ -76,7 +76,7 @@ class _Run:
     # The period of a loop.
     steps: int
     distance: float
-    # Whether another seed may do otherwise.
+    # True if another seed may give another outcome.
     chance: bool
 
 
@@ -183,8 +183,8 @@ class OutcomeTarget:
     def _over_seeds(self, runs: list[_Run]) -> Result:
         """Return the combined outcome of many runs.
 
-        It is met if nearly all runs are as wanted and none passes through walls, or the median time
-        is as wanted.
+        It is met if nearly all runs are as requested and none passes through walls, or the median time
+        is as requested.
         """
         # Summarise the runs.
         verdicts = [run.verdict for run in runs]
@@ -237,7 +237,7 @@ def parse_targets(
             ``fails`` (anything but reached); after ``reached`` or ``loop`` may come an ``@`` and
             steps (for a loop, its period): ``330``, ``300..400``, ``<400``, ``>400``; an ``s``
             after a number means seconds.
-        motion: Motion model of controllers without one of their own.
+        motion: Motion model of controllers that don't set one.
         time_step: Time step of such controllers, s.
 
     Raises:

@@ -26,9 +26,9 @@ class CauseTotals:
         natural: In how many natural worlds it was met; ``None`` if none were tried.
         file: File of the world to look at, relative to the campaign's folder; empty if there is
             none.
-        smallest: File of the simplest world, likewise.
+        smallest: File of the simplest world; empty if there is none.
         why: After which single changes the robot of ``file`` arrives; ``None`` if not tried.
-        state: ``new`` or ``still`` next to what was known before; empty if nothing was.
+        state: ``new`` or ``still`` compared with the known failures; empty if there were none.
     """
 
     cause: Cause

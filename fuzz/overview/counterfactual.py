@@ -1,6 +1,6 @@
 """Why a failure fails, by counterfactual: the least changes after which the robot arrives.
 
-A failure says that a controller does not arrive. What a developer wants to know is what it depends
+A failure shows that a controller does not arrive. A developer wants to know what it depends
 on: one wall, a radius that is a millimetre too large, a heading, an option. So each of these is
 changed alone, and the changed scenario runs again with the budget of a fresh proof. A change counts
 only if the target is still provably reachable, so it never makes the world easier by cheating.

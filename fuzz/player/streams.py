@@ -30,7 +30,7 @@ def numbers(values: npt.ArrayLike) -> str:
     column = np.clip(np.asarray(values), -_MOST, _MOST).astype(np.int64)
     twice = np.diff(np.diff(column, prepend=np.int64(0)), prepend=np.int64(0))
     zigzag = (twice << np.int64(1)) ^ (twice >> np.int64(63))
-    # Split into groups of seven bits; the eighth bit of each byte says that another one follows.
+    # Split into groups of seven bits; the eighth bit of each byte is set if another one follows.
     above = zigzag[:, None] >> np.arange(0, 7 * (_GROUPS + 1), 7, dtype=np.int64)
     used = above > 0
     used[:, 0] = True

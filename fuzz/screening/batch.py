@@ -77,7 +77,7 @@ REPORT_FIELDS = tuple(name for name, _, _ in _numbers_of("WgReport"))
 
 
 class Patience(NamedTuple):
-    """The budget of a run that has none of its own.
+    """The budget of runs that don't set one.
 
     Args:
         multiple: Multiple of the time that the path takes at top speed.

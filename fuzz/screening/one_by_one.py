@@ -95,7 +95,7 @@ class OneByOne:
             raise
         except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             self._hangs += _ending_of(error) == HANG
-            # What it does after its budget is not a finding.
+            # Nothing that it does after its budget is a finding.
             if seat is None or seat.c.watch < 0:
                 self._fail(n, seat, error)
 

@@ -3,7 +3,7 @@
 In random scenes most robots drive straight to their target. The archive's cells are kinds of runs
 that arrive, by detour, density of the world, how often the robot revisits a place, and how close it
 gets to walls. Mutated copies of the scenes in them fill other cells, and some fail. Scenes in which
-the robot fails have no children; the archive keeps them on a map of their own.
+the robot fails have no children; the archive keeps them on a separate map.
 
 Source: Jean-Baptiste Mouret and Jeff Clune, "Illuminating search spaces by mapping elites", 2015.
 """

@@ -70,7 +70,7 @@ class Failed(Exception):
 
 @cache
 def exception_of(kind: str) -> type[Failed]:
-    """Return an exception type of its own for each class of failures.
+    """Return a separate exception type for each class of failures.
 
     Hypothesis distinguishes failures by type and line.
     """

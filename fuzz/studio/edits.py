@@ -23,7 +23,7 @@ UNKNOWN = "?"
 """Digest of code that was read at some time during an edit; no file's contents equal it."""
 
 _EVERY = 0.25  # s between two looks at the files
-# A larger file, such as a library with everything in it, is told by its time and size.
+# A larger file, such as a library with everything in it, is recognised by its time and size.
 _LARGEST = 16 << 20  # bytes
 _FILE_TIMES = 1.0  # s: coarsest step of a file system's times
 
@@ -141,7 +141,7 @@ def _own_files(label: str) -> tuple[str, ...]:
 
     for name in names_of((label,)):
         if is_process_name(name):
-            # A program starts anew with each run. Its script is watched to say that it has changed.
+            # A program starts again with each run. Its script is watched only to report changes.
             words = shlex.split(name.partition(":")[2])
             return tuple(os.path.realpath(word) for word in words if Path(word).is_file())
         if is_library_name(name):

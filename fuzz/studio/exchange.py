@@ -183,13 +183,13 @@ def _format_name(message: Message) -> str | None:
 
 
 class _Wanted(msgspec.Struct):
-    """How to read a map; the file, or the usual value, says what is left out.
+    """How to read a map; the file or the default gives the rest.
 
     Attributes:
         format: Name of the format.
         options: Options of that format, by name.
         radius: Radius of the robot, m.
-        row: Which problem of its scenario, from 1; 0 is none.
+        row: Which problem of its scenario, from 1; 0 for no problem.
         seed: Where the search for far places begins, as digits.
     """
 

@@ -110,7 +110,7 @@ class Gate:
         return name in LOOPBACK and self.host in ("127.0.0.1", "localhost", "::1")
 
     def is_ours(self, headers: Headers) -> bool:
-        """Return True if a request comes from a page of this server, or from no page at all."""
+        """Return True if a request comes from a page of this server, or not from a page."""
         origin = headers.get("origin")
         if origin is not None and origin != f"http://{headers.get('host', '')}":
             return False

@@ -128,7 +128,7 @@ def frames_of(error: BaseException) -> list[dict[str, Value]]:
     frames = (
         [dict(one) for one in found if isinstance(one, dict)] if isinstance(found, list) else []
     )
-    # Code that does not compile has no frame of its own.
+    # Code that does not compile has no frame.
     if isinstance(cause, SyntaxError) and cause.filename and cause.lineno:
         place: dict[str, Value] = {"file": Path(cause.filename).name, "line": cause.lineno}
         frames.append(place | ({"code": cause.text.strip()} if cause.text else {}))

@@ -50,8 +50,8 @@ _PHRASES = {
 class Cause(StrEnum):
     """Why a robot fails.
 
-    Equal to its name in JSON and on the command line. ``docs/reference/causes.md`` says how each
-    is told from the run.
+    Equal to its name in JSON and on the command line. ``docs/reference/causes.md`` describes how each
+    is recognised in the run.
     """
 
     # Through walls.
@@ -159,8 +159,8 @@ _ADVICE = {
     Cause.GIVES_NO_ANSWER: "Look for an endless or a slow step, or give it more time.",
     Cause.INVALID_COMMAND: "Look for a division by zero or a root of a negative number in what "
     "computes the command.",
-    Cause.DRIVES_INTO_A_HAZARD: "Check what it does with what it senses ahead.",
-    Cause.CAUGHT_BY_A_CHANGE: "Check how soon it gets away from what it can sense coming.",
+    Cause.DRIVES_INTO_A_HAZARD: "Check its reaction to walls sensed ahead.",
+    Cause.CAUGHT_BY_A_CHANGE: "Check how soon it leaves cells that it can sense are about to close.",
     Cause.STANDS_STILL: "Look for a condition under which no command is sent, or speed is 0.",
     Cause.PUSHES_A_WALL: "Check what it does at a bump: does it turn, and does it keep turning?",
     Cause.TURNS_BACK_AND_FORTH: "Look for two decisions that undo each other, and for a turn that "

@@ -155,7 +155,7 @@ def _of_wall(evidence: WallEvidence) -> Cause:
 def _of_behaviour(seen: RepeatedPart) -> Cause:
     at_one_place = seen.extent <= _ONE_PLACE
 
-    # Beside the target with nothing in between: whatever it does there, walls are not the reason.
+    # Next to the target with nothing in between: whatever it does there, walls are not the reason.
     near = seen.nearest <= seen.reach + _CLOSE and seen.farthest <= seen.reach + _NEARBY
     if near and not seen.is_blocked and seen.touching < _MOSTLY:
         return Cause.MISSES_THE_TARGET
@@ -166,7 +166,7 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     if seen.turning >= _RESTLESS or (at_one_place and seen.sharpest >= _ABOUT_FACE):
         return Cause.TURNS_BACK_AND_FORTH
 
-    # Along walls. Who follows the whole of a wall goes around an island, or around the target,
+    # Along walls. A robot that follows the whole of a wall goes around an island, or around the target,
     # which is inside the outer wall; who does neither has left the wall in between.
     if seen.off_wall <= _ALONG and (seen.around_island or seen.around_target):
         return Cause.CIRCLES_A_WALL

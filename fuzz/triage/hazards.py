@@ -67,7 +67,7 @@ def hazard_details(world: World, verdict: str, kind: str, scenario: Scenario) ->
 
 
 def is_unsensed(details: Mapping[str, Value]) -> bool:
-    """Return True if a record's details say that its controller cannot sense what burned it."""
+    """Return True if, according to a record's details, its controller cannot sense what burned it."""
     return details.get(HAZARD) == _UNSENSED
 
 

@@ -68,7 +68,7 @@ _TIME_FOR_NEVER = 300.0
     "--against",
     type=PATH,
     metavar="CSV",
-    help="Earlier figures [default: published.csv beside the worlds].",
+    help="Earlier figures [default: published.csv next to the worlds].",
 )
 @click.option(
     "--csv", "table", type=PATH, metavar="OUT", help="Write one line a world and controller."
@@ -171,7 +171,7 @@ def _motion(motion: str | None, figures: Sequence[PublishedRow]) -> str:
     if len(named) != 1:
         return "swept"
     (found,) = named
-    note(f"motion {found}, as the published figures have it; --motion takes another")
+    note(f"motion {found}, as in the published figures; --motion takes another")
     return found
 
 

@@ -293,6 +293,7 @@ def _rankings(
     comparison: Comparison, found: Mapping[tuple[int, int], tuple[PublishedRow, ...]]
 ) -> tuple[int, int]:
     same = total = 0
+    # A ranking needs at least two controllers with figures for the same world.
     for row, cells in enumerate(comparison.cells):
         columns = [column for column in range(len(cells)) if (row, column) in found]
         if len(columns) < 2:
@@ -347,6 +348,7 @@ def _largest(pairs: _Pairs) -> Deviation | None:
     for cell, own in pairs:
         ours = cell.time
         theirs = [figure.time for figure in own if figure.time is not None]
+        # Random controllers and runs without arrival have no time to compare.
         if cell.random or ours is None or not theirs:
             continue
         nearest = min(theirs, key=lambda time: abs(relative(ours, time)))

@@ -148,6 +148,7 @@ def _by_the_point(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> list
     """Return the rows at equal length, with decimal points aligned in the columns ``numbers``."""
     columns = max(map(len, rows))
     filled = [[*row, *[""] * (columns - len(row))] for row in rows]
+    # Shift each number so that the decimal points of a column are aligned.
     for column in numbers:
         lead = max(
             (text.find(".") for row in filled[1:] if (text := row[column])[:1].isdigit()), default=0

@@ -5,7 +5,7 @@
 
 enum { PORTION = 1 << 20 };  // steps between two checks for a stop: a tenth of a second
 
-// Sets an arena back to what it was before the first event, with the robot's cell visited.
+// Sets an arena back to its state before the first event, with the robot's cell visited.
 static void renew(const WgArena *arena, const WgArena *fresh, const WgSettings *settings)
 {
     size_t cells = (size_t)(arena->width * arena->height);

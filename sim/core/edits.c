@@ -1,4 +1,4 @@
-// Runs edited copies of a world, one after another, to find the first that ends as wanted.
+// Runs edited copies of a world, one after another, to find the first that ends as requested.
 
 #include <stdlib.h>
 

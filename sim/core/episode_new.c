@@ -40,7 +40,7 @@ typedef struct Parts {
     int64_t flat;
     int64_t answer;
     int64_t prints;
-    int64_t log;  // a block of its own
+    int64_t log;  // a separate block
 } Parts;
 
 // Computes the sizes of the parts; returns false if a size is out of its range.

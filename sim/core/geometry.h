@@ -2,7 +2,7 @@
 // others are in wg_parts.h.
 //
 // Coordinates are integers in 1/1024 of a cell, so "is this pose clear" and "is this segment clear" are decided in
-// integers, with no tolerance. Cells outside the grid are solid.
+// integers, without tolerance. Cells outside the grid are solid.
 
 #ifndef WG_GEOMETRY_H
 #define WG_GEOMETRY_H

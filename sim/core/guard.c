@@ -69,7 +69,7 @@ enum { LOOK_AROUND = 500000 };  // us between two checks that the owner is still
 
 static volatile sig_atomic_t owner;  // of the process that makes calls; set only there
 
-// Ends this process if its owner is gone: a controller that hangs would keep it running forever.
+// Ends this process if its owner has ended: a controller that hangs would keep it running forever.
 static void look_for_owner(int number)
 {
     (void)number;

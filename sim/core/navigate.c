@@ -222,7 +222,7 @@ static void command(WgCrew *crew, int64_t robot, double turn, double speed)
     wg_apply_command(settings, &wanted, crew->clock[robot], &crew->robots[robot]);
 }
 
-// What a step is worth; notes the new distance.
+// Returns the value of a step, and notes the new distance.
 static double reward_of(WgCrew *crew, int64_t robot, bool touched)
 {
     const WgRules *rules = crew->rules;

@@ -65,7 +65,7 @@ void wg_heading_table(int64_t *table)
     }
 }
 
-// Whether a direction from the robot is in the sensor's field, which reaches as far to either side of the heading.
+// Returns whether a direction from the robot is in the sensor's field, which reaches as far to either side of the heading.
 static bool is_in_field(const WgSettings *settings, Place shift, int64_t heading)
 {
     if (settings->sensor_field >= (double)(WG_TURN / 2)) {
@@ -75,8 +75,8 @@ static bool is_in_field(const WgSettings *settings, Place shift, int64_t heading
     return (double)off <= settings->sensor_field;
 }
 
-// What a source of strength 1 sends to a place: 1 / (1 + squared distance in cells), less what walls and smoke on its
-// way take; 0 beyond the sensor's range.
+// Returns the signal of a source of strength 1 at a place: 1 / (1 + squared distance in cells), less the loss in walls and smoke
+// on the way; 0 beyond the sensor's range.
 static double sent(const WgArena *arena, const WgSettings *settings, Place source, Place place)
 {
     enum { MOST_HALVINGS = 1000 };

@@ -66,7 +66,7 @@ void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *set
     }
 }
 
-// What the disc touches at the end of a tick: the deepest cut into a wall, and the first flame,
+// Finds what the disc touches at the end of a tick: the deepest cut into a wall, and the first flame,
 // which ends the run.
 static WgThesisPlace deepest_cut(const ThesisGrid *grid, double radius, WgThesisRun *run,
                                  int64_t step, double *depth)

@@ -4,7 +4,7 @@
 // wg_guard_start forks a process that waits for a byte, makes the call described in shared memory,
 // and answers with a byte. Everything a call works on is in memory that both processes share, so
 // when the process dies in the middle, the owner finds everything as it was when the controller was
-// asked, and can report the step and the run. Not on Windows.
+// called, and can report the step and the run. Not on Windows.
 
 #ifndef WG_GUARD_H
 #define WG_GUARD_H

@@ -61,7 +61,7 @@ void wg_mark_near(WgGrid grid, int32_t *near, int64_t ix, int64_t iy);
 // Fills `clearance` with the chessboard distance, in cells, from each cell to the nearest one that is not free.
 //
 // A point in a cell with distance D is at least D - 1 cells away from every such cell, so most
-// steps need no test of their path. It takes two passes: Rosenfeld and Pfaltz, "Sequential
+// steps need no test of their path. It needs two passes: Rosenfeld and Pfaltz, "Sequential
 // operations in digital picture processing" (1966).
 void wg_chessboard_clearance(WgGrid grid, int32_t *clearance);
 
@@ -90,7 +90,7 @@ double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy
 WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, double end, double wall_friction,
                       WgCorner *chain, int64_t count);
 
-// Moves a disc if it is clear at the end of the move, otherwise not at all. What lies between is
+// Moves a disc if it is clear at the end of the move, otherwise not at all. Everything in between is
 // ignored, as in most small simulators: a fast robot passes through walls.
 WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chain, int64_t count);
 

@@ -35,7 +35,7 @@ WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fr
 
 // edits.c
 
-// What an edit does to the grid.
+// The effect of an edit on the grid.
 enum {
     WG_FREE_BOX = 0,      // ix, iy, width, height: what is solid in this box of cells becomes free
     WG_FREE_RUN = 1,      // first, count: this many of the solid cells, in row order
@@ -66,7 +66,7 @@ typedef struct WgWanted {
 
 // The progress so far.
 typedef struct WgTried {
-    int64_t next;     // index of the edit at which to go on
+    int64_t next;     // index of the edit at which to continue
     int64_t runs;
     int64_t found;    // 1: the edit before `next` is one
     int64_t running;  // 1: the run of the edit before `next` is not over; the next call continues it
@@ -77,7 +77,7 @@ typedef struct WgTried {
 // change in between.
 //
 // settings:  those of the episode, whose arena has the shape after the edits and its events.
-// before:    those of the world before the edit, with the start as the world says it.
+// before:    those of the world before the edit, with the world's start.
 // old:       the cells before the edit, at time 0.
 // edits:     (count,) all of which lead to the arena's shape.
 WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
@@ -121,7 +121,7 @@ void wg_lockstep_free(WgEpisode **episodes, int64_t count);
 //
 // slots:         (count,) episodes
 // commands:      (count, 3) speed, turn rate, and whether the random number was used
-// after:         (count, memory) the robots' memories, as the controller wants them
+// after:         (count, memory) the robots' memories, in the controller's layout
 // observations:  (count, 17 + beams) filled for the slots that act
 // memories:      (count, memory) same
 //

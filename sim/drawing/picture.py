@@ -93,7 +93,7 @@ def drives_of(episode: Episode, world: World) -> list[Drive]:
 
 
 def _missed(trace: Trace, world: World | None) -> npt.NDArray[np.bool_] | None:
-    """Return the cells that a coverage task asked for and the robot was not in."""
+    """Return the cells of a coverage task that the robot missed."""
     if trace.task != COVER or world is None:
         return None
     missed = reachable_cells(world)

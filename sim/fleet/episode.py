@@ -169,7 +169,7 @@ def _check_options(options: Sequence[RunOptions]) -> None:
 
 @dataclass(frozen=True)
 class _Decision:
-    """What a run of several robots came to.
+    """The outcome of a run of several robots.
 
     Args:
         world: The world.

@@ -167,7 +167,7 @@ def copy_of(settings: Any, memory: CoreMemory = PRIVATE) -> Any:
 
 
 def most_points(arena: CoreArena, settings: Any, steps: int) -> int:
-    """Return the most points that the path of so many steps can have.
+    """Return the most points that the path of this many steps can have.
 
     Each move adds a few: one in a step, one more for each event and each push, and every step may
     end in a place that pushes.

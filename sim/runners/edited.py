@@ -126,7 +126,7 @@ class EditedRuns:
             way: Whether an edit that drops rows or columns must leave the target surely reachable.
 
         Returns:
-            The index of the first edit whose run ends as wanted, ``None`` if none has yet, and
+            The index of the first edit whose run ends as requested, ``None`` if none has yet, and
             how many edits were tried.
         """
         shape = edits[0].shape(*self._world.walls.shape)

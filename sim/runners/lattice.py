@@ -134,8 +134,7 @@ class LatticeRun:
         if np.count_nonzero(wanted) < 2:
             raise InvalidWorld(
                 "nothing-to-cover",
-                "the robot can reach the centre of no cell but its own, so there is nothing to "
-                "cover",
+                "the robot can reach only the centre of its own cell, so there is nothing to cover",
                 "take a larger world or a smaller robot",
             )
         return wanted
@@ -162,7 +161,7 @@ class LatticeRun:
         settings.top_speed = world.robot_speed
         settings.radius = world.robot_radius
         settings.tolerance = tolerance * UNIT
-        # A compiled controller may start at a speed of its own.
+        # A compiled controller may set its own initial speed.
         if isinstance(self.controller, CompiledController):
             settings.start_speed = min(self.controller.start_speed, world.robot_speed)
         self._fill_dynamics()

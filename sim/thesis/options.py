@@ -1,6 +1,6 @@
 """Options of the thesis's simulator.
 
-They cover the settings of its own program, and work that its author left to be done. The defaults
+They cover the settings of the thesis's program, and work that its author left to be done. The defaults
 reproduce the program as it was. ``docs/explanation/thesis.md`` gives the origin of each option.
 """
 

@@ -98,7 +98,7 @@ def campaign(tmp_path_factory):
 def test_a_failure_is_answered_with_what_it_was_before_shrinking(campaign):
     with studio_of(campaign) as gate, page_of(gate) as page:
         before = page.ask("before", name=LOOP)["answer"]["before"]
-        assert before["words"].startswith("loop for ever") and before["run"]["loop"] == [29, 104]
+        assert before["words"].startswith("loop forever") and before["run"]["loop"] == [29, 104]
         assert page.ask("before", name=TUNNEL)["answer"]["before"] is None
 
 

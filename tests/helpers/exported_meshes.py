@@ -45,7 +45,7 @@ def volume(triangles):
 
 
 def covered_cells(world):
-    """How many cells the walls cover, with those round an open border."""
+    """How many cells the walls cover, with those around an open border."""
     ring = closing_boxes(world)
     return world.solid_cells + int(((ring[:, 2] - ring[:, 0]) * (ring[:, 3] - ring[:, 1])).sum())
 

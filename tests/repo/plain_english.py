@@ -49,7 +49,7 @@ MARKS: dict[str, tuple[str, str]] = {
         "isn't a, is not",
     ),
     "is none": (
-        r"(?<!there )\b(?:is|are|was|were|has|have) (?-i:none)\b",
+        r"(?<!there )\b(?:is|are|was|were) (?-i:none)\b",
         "isn't one, there are none",
     ),
     "hangs on": (r"\bhangs? (?:on|from)\b", "depends on"),
@@ -107,8 +107,8 @@ MARKS: dict[str, tuple[str, str]] = {
         r"\bas (?:the |a |an )?\w+(?: \w+)? (?:says|tells|wants|has it)\b",
         "according to, as required by",
     ),
-    "to be had": (r"\b(?:to be had|can be had|be got|have it)\b", "is available"),
-    "no more": (r"\b(?:and|or|but) no more\b", "only"),
+    "to be had": (r"\b(?:to be had|can be had|be got)\b", "is available"),
+    "no more": (r"\b(?:and|but) no more\b", "only"),
     "not to": (r"\b(?:is|are) not to be\b", "must not be"),
     "in turn": (r"\bone after the other\b", "one after another, in turn"),
     "where": (
@@ -121,15 +121,39 @@ MARKS: dict[str, tuple[str, str]] = {
         "name it",
     ),
     "all that": (
-        r"\b(?:all|nothing|none|one|those|each) (?:that|of them that) "
-        r"(?:is|are|there is|it has|has|was)\b",
+        r"\b(?:all|nothing|none|each) (?:that|of them that) (?:is|are|there is|it has|has|was)\b",
         "name it",
     ),
     "speaks of": (
-        r"\b(?:speaks?|tells?|knows?|says?) (?:of|nothing)\b",
+        r"\b(?:speaks?|tells?|knows?|says?) of\b",
         "mentions, describes, reports",
     ),
     "asked for": (r"\b(?:asked for|is asked|are asked|was asked)\b", "requested"),
+    "round a": (
+        r"(?<!to )\bround (?:an?|the|its?|them|each|every|which|walls?|corners?|obstacles?)\b"
+        r"(?! (?:numbers?|values?|results?|trip|corners? of radius))",
+        "around",
+    ),
+    "says that": (
+        r"\b(?:says?|tells?|said|told) that\b",
+        "reports, states",
+    ),
+    "as said": (
+        r"\b(?:is|are|was|were|be|there|not|file|world) as (?:said|asked|wanted|told|given)\b"
+        r"|\bas wanted\b",
+        "matches, as requested",
+    ),
+    "what is known": (r"\bwhat (?:is|was|are) (?:known|new|there|said|asked)\b", "name it"),
+    "one who": (r"\b(?:one|those|he|him) who\b", "someone who, users who"),
+    "fulfils": (r"\b(?:fulfil(?:s|led)?|grants?) (?:a|the|its|their) wish", "meets the condition"),
+    "it takes": (r"\b[Ii]t (?:takes|wants) (?:gcc|a compiler|two|git|Docker)\b", "requires"),
+    "for want of": (r"\bfor want of\b", "because there is no"),
+    "such as are": (r"\bsuch as (?:is|are|have|has|can)\b", "those that"),
+    "no sooner": (r"\b(?:no sooner|scarcely|in vain|henceforth|forthwith|as yet)\b", "plainly"),
+    "be it": (r"\b(?:be it|be they|come what may|if need be)\b", "whether, if necessary"),
+    "dear": (r"\b(?:dear(?:er)?|dearly)\b", "expensive"),
+    "naught": (r"\bnothing else is\b|\bnaught\b", "only"),
+    "reckon": (r"\b(?:reckon(?:s|ed|ing)?)\b", "compute"),
     "gone": (r"\b(?:is|are|be) gone\b", "no longer exists, was deleted"),
     "at once": (r"\ball at once\b|\bat one go\b|\bby and by\b", "together, gradually"),
 }

@@ -29,3 +29,17 @@ def _names(tmp_path, monkeypatch, name, text):
 )
 def test_marks_are_found_in_prose_with_their_lines(tmp_path, monkeypatch, name, text, found):
     assert sorted(_names(tmp_path, monkeypatch, name, text)) == found
+
+
+#: Marks per 10,000 words that a folder may have; Hypothesis, NumPy and SciPy have up to 2.2, and
+#: some constructions are plain English in their place.
+LIMIT = 10.0
+
+
+@pytest.mark.parametrize("folder", [*plain_english.FOLDERS, *plain_english.PAGES])
+def test_a_folder_stays_under_the_limit_of_marks(folder):
+    counted = [plain_english.marks_of(path) for path in plain_english.readable_files([folder])]
+    words = sum(count for count, _ in counted)
+    marks = [mark for _, found in counted for mark in found]
+    listed = "\n".join(f"{one.path}:{one.line}: {one.name}: {one.sentence}" for one in marks)
+    assert 1e4 * len(marks) <= LIMIT * max(words, 1000), listed

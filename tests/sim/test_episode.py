@@ -521,7 +521,7 @@ def test_an_observation_is_no_memory():
 
 
 class Follower:
-    """Plans a way of two points in ``reset``, round the wall of ``planned_world``, and follows it."""
+    """Plans a way of two points in ``reset``, around the wall of ``planned_world``, and follows it."""
 
     def reset(self, world):
         assert world.certificate is None and world.provenance is None and world.failure is None

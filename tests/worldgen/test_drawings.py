@@ -24,7 +24,7 @@ def test_a_drawing_says_what_it_has_moved():
     assert export.data.decode() == ROOM.replace("S", ".").replace("G", "S")
     assert export.lost == (
         "the start is stored as the centre of the cell in column 3, row 1 from the top",
-        "the target is not drawn, for its cell is the start's",
+        "the target is not drawn, because its cell is the start's",
         "the heading, 1 rad, is not drawn",
         "the target's radius, 0.005 m, is drawn as half a cell",
     )

@@ -61,7 +61,7 @@ def test_fire_at_the_rim_breaks_out_no_deeper_than_floor_near_the_border(seed, o
     shallow = np.minimum(floor, world.height - 1 - floor).min()
     assert all(
         there <= shallow + 4 for there in depth
-    )  # the robot may stand in a corner, and nothing burns round it
+    )  # the robot may stand in a corner, and nothing burns around it
 
 
 def test_wind_carries_fire_to_where_it_blows():

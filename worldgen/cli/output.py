@@ -38,7 +38,7 @@ CONTROLLER_HELP = (
 F = TypeVar("F", bound=Callable[..., Any])
 
 force_option: Callable[[F], F] = click.option(
-    "--force", is_flag=True, help="Overwrite what is there."
+    "--force", is_flag=True, help="Overwrite existing files."
 )
 json_option: Callable[[F], F] = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object."

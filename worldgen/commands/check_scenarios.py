@@ -27,7 +27,7 @@ PATH = click.Path(path_type=Path)
     type=click.IntRange(0, 2**64 - 1),
     default=0,
     show_default=True,
-    help="What they are drawn by.",
+    help="Which policy draws them.",
 )
 @click.option(
     "--csv", "table", type=PATH, metavar="OUT", help="Write one line a scenario file and map."

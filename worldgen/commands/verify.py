@@ -227,7 +227,7 @@ def _line(result: dict[str, Any]) -> str:
             "at any time" if late is None else f"up to {late:g} s late"
         )
         verdict += ", and on some path the robot may wait " + (
-            "for ever" if latest is None else f"until {latest:g} s"
+            "forever" if latest is None else f"until {latest:g} s"
         )
     at_all = (
         f"; the largest disc that could pass at all: {result['widest']:.9g} m"

@@ -5,7 +5,7 @@
 
 #include "reach_internal.h"
 
-// What a square's byte means: no square, a free one, how it was reached, or that the search began
+// Values of a square's byte: no square, a free one, how it was reached, or that the search began
 // there.
 enum { NOT_FREE = 0, FREE = 1, FIRST_STEP = 2, BEGUN = 6 };
 

@@ -93,7 +93,7 @@ static void follow_rows(const WgLinks *links, Walk *walk, int64_t state, int64_t
     }
 }
 
-// Clears the marks of what was seen.
+// Clears the marks of visited nodes.
 static void begin_again(const WgLinks *links, Walk *walk)
 {
     int64_t states = links->cells << links->bits;

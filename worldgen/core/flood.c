@@ -1,4 +1,4 @@
-// The nodes of a graph that are joined to a source: whole rows at a time, in no order, ten times
+// The nodes of a graph that are joined to a source: whole rows at a time, in any order, ten times
 // faster than a search.
 
 #include <stdbool.h>

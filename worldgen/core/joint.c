@@ -119,7 +119,7 @@ typedef struct Track {
     int64_t length;
 } Track;
 
-// The search for one robot among those that are planned already.
+// The search for one robot among the robots planned before it.
 typedef struct Among {
     const WgJoint *joint;
     WgMoves moves;
@@ -156,7 +156,7 @@ static bool meets_planned(const Among *among, int64_t from, int64_t to, int64_t 
     return false;
 }
 
-// Whether the robot can stand at a node from a tick on, for ever.
+// Returns whether the robot can stand at a node from a tick on, forever.
 static bool can_park(const Among *among, int64_t node, int64_t tick)
 {
     for (int64_t t = tick; t <= wg_max(among->quiet, tick); t++) {

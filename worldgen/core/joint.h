@@ -1,4 +1,4 @@
-// What the searches for joint plans share.
+// Declarations shared by the searches for joint plans.
 
 #ifndef JOINT_H
 #define JOINT_H
@@ -69,7 +69,7 @@ static inline bool wg_moves_conflict(const WgJoint *joint, int64_t one, int64_t 
     return side * side < limits[length_sq];
 }
 
-// Whether the sizes and numbers of a question are such that the searches stay within its arrays.
+// Returns whether the sizes and numbers of a question are such that the searches stay within its arrays.
 WgStatus wg_joint_check(const WgJoint *joint);
 
 // A plan with room for so many ticks; NULL if there is no memory.

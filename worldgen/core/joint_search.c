@@ -333,7 +333,7 @@ typedef struct Lacam {
     Wish *wishes;
     int64_t wish_count;
     int64_t wish_room;
-    int32_t *order;     // robots, those with the longest way first
+    int32_t *order;     // robots, those with the longest path first
     int32_t *next;      // (robots,) node of each in the next joint state; -1 while it is open
     int32_t *trail;     // robots in the order in which they were assigned
     int64_t assigned;
@@ -518,7 +518,7 @@ static WgStatus dive(Lacam *search, int64_t most, WgJointPlan **made, WgProgress
     return status;
 }
 
-// Robots with the longest way first; ties by number.
+// Robots with the longest path first; ties by number.
 static void order_by_distance(const WgJoint *joint, int32_t *order)
 {
     for (int64_t robot = 0; robot < joint->robots; robot++) {

@@ -28,7 +28,7 @@ enum {
 enum {
     WG_EAST = 1,    // open to the neighbour in +x
     WG_NORTH = 2,   // open to the neighbour in +y
-    WG_CORNER = 4,  // the pillar between this chamber and the three to its north and east is gone
+    WG_CORNER = 4,  // the pillar between this chamber and the three to its north and east was removed
     WG_ROCK = 8,    // not a chamber
 };
 
@@ -250,7 +250,7 @@ WgStatus wg_openings(const uint8_t *clear, const uint8_t *middle, int64_t size, 
 // odd:          (links,) 1 for a link that counts as odd.
 // parent:       (cells,) each cell itself at first; kept between calls.
 // bit:          (cells,) zeros at first; kept between calls.
-// closed:       1 if such a chain came about.
+// closed:       1 if such a chain was found.
 WgStatus wg_unite(const int64_t *ones, const int64_t *others, const uint8_t *odd, int64_t links, int64_t *parent,
                   uint8_t *bit, int64_t cells, int64_t *closed);
 

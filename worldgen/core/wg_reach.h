@@ -110,7 +110,7 @@ typedef enum WgAnswer {
 // whole:      (count,) 0 where a corner is not a whole point: each piece there is asked about.
 // patience:   corners in a row that may be out of sight.
 // state:      (5,) index of the corner gone from, of the farthest one seen, of the one looked at; number of corners
-//             kept; the WgAnswer to what was asked, WG_UNSURE for none. At first 0, 1, 2, 1, WG_UNSURE.
+//             kept; the WgAnswer to the question, WG_UNSURE for none. At first 0, 1, 2, 1, WG_UNSURE.
 // kept:       (count,) gets the indices of the corners kept; the first is 0.
 // done:       gets 1; or 0 if the piece from state[0] to state[2] is asked about.
 WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, const int64_t *y,
@@ -135,7 +135,7 @@ typedef struct WgTarget {
     int64_t x;       // of the disc's centre
     int64_t y;
     int64_t reach;   // the robot's radius
-    int64_t radius;  // the disc's; -1 if it is no multiple of 1/scale
+    int64_t radius;  // the disc's; -1 if it is not a multiple of 1/scale
     double centre_x;     // the same as floats, cells
     double centre_y;
     double robot_radius;
@@ -364,7 +364,7 @@ void wg_cut_search_free(WgCutSearch *search);
 // a chain's coordinates.
 //
 // cells:      (count, 2) ix, iy in chain order, -2 to 20,001.
-// radius:     -1 if it is no multiple.
+// radius:     -1 if it is not a multiple.
 // rough:      the same as a float.
 // away:       gets 1 or 0; -1 if floats cannot tell, and there is nothing better.
 WgStatus wg_chain_around(const int64_t *cells, int64_t count, int64_t scale, int64_t x, int64_t y, int64_t radius,

@@ -14,7 +14,7 @@ typedef struct Around {
     int64_t scale;
     int64_t x;
     int64_t y;
-    int64_t radius;  // -1 if it is no multiple
+    int64_t radius;  // -1 if it is not a multiple
     double rough_radius;
     bool is_doubtful;
 } Around;

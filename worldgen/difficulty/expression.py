@@ -289,7 +289,7 @@ class _Meaning:
             )
         message = Message(
             "wrong-form",
-            "this is a condition, not a number; it cannot be compared or reckoned with",
+            "this is a condition, not a number; it cannot be compared or calculated with",
         )
         self._scan.fail(message, at)
 

@@ -48,7 +48,7 @@ METRICS: Final = {
     ),
     "visibility": Metric("m", -1, "free length of eight rays, mean along the witness", _BARN),
     "dispersion": Metric(
-        "", 1, "changes between wall and free round the robot, mean along the witness", _BARN
+        "", 1, "changes between wall and free around the robot, mean along the witness", _BARN
     ),
     "characteristic_dimension": Metric(
         "m", -1, "narrowest of four widths, mean along the witness", _BARN

@@ -129,7 +129,7 @@ class StrataSearch:
             parameters.
         given: Parameters that keep their values; the others are varied.
         where: Further constraint on each world.
-        tries: Worlds made in vain for a stratum before the search gives up on it.
+        tries: Worlds made without success for a stratum before the search gives up on it.
 
     Raises:
         InvalidParameter: If a given parameter is refused, or the family's worlds change and have no
@@ -248,7 +248,7 @@ class StrataSearch:
         return seed, dict(varied(self._free, parent, rng))
 
     def _give_up(self, number: int) -> None:
-        """Close a stratum that was tried in vain, and give its worlds to the nearest that fill."""
+        """Close a stratum that was tried without success, and give its worlds to the nearest that fill."""
         stratum = self._strata[number]
         if stratum.tried < self._tries and stratum.asked < _REFUSED * self._tries:
             return

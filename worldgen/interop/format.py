@@ -84,7 +84,7 @@ class Destination:
         if beside == self.name:
             raise InvalidParameter(
                 "reserved-name",
-                "{name}: a file of that name goes beside it",
+                "{name}: a file of that name goes next to it",
                 "let it end in something else",
                 name=self.name,
             )

@@ -30,7 +30,7 @@ _WAY_OUT = (
 
 
 def readable_formats(*, plug_ins: bool = True) -> Iterator[Format]:
-    """Return the formats that can be read, by name, with those of plug-ins last."""
+    """Return the readable formats by name, plug-in formats last."""
     points = FORMATS.entry_points()
     for ours in (True, False) if plug_ins else (True,):
         for name in sorted(points):
@@ -92,7 +92,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
 
 
 def _unknown(suffix: str) -> Message:
-    """Return an error for a file of no readable format, with a way out."""
+    """Return an error for a file of an unreadable format, with a remedy."""
     written = [name for name in sorted(FORMATS.entry_points()) if _is_only_written(name, suffix)]
     if written:
         problem = "ends in {suffix}, and {formats} is written, not read"
@@ -185,7 +185,7 @@ def read_map(
         options: Settings that the file leaves open; they take precedence over those in ``name``.
 
     Raises:
-        FormatError: If the file or its sidecar breaks the format's rules, or is of no known format.
+        FormatError: If the file or its sidecar breaks the format's rules, or is of an unknown format.
         InvalidParameter: If the format is unknown, or lacks an option.
     """
     format_name, worded = (None, {}) if name is None else split_options(name)

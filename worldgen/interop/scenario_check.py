@@ -160,7 +160,7 @@ def check_scenario(
         yield ScenarioReport(str(scenario), "", fault=_sentence(error))
         return
     if not maps:
-        fault = f"there is no map {problems.map_name} in what was named; name its folder too"
+        fault = f"there is no map {problems.map_name} in the named files; name its folder too"
         yield ScenarioReport(
             str(scenario), "", len(problems.published), misfit=len(problems.published), fault=fault
         )

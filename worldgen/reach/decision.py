@@ -42,7 +42,7 @@ class Swap:
 
 @dataclass(frozen=True)
 class Decision:
-    """Whether the target can be reached, with the proof.
+    """The answer whether the target can be reached, with the proof.
 
     Args:
         result: ``REACHABLE`` with a witness, ``BLOCKED`` with a cut, or ``UNDECIDED`` with neither.

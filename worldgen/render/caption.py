@@ -1,4 +1,4 @@
-"""The strip under the map: title, scale, and a key to what is drawn."""
+"""The strip under the map: title, scale, and a key to the picture."""
 
 from __future__ import annotations
 
@@ -198,8 +198,8 @@ def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
     else:
         keys = [("approach", _line(APPROACH, 1.8))] if trail.loop_from > 0 else []
         spot = ("loop, forever on this spot", _end_sample)
-        keys.append(spot if on_the_spot else ("loop, for ever", _line(LOOP, 3.2, arrow=True)))
-    # What the robot hit.
+        keys.append(spot if on_the_spot else ("loop, forever", _line(LOOP, 3.2, arrow=True)))
+    # The obstacle that the robot hit.
     kinds = {mark.kind for mark in trail.marks}
     if "end" in kinds or trail.loop_from is None:
         keys.append(("end", _end_sample))

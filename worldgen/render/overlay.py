@@ -1,4 +1,4 @@
-"""What a robot did, as plain data, since pictures know no simulator."""
+"""Plain data about a robot's run, since pictures know no simulator."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class Disturbances:
 
     Args:
         pushes: Pushes that happened, as far as they went.
-        places: Cells that push whoever stands there.
+        places: Cells that push the robot when it is in them.
         decoys: Where other sources of the signal are, x and y in m.
         drift_heading: Where the floor carries the robot, rad; ``None`` if it is level.
     """
@@ -123,7 +123,7 @@ class Trail:
         marks: Events along the path.
         pierced: Wall cells that the robot entered.
         disturbances: What disturbed the robot.
-        missed: (height, width) bool, cells that a coverage task asked for and the robot was not in;
+        missed: (height, width) bool, cells of a coverage task that the robot missed;
             ``None`` for another task.
 
     Raises:

@@ -42,7 +42,7 @@ LOOP = "#D55E00"
 FIRE = "#E69F00"
 # Sky blue: what moves the robot besides its wheels.
 PUSH = "#56B4E9"
-# Yellow: cells that a coverage task asked for and the robot missed.
+# Yellow: cells of a coverage task that the robot missed.
 MISSED = "#E3C800"
 # Reddish purple: where the run broke the world's rules, and cuts.
 TUNNEL = "#CC79A7"

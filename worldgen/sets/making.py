@@ -109,7 +109,7 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
             pool.end()
             raise GenerationFailed(
                 "worker-died",
-                "a worker process died, perhaps for want of memory",
+                "a worker process died, perhaps for lack of memory",
                 "give fewer with --workers",
                 at_terminal=True,
             ) from error

@@ -67,7 +67,7 @@ class SearchedPlan(SetPlan):
 
     Args:
         family: The family.
-        tries: Most worlds that the search makes in vain for each that it finds.
+        tries: Most worlds that the search makes without success for each that it finds.
     """
 
     family: Family

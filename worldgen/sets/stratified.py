@@ -77,7 +77,7 @@ def plan_stratified_set(
         given: Parameters that keep their values; the others vary.
         difficulty: Lower and upper end of the range, inside 0 to 1.
         where: Further constraint on each world, such as ``"detour > 3"``.
-        tries: Worlds made in vain for a stratum before it is abandoned, and its worlds left to its
+        tries: Worlds made without success for a stratum before it is abandoned, and its worlds left to its
             neighbours.
         metrics: Whether to measure every metric of each world; its difficulty is measured in any
             case.

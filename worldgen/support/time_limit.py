@@ -57,7 +57,7 @@ def time_limit(seconds: float) -> Iterator[None]:
         wake.put(None)
         while not ended:
             time.sleep(0)
-        # Take back what is on its way and was not raised yet.
+        # Cancel a timeout that is pending and was not raised yet.
         raise_in(thread, None)
 
     watcher = threading.Thread(target=watch, name="time limit", daemon=True)

@@ -102,7 +102,7 @@ class DaskExecutor:
         """Raise ``KeyboardInterrupt`` if Ctrl-C came.
 
         Raises:
-            WorkersLost: If the scheduler is gone.
+            WorkersLost: If the scheduler can't be reached.
         """
         self._listen()
         if self._client.status != "running":
@@ -144,7 +144,7 @@ class DaskExecutor:
         """Disconnect, which cancels work in progress.
 
         Raises:
-            WorkersLost: If the scheduler is gone, or the work killed worker after worker.
+            WorkersLost: If the scheduler can't be reached, or the work killed worker after worker.
             InvalidParameter: If the workers' code differs from ours.
         """
         with self._open, suppress(OSError, RuntimeError):

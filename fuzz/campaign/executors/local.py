@@ -178,7 +178,7 @@ class ProcessExecutor:
         if isinstance(error, BrokenProcessPool):
             raise WorkersLost(
                 "worker-died",
-                "a worker process died, perhaps killed by the controller or for want of memory "
+                "a worker process died, perhaps killed by the controller or for lack of memory "
                 "({reason})",
                 reason=str(error),
             ) from error

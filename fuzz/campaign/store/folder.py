@@ -45,7 +45,7 @@ def _content_name(data: bytes) -> str:
 class CampaignStore:
     """A campaign's store.
 
-    This one stores nothing, for a campaign that is never continued.
+    This one stores nothing; it is for campaigns that are never continued.
     """
 
     def unit(self, unit: int) -> Done | None:

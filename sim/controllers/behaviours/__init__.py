@@ -3,9 +3,9 @@
 Contents, each imported when it is first used:
     Behaviour: When a behaviour applies (trigger), what it then does (action), and how it competes.
     BEHAVIOURS: The registered behaviours by name; also ``./mine.py:name``.
-    Layer: A behaviour as a composition has it, with its priority, duration and options.
+    Layer: A behaviour in a composition, with its priority, duration and options.
     composed: Return the controller that is composed of some parts.
-    Arbitration: What a controller says of its parts and of which of them acts when.
+    Arbitration: A controller's description of its parts and of which of them acts when.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ NOBODY = "none"
 
 
 class PartFacts(NamedTuple):
-    """What a chart and a list say of one part.
+    """Describe one part for a chart or a list.
 
     Args:
         name: Its name.

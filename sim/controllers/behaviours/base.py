@@ -42,8 +42,8 @@ class Behaviour:
 
     Args:
         name: Name in messages, traces and charts.
-        trigger: ``trigger(observation, memory)`` returns whether the behaviour applies; it is asked
-            while the behaviour is not in charge, and must not change anything.
+        trigger: ``trigger(observation, memory)`` returns whether the behaviour applies; it is called
+            while the behaviour is not active, and must not change anything.
         action: ``action(observation, memory)`` returns the command of one step and the memory after
             it, and as a third value True if the behaviour is done.
         duration: Steps that it acts for once it has control; :data:`UNTIL_DONE` if it decides that
@@ -107,7 +107,7 @@ def check_duration(name: str, duration: object) -> None:
 
 @dataclass(frozen=True)
 class Layer:
-    """A behaviour as a composition has it.
+    """A behaviour in a composition.
 
     Args:
         behaviour: The behaviour.

@@ -1,6 +1,6 @@
 """Draw how a composition arbitrates, as a flow chart in SVG.
 
-The thesis has such a chart of its arbitrator (section 3.2): triggers are asked one after the other,
+The thesis has such a chart of its arbitrator (section 3.2): triggers are tested in order,
 the first that holds lets its behaviour act.
 """
 
@@ -139,7 +139,7 @@ def _control(part: PartFacts) -> str:
 
 
 def _arrow_down(sheet: _Sheet, gap: float = _GAP) -> None:
-    """Draw the arrow to what comes next below."""
+    """Draw the arrow to the next part below."""
     sheet.y += gap
     sheet.flow((_MIDDLE, sheet.tail), (_MIDDLE, sheet.y))
 
@@ -173,7 +173,7 @@ def _ask(sheet: _Sheet, question: list[tuple[str, str]], answer: list[tuple[str,
 
 
 def _questions(sheet: _Sheet, arbitration: Arbitration) -> None:
-    """Draw the triggers one below the other, in the order in which they are asked."""
+    """Draw the triggers one below the other, in the order in which they are tested."""
     keeps = arbitration.arbiter == "learning" or any(
         not part.interruptible for part in arbitration.parts
     )

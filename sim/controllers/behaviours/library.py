@@ -53,7 +53,7 @@ def _kind(name: str) -> int:
 
 @dataclass(frozen=True)
 class _NoOptions:
-    """No options of its own."""
+    """No options."""
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ class ComposedController:
         senses: Everything that a part reads.
         needs: Options of the robot that a part cannot work without.
         memory_fields: See :class:`~sim.controllers.base.CompiledController`.
-        arbitration: Likewise.
+        arbitration: The same.
     """
 
     name: str

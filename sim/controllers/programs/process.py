@@ -78,7 +78,7 @@ class ProcessController:
     however that ends. Two threads need two of these objects.
 
     Its memory cannot be seen, so a run that repeats forever is ``stalled`` or ``timeout``, never
-    ``loop``. It may therefore read the clock at no further cost.
+    ``loop``. It may therefore read the clock without further cost.
 
     Args:
         command: Program and arguments; they do not pass through a shell.

@@ -8,7 +8,7 @@
 #include "boundary.h"
 #include "directions.h"
 
-static const double STRONGER = 1.02;  // a wall is left where the signal is so many times as strong as where it was met
+static const double STRONGER = 1.02;  // a wall is left where the signal is this many times as strong as where it was hit
 
 typedef struct Avoid {
     double direction;  // rad: where it drives
@@ -42,7 +42,7 @@ static int64_t avoid_on(const WgSituation *now)
     return 0;
 }
 
-// Whether the robot touches a wall that lies towards the signal. It also touches one that it has just left.
+// Whether the robot touches a weverything towards the signal. It also touches one that it has just left.
 static int64_t is_barred(const WgSituation *now)
 {
     const WgObservation *seen = now->seen;
@@ -59,7 +59,7 @@ static void begin_wall(const WgSituation *now)
     wg_begin_following(&own->body, wg_touched(now->seen));
 }
 
-// Whether the signal is stronger than where the wall was met, and the wall is not in its way.
+// Returns whether the signal is stronger than where the wall was hit, and the wall is not in the way.
 static bool may_leave(const WgObservation *seen, const Follow *own)
 {
     bool away = fabs(wg_wrap(seen->signal_heading - own->body.wall)) > 0.5 * WG_PI;

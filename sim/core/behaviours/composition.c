@@ -93,7 +93,7 @@ static double vote_for(double direction, double turn)
     return wg_higher(0.0, 1.0 - fabs(wg_wrap(direction - turn)) / SPREAD);
 }
 
-// Lets every part that applies act on a command of its own. Returns how many have; `who` gets their indices.
+// Lets every part that applies act on its own command. Returns how many have; `who` gets their indices.
 static int64_t let_all_act(Composed *made, const WgObservation *seen, WgCommand *commands, int64_t *who)
 {
     WgShared *shared = &made->own->shared;
@@ -194,7 +194,7 @@ static double correlation(double with, double acted, double acted_with)
     return (acted_with * idle_without - active_without * idle_with) / sqrt(scale);
 }
 
-// What a part is worth in a condition: how much good it does, less how much harm.
+// Returns the value of a part in a condition: how much good it does, less how much harm.
 static double relevance(const Composed *made, int64_t part, int64_t condition)
 {
     const WgFeedback *all = &made->all[condition];
@@ -220,7 +220,7 @@ static void average(WgFeedback *shares, bool acted, bool good, bool bad)
     shares->bad = averaged(shares->bad, acted && bad);
 }
 
-// Takes in what came of the last step: whether the signal got stronger, whether a wall was touched.
+// Learns from the last step: whether the signal got stronger, whether a wall was touched.
 static void take_feedback(Composed *made, const WgObservation *seen)
 {
     WgLearning *learning = made->learning;
@@ -240,7 +240,7 @@ static void take_feedback(Composed *made, const WgObservation *seen)
 }
 
 // Lets the part act that has proved most useful in the present condition. It keeps control until it is done, so that
-// what comes of it is its own merit.
+// the outcome is credited to it.
 static int64_t act_as_learned(Composed *made, const WgObservation *seen, WgCommand *command)
 {
     take_feedback(made, seen);

@@ -14,7 +14,7 @@ static const double LEAVE = 3.0;
 
 static const double RANGE = 1.0;  // m: points farther away are ignored
 static const double APART = 1.4;  // of the radius: points farther apart than this from beam to beam are ignored, too
-static const double TOUCHING = 0.97;  // of the radius: a touched wall is no nearer than this, so it doesn't block the path
+static const double TOUCHING = 0.97;  // of the radius: a touched wall is at least this far away, so it doesn't block the path
                                       // along it
 static const double JUMP = 0.08 / 0.07;  // of the radius: an end of a wall is where the free path is longer by this in
                                          // the next direction

@@ -108,7 +108,7 @@ typedef struct WgFeedback {
     double bad;     // same, negative feedback: a wall was touched
 } WgFeedback;
 
-// A part as a memory has it.
+// A part in a memory.
 typedef struct WgStoredPart {
     double kind;           // index of its behaviour: wg_behaviour_at; below 0: one of the user's own
     double priority;

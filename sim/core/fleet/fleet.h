@@ -1,4 +1,4 @@
-// What the files of the fleet share; see wg_fleet.h.
+// Declarations shared by the files of the fleet; see wg_fleet.h.
 
 #ifndef WG_FLEET_PARTS_H
 #define WG_FLEET_PARTS_H

@@ -96,7 +96,7 @@ static void set_goal(WgMover *mover, double share)
     mover->goal.y = y + (is_last ? sy : away * (fabs(normal.y) >= fabs(normal.x) ? sy : 0));
 }
 
-// Whether another goal is left to try: aside only for a robot that touches something, back only if that is allowed.
+// Returns whether another goal is left to try: aside only for a robot that touches something, back only if that is allowed.
 static bool has_another_goal(const WgMover *mover, bool back)
 {
     if (!is_moving(mover) || mover->candidate >= STAND) {
@@ -141,7 +141,7 @@ static bool look_for_violations(const WgFleet *fleet, WgCluster cluster, bool ba
 }
 
 // Finds goals at a share of the displacements such that all paths to them are clear of walls and of each other. Robots
-// whose paths are not try their next goals, all at once. Where they may step back, the last one is to stand, so that
+// whose paths are not try their next goals together. Where they may step back, the last one is to stand, so that
 // goals are found always.
 static bool find_goals(const WgFleet *fleet, WgCluster cluster, double share, bool back)
 {
@@ -197,7 +197,7 @@ static double pair_contact(const WgFleet *fleet, const WgPair *pair)
     return wg_lower(1.0, wg_touch_time((double)pair->clear_sq, from, by));
 }
 
-// Finds the first contact in a cluster, and marks the robots that have it. Returns its share of the displacements.
+// Finds the first contact in a cluster, and marks the robots in it. Returns its share of the displacements.
 static double first_contact(const WgFleet *fleet, WgCluster cluster)
 {
     WgMover *movers = fleet->movers;
@@ -581,7 +581,7 @@ static void round_poses(WgFleet *fleet, int64_t step)
     }
 }
 
-// Whether an event or a robot has ended the run.
+// Returns whether an event or a robot has ended the run.
 static bool is_ended(const WgFleet *fleet)
 {
     for (int64_t k = 0; k < fleet->count; k++) {

@@ -22,7 +22,7 @@ static int64_t root_of(WgMover *movers, int64_t robot)
     return robot;
 }
 
-// Whether a robot may move in this part of the step.
+// Returns whether a robot may move in this part of the step.
 static bool may_move(const WgFleet *fleet, int64_t robot)
 {
     return fleet->movers[robot].far > fleet->members[robot]->settings->reach;

@@ -16,7 +16,7 @@ uint64_t *wg_parked_word(const WgFleet *fleet, int64_t robot)
     return (uint64_t *)fleet->members[robot]->robot.body + words_of(fleet, robot) - 1;
 }
 
-// An array of its own, all zero; NULL if there is no memory, and then for all later ones too.
+// Returns a new array, all zero; NULL if there is no memory, and then for all later ones too.
 static void *array(bool *is_made, int64_t count, size_t size)
 {
     void *made = *is_made ? calloc((size_t)wg_most(count, 1), size) : NULL;

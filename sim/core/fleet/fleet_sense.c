@@ -27,7 +27,7 @@ void wg_ready_senses(WgFleet *fleet)
     }
 }
 
-// Whether a robot comes before another in the order in which they are sensed: the nearest first, and then by their
+// Returns whether a robot comes before another in the order in which they are sensed: the nearest first, and then by their
 // places, which never are the same, so that their numbers do not matter.
 static bool comes_before(const WgOther *one, const WgOther *other)
 {

@@ -1,7 +1,7 @@
 // Fleets: several robots in one world, each with its own controller.
 //
 // In each step all robots move at the same time, then all sense, then all act. A robot that has reached its target parks:
-// it stands still and is asked no more, but stays an obstacle. A fleet is made of episodes, one for each robot, whose
+// it stands still and gets no more observations, but stays an obstacle. A fleet is made of episodes, one for each robot, whose
 // states are put next to each other: together they are the complete state that a recurrence repeats.
 
 #ifndef WG_FLEET_H
@@ -14,7 +14,7 @@
 
 enum { WG_MOST_ROBOTS = 1000 };
 
-// What a fleet is asked to do.
+// Settings of a fleet's run.
 typedef struct WgFleetSettings {
     int64_t motion;      // WG_SWEPT or WG_ENDPOINT: the same for all robots
     int64_t steps;       // budget
@@ -27,7 +27,7 @@ typedef struct WgFleetSettings {
     const int64_t *clear_sq;  // (kinds, kinds) squared distance that the centres of two robots keep, lattice units
 } WgFleetSettings;
 
-// What a fleet reports in addition to the reports of its robots.
+// The report of a fleet, in addition to the reports of its robots.
 typedef struct WgFleetReport {
     int64_t ending;  // WG_LIMIT, ...; WG_REACHED when all robots have parked; WG_LOOP: the complete state came back
     int64_t steps;
@@ -89,7 +89,7 @@ void wg_fleet_free(WgFleet *fleet);
 // Puts all robots at their starts. The arenas must be as they are before the first event.
 WgStatus wg_fleet_begin(WgFleet *fleet);
 
-// Runs at most so many steps: WG_GOES_ON, WG_OVER, or WG_ACTS where controllers outside the core are to act. Of those
+// Runs at most this many steps: WG_GOES_ON, WG_OVER, or WG_ACTS where controllers outside the core are to act. Of those
 // members `waits` is 1; each finds what it observes in `flat`, and leaves its command and memory as in WgWorkspace before
 // the next call.
 int64_t wg_fleet_run(WgFleet *fleet, int64_t most_steps);

@@ -34,7 +34,7 @@ __all__ = [
 Ints = npt.NDArray[np.int64]
 Words = npt.NDArray[np.uint64]
 
-# Words of a state that share a fingerprint, which is worked out again only when one of them
+# Words of a state that share a fingerprint, which is computed again only when one of them
 # changes.
 BLOCK = 8
 NEXT, TOUCHED = (

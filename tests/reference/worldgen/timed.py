@@ -37,7 +37,7 @@ def safe_intervals(
 def _points_and_spans(
     clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
 ) -> tuple[Any, int]:
-    """The first eight arguments of ``_safe_intervals``, and how many spans one point may have round it."""
+    """The first eight arguments of ``_safe_intervals``, and how many spans one point may have around it."""
     k = round(len(classes) ** 0.5)
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0) + 1
     cells = np.pad(spans.changing, pad)

@@ -60,8 +60,8 @@ def cave(
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included.
-        shape: caverns: halls and passages, with ways round; columns: one wide hall full of pillars;
-            galleries: small chambers, joined by long tunnels without a way round.
+        shape: caverns: halls and passages, with ways around; columns: one wide hall full of pillars;
+            galleries: small chambers, joined by long tunnels without a way around.
         rock: Rock before the automaton's first round, in percent; the more, the narrower the
             cave; if omitted, drawn from what suits the shape.
         rounds: Rounds of the automaton; 0 leaves the rock as it was strewn; if omitted, drawn.

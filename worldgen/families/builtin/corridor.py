@@ -112,7 +112,7 @@ def corridor(
             or branches.
         GenerationFailed: If no draft of the corridor has that many bends and branches.
 
-    Source: the corridor is a stretch of the longest way through a backtracker's maze.
+    Source: the corridor is a stretch of the longest path through a backtracker's maze.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
     width = _width(arena, width, robot_widths)

@@ -77,8 +77,8 @@ def fire(
 ) -> World:
     """Build a world of another family in which fire breaks out on the way to the target.
 
-    What is true when the robot sets out is not true when it arrives: ways burn, fall shut behind
-    the fire, and open where walls burn through. The floor round the start never burns, so that the
+    What is true at the start is not true when it arrives: ways burn, fall shut behind
+    the fire, and open where walls burn through. The floor around the start never burns, so that the
     robot can wait.
 
     Args:
@@ -87,7 +87,7 @@ def fire(
         over: Family whose world burns, with its own parameters: maze, rooms,
             maze+algorithm=eller+passage=3. Words that are not given are drawn.
         ignitions: Places where fire breaks out.
-        ignite_at: Where: on the shortest way, anywhere, at the rim, or the first on the way and the
+        ignite_at: Where: on the shortest path, anywhere, at the rim, or the first on the way and the
             others anywhere.
         ignite_cells: Cells where fire breaks out: drawn as the two above say, or given, such as
             12:5,20:7.

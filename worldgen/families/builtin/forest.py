@@ -108,7 +108,7 @@ def _thickest(
         raise InvalidParameter(
             "no-room",
             "size={size} has no room for a trunk of {thinnest} cells and a gap of {clear:g} cells "
-            "round it",
+            "around it",
             "give a larger size, thinner trunks, or a smaller gap or robot_radius",
             size=arena.size,
             thinnest=thinnest,

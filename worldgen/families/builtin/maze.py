@@ -71,7 +71,7 @@ def maze(
 ) -> World:
     """Build a maze from one corner of the square to the opposite one.
 
-    Dead ends and long ways round defeat a robot that only turns away from what it bumps into. A
+    Dead ends and long ways around defeat a robot that only turns away from what it bumps into. A
     maze is a lattice of chambers, each a passage wide. Every chamber is reachable by construction;
     cells left over by the division into chambers widen some passages.
 
@@ -81,9 +81,9 @@ def maze(
         algorithm: wilson, aldous-broder: every maze equally likely; backtracker: long winding ways;
             kruskal, prim: the lightest tree of random weights; for the others see the
                 documentation.
-        newest: Share of a growing tree's steps that go on from the newest chamber; if omitted,
+        newest: Share of a growing tree's steps that continue from the newest chamber; if omitted,
             half.
-        oldest: Share that go on from the oldest; if omitted, none. The rest go on from any.
+        oldest: Share that continue from the oldest; if omitted, none. The rest continue from any.
         mask: Shape of the maze; the rest of the square is rock.
         braid: Share of the dead ends that get a second way out; 1 leaves none.
         rooms: Number of open rectangular rooms, each of 2 x 2 chambers or more.

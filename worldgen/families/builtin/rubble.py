@@ -65,7 +65,7 @@ def rubble(
     It comes in where the building still stands.
 
     Walls are down in the ruined part, so there are ways that no plan shows; debris lies where they
-    stood and bars ways that the plan has. The survivor, the target, lies in a pocket that debris
+    stood and bars ways that the plan has. The survivor, the target, is in a pocket that debris
     closes but for one way in. That way is cleared from the start on, over as little debris as
     possible and never through a wall that still stands: every world can be solved, whatever falls.
 

@@ -74,13 +74,13 @@ def trap(
     """Build an open arena with a concave obstacle on the straight line from start to target.
 
     A robot that is drawn to the target runs into the hollow and must first go away from the target
-    to get round. There is a way round on both sides where the square has room for it, else on one.
+    to get round. There is a way around on both sides where the square has room for it, else on one.
 
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included.
         shape: U: a back wall and two arms; L: a back wall and one arm; spiral: a U whose one arm
-            winds on round it; V: two slanted arms; comb: a back wall with teeth; nested: U's in
+            winds on around it; V: two slanted arms; comb: a back wall with teeth; nested: U's in
             each other's hollows; pair: a U, and another behind it, set off aside.
         depth: Inner length of the arms, cells; of a spiral, the length of its innermost chamber, of
             nested ones, of the innermost; if omitted, drawn.
@@ -101,7 +101,7 @@ def trap(
 
     Raises:
         InvalidParameter: If a number is out of range, or the square has no room for obstacle and
-            ways round.
+            ways around.
 
     Source: local minima of potential fields; Koren and Borenstein, "Potential field methods and
         their

@@ -114,7 +114,7 @@ def fit_sizes(
         raise InvalidParameter(
             "below-minimum",
             "room={room} is narrower than the {name}, {least} cells",
-            "give at least {least}, or omit it to have it drawn",
+            "give at least {least}, or omit it to draw one",
             room=asked,
             name=name,
             least=least,

@@ -162,7 +162,7 @@ def _notes(world: World, picture: str | None, step_time: float) -> Iterator[str]
             f"the robot can pass walls of {world.cell_size:g} m; a smaller step_time helps"
         )
     if picture is not None:
-        yield f"IR-SIM looks for {picture} in the folder where it runs, not beside the YAML file"
+        yield f"IR-SIM looks for {picture} in the folder where it runs, not next to the YAML file"
 
 
 irsim = Format(

@@ -158,7 +158,7 @@ def write_micromouse(world: World, destination: Destination) -> Exported:
         if not (column % 2 and row % 2):
             altered[name] = f"the {name} is not drawn, for it lies between two squares"
     if start == target:
-        altered["target"] = "the target is not drawn, for its square is the start's"
+        altered["target"] = "the target is not drawn, because its square is the start's"
     lines = [_line(walls, row, marks) for row in range(world.height)]
     return Exported({destination.name: "".join(f"{line}\n" for line in lines).encode()}, altered)
 

@@ -178,11 +178,11 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
         ("start", start, nearest),
     ):
         if walls[row, column]:
-            altered[name] = f"the {name} is not drawn, for its cell is solid"
+            altered[name] = f"the {name} is not drawn, because its cell is solid"
         else:
             cells[row, column] = np.frombuffer(word, np.uint8)
     if start == target:
-        altered["target"] = "the target is not drawn, for its cell is the start's"
+        altered["target"] = "the target is not drawn, because its cell is the start's"
     if _HEADINGS[nearest] != world.start.heading or walls[start[1], start[0]]:
         altered["heading"] = (
             f"the heading, {world.start.heading:g} rad, is stored as the nearest quarter turn"

@@ -81,9 +81,7 @@ def write_mjcf(
         resources.files("worldgen.interop").joinpath("players", "mujoco_player.py").read_bytes()
     )
     files[table] = events_file(destination.name, parts.bodies, height)
-    return Exported(
-        files, notes=(f"{script} moves what changes: a MuJoCo model has no events of its own",)
-    )
+    return Exported(files, notes=(f"{script} moves what changes: a MuJoCo model has no events",))
 
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:

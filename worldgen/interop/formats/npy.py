@@ -74,7 +74,7 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
         raise FormatError(
             "wrong-length",
             "{bytes} bytes of cells; {width} x {height} of {kind} are {needed}; the file "
-            "is cut short or damaged, write it anew",
+            "is cut short or damaged, write it again",
             bytes=len(body),
             width=width,
             height=height,

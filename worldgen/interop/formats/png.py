@@ -123,7 +123,7 @@ def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
         raise InvalidParameter(
             "wrong-form",
             "resolution is one number and origin two",
-            "save the picture anew from worldgen",
+            "save the picture again from worldgen",
         )
     # Check the numbers, because anybody can edit the text.
     cell_size = None if size is None else from_decimal(size[0])

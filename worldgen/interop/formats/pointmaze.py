@@ -33,7 +33,7 @@ def write_pointmaze(world: World, destination: Destination) -> Exported:
     # Mark start and target; "c" is both.
     for name, (column, row), letter in (("start", start, "r"), ("target", target, "g")):
         if cells[row][column] == 1:
-            altered[name] = f"the {name} is not stored, for its cell is solid"
+            altered[name] = f"the {name} is not stored, because its cell is solid"
         else:
             cells[row][column] = "c" if cells[row][column] == "r" else letter
     # An open border becomes a wall, because everything outside is solid.

@@ -95,7 +95,7 @@ def write_sdf(
             resources.files("worldgen.interop").joinpath("players", "gazebo_player.py").read_bytes()
         )
         files[table] = events_file(destination.name, parts.bodies, height, world=name)
-        notes.append(f"{script} moves what changes: a world file has no events of its own")
+        notes.append(f"{script} moves what changes: a world file has no events")
     # Many boxes make Gazebo slow.
     boxes = len(parts.still) + len(parts.bodies)
     if boxes > _MANY:

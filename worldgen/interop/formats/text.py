@@ -185,7 +185,7 @@ def write_text_map(world: World, destination: Destination) -> Exported:
             cells[row, column] = letter
         else:
             taken = "the start's" if target == start else "solid"
-            altered[name] = f"the {name} is not drawn, for its cell is {taken}"
+            altered[name] = f"the {name} is not drawn, because its cell is {taken}"
     # Report what gets lost.
     if world.start.heading != 0.0 or cells[start[1], start[0]] != _START[0]:
         altered["heading"] = f"the heading, {world.start.heading:g} rad, is not drawn"

@@ -119,7 +119,7 @@ def _target_cell(world: World) -> tuple[int, int]:
     if not (0 <= ix < world.width and 0 <= iy < world.height) or world.walls[iy, ix]:
         raise InvalidWorld(
             "target-in-a-wall",
-            "the target ({x:g}, {y:g}) m lies in a wall; a thesis map has it in a free cell",
+            "the target ({x:g}, {y:g}) m is in a wall; a thesis map has it in a free cell",
             "move it into one",
             x=world.target.x,
             y=world.target.y,

@@ -32,7 +32,7 @@ def prepared(points: npt.NDArray[np.float64]) -> Any:
             raise InvalidWorld(
                 "crosses-itself",
                 "an outline of {corners} corners crosses itself",
-                "draw it anew, or as several",
+                "draw it again, or as several",
                 corners=len(points),
             )
         shape = shapely.make_valid(shape)

@@ -2,7 +2,7 @@
 
 A corner is a point where an outline turns. Outlines keep solid cells on their left, from corner to
 corner. Sorted by position, the n-th corner that is left eastwards is followed by the n-th that is
-entered eastwards, and likewise in every direction, because sides on one line never overlap.
+entered eastwards, and the same in every direction, because sides on one line never overlap.
 """
 
 from __future__ import annotations

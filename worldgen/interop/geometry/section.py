@@ -154,7 +154,7 @@ def _lone_edges(count: int, faces: Ints) -> Ints:
 
 
 def cut(bodies: Bodies, height: float) -> Section:
-    """Cut bodies just above a height, so that no vertex lies in the plane.
+    """Cut bodies just above a height, so that no vertex is in the plane.
 
     Both triangles at an edge get the same point of it, to the last bit, so outlines of closed
         bodies are closed.

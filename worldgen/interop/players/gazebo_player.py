@@ -1,7 +1,7 @@
 """Plays what changes in a Gazebo world that worldgen wrote.
 
-Cells that become solid, free or burning. NAME_player.py lies beside NAME.sdf and NAME_events.json.
-Start Gazebo paused, and beside it the player:
+Cells that become solid, free or burning. NAME_player.py is next to NAME.sdf and NAME_events.json.
+Start Gazebo paused, and next to it the player:
 
     ign gazebo NAME.sdf        (Fortress; gz sim NAME.sdf from Garden on)
     python NAME_player.py
@@ -9,7 +9,7 @@ Start Gazebo paused, and beside it the player:
 It lets the world run to the time of a change, moves the models while time stands still, and lets it
 run on; so every change comes at its own simulated time, however long the commands take. It needs
 the standard library and Gazebo's own command alone. Ctrl-C ends it; Gazebo then stands still until
-it is told to go on.
+it is told to continue.
 """
 
 from __future__ import annotations

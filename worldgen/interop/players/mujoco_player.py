@@ -1,6 +1,6 @@
 """Plays what changes in a MuJoCo model that worldgen wrote.
 
-Cells that become solid, free or burning. NAME_player.py lies beside NAME.xml and NAME_events.json.
+Cells that become solid, free or burning. NAME_player.py is next to NAME.xml and NAME_events.json.
 Run it to watch the model in MuJoCo's viewer, or import it:
 
     model = mujoco.MjModel.from_xml_path("NAME.xml")

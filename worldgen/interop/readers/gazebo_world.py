@@ -257,7 +257,7 @@ def _pose(scene: _GazeboScene, element: XmlElement) -> _BodyPose:
             found,
             Message(
                 "unsupported",
-                "the pose is in a frame or unit of its own",
+                "the pose is in another frame or unit",
                 "write it in m and rad of what it lies in",
             ),
         )

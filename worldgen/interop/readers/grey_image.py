@@ -128,7 +128,7 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
         raise FormatError(
             "out-of-range",
             "maximum {maximum}; a PGM has 1 to 65535",
-            "save it anew",
+            "save it again",
             maximum=maximum,
             line=_line(data, at),
             source=source,
@@ -142,7 +142,7 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
         raise FormatError(
             "above-maximum",
             "a pixel is {pixel}, above the maximum {maximum}",
-            "the file is damaged, save it anew",
+            "the file is damaged, save it again",
             pixel=int(values.max()),
             maximum=maximum,
             source=source,
@@ -182,7 +182,7 @@ def _binary_raster(
 def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[np.integer[Any]]:
     """Return pixels given as decimal words.
 
-    They are converted all at once, because Python objects would take 30 times the file.
+    They are converted together, because Python objects would take 30 times the file.
     """
     # Find the words; anything but digits and blanks is a fault.
     text = _COMMENT.sub(b"", data[at:]) if data.find(b"#", at) >= 0 else data[at:]
@@ -197,7 +197,7 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
     if len(begin) != count:
         raise FormatError(
             "wrong-length",
-            "{pixels} pixels; the header's sizes need {needed}; the file is damaged, save it anew",
+            "{pixels} pixels; the header's sizes need {needed}; the file is damaged, save it again",
             pixels=len(begin),
             needed=count,
             source=source,
@@ -253,7 +253,7 @@ def _read_with_pillow(data: bytes, source: str) -> GreyImage:
         raise FormatError(
             "damaged-file",
             "is a damaged picture: {reason}",
-            "save it anew",
+            "save it again",
             reason=error or type(error).__name__,
             source=source,
         ) from error

@@ -468,6 +468,6 @@ def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
             ),
         )
     scene.notes.append(
-        f"the robot is a {name}; the disc round it that its turning needs has {radius:g} m"
+        f"the robot is a {name}; the disc around it that its turning needs has {radius:g} m"
     )
     return radius

@@ -265,7 +265,7 @@ def read_stage_file(
 def _tokens(
     text: str, source: str, include: Callable[[str, int], tuple[str, str] | None], depth: int
 ) -> Iterator[_Token]:
-    """Yield the tokens, with those of included files in place."""
+    """Yield the tokens, including tokens of included files in place."""
     # Read token by token, and follow includes.
     at = 0
     line = 1

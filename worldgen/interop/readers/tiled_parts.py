@@ -69,7 +69,7 @@ def parse_tiled(data: bytes, source: str) -> Part:
         raise FormatError(
             "wrong-form",
             "is not a map that Tiled would write",
-            "save it from Tiled anew",
+            "save it from Tiled again",
             source=source,
         ) from error
     if not isinstance(parsed, dict) or not isinstance(parsed.get("layers"), list):
@@ -91,7 +91,7 @@ def parse_tiled(data: bytes, source: str) -> Part:
         raise FormatError(
             "unsupported",
             "its orientation is {orientation!q}; only orthogonal maps are worlds",
-            "draw it anew as one",
+            "draw it again as one",
             orientation=str(kind),
             source=source,
         )
@@ -119,7 +119,7 @@ def checked_number(part: Part, key: str, source: str) -> int:
         raise FormatError(
             "not-a-number",
             "{key} is {value!q}, no whole number of 0 or more",
-            "save it anew",
+            "save it again",
             key=key,
             value=json.dumps(value),
             source=source,
@@ -140,8 +140,8 @@ def all_layers(parsed: Part, source: str) -> list[Part]:
         if not isinstance(layer, dict) or len(found) >= _MOST_LAYERS:
             raise FormatError(
                 "too-many-layers",
-                "a layer is none, or there are more than {most}",
-                "save it anew",
+                "a layer isn't one, or there are more than {most}",
+                "save it again",
                 most=_MOST_LAYERS,
                 source=source,
             )
@@ -195,7 +195,7 @@ def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArr
         raise FormatError(
             "wrong-size",
             "{name} has {layer_width} x {layer_height} cells, the map {width} x {height}",
-            "save it anew",
+            "save it again",
             name=name,
             layer_width=size[0],
             layer_height=size[1],
@@ -212,7 +212,7 @@ def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArr
         raise FormatError(
             "wrong-length",
             "{name} has {cells} cells; {width} x {height} are {needed}",
-            "save it anew",
+            "save it again",
             name=name,
             cells=len(numbers),
             width=width,
@@ -236,7 +236,7 @@ def _listed(data: object, name: str, source: str) -> npt.NDArray[np.int64]:
         raise FormatError(
             "wrong-type",
             "{name} has no list of tile numbers as its data",
-            "save it anew",
+            "save it again",
             name=name,
             source=source,
         )
@@ -274,7 +274,7 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
         raise FormatError(
             "damaged-file",
             "{name} cannot be unpacked: {reason}",
-            "save it anew",
+            "save it again",
             name=name,
             reason=str(error),
             source=source,
@@ -282,7 +282,7 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
     if len(data) > size or not unpacker.eof:
         raise FormatError(
             "damaged-file",
-            "{name} does not unpack to {size} bytes; it is damaged, save it anew",
+            "{name} does not unpack to {size} bytes; it is damaged, save it again",
             name=name,
             size=size,
             source=source,

@@ -418,7 +418,9 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
     # Cells must be in the grid or just outside it.
     for ix, iy in cells:
         near = -1 <= ix <= world.width and -1 <= iy <= world.height
-        _require(near, f"cell ({ix}, {iy}) of the cut lies beyond the ring of cells round the grid")
+        _require(
+            near, f"cell ({ix}, {iy}) of the cut lies beyond the ring of cells around the grid"
+        )
     in_cells = _decimal(radius) / _decimal(world.cell_size)
     at = gaps.index(wide)
     _require(

@@ -30,7 +30,7 @@ def decide_joint(
 
     A joint witness proves that they can. That they cannot is proved by a cut for one of them, or by
     two robots that would have to change places in a passage too narrow for both. Where all joint
-    moves over a graph were searched in vain, that is said in the reason, but proves nothing about
+    moves over a graph were searched without success, the reason states so, but that proves nothing about
     the plane.
 
     Args:

@@ -31,7 +31,7 @@ Ints = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class PlanResult:
-    """What came of the searches.
+    """The result of the searches.
 
     Args:
         nodes: (ticks + 1, robots) int64, node of each robot; None if no plan was found.
@@ -45,7 +45,7 @@ class PlanResult:
 def find_plan(question: JointQuestion, *, thorough: bool = True) -> PlanResult:
     """Look for a plan in which all robots get from their nodes to their targets.
 
-    The robots are planned one after the other at first, in several orders. What that cannot solve,
+    The robots are planned one after another at first, in several orders. What that cannot solve,
     it leaves to a search over the joint states: all of them for few robots, and depth first for
     many.
 

@@ -78,7 +78,7 @@ class JointQuestion:
 
     @property
     def has_first_leg(self) -> bool:
-        """Whether some robot has to go to a node first; then all take a tick for it."""
+        """True if some robot has to go to a node first; then all take a tick for it."""
         return any(end.start != self.point(end.node) for end in self.ends)
 
     def point(self, node: int) -> ExactPoint:

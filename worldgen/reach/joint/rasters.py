@@ -57,7 +57,7 @@ def make_rasters(
     """Return the rasters of a world for discs of some radii, in cells.
 
     In a world that changes, a cell counts as blocked in a tick if it is blocked at any time of it.
-    What is clear of those cells is clear throughout the tick.
+    A position clear of those cells is clear throughout the tick.
 
     Args:
         world: The world.

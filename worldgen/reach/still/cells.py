@@ -21,7 +21,7 @@ _NODES = 2
 # How many of a node's eight steps are along the axes.
 _AXIS_STEPS = 4
 
-# The number of the start, which is no node.
+# The number of the start, which is not a node.
 _START = -1
 
 

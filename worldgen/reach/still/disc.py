@@ -42,7 +42,7 @@ class Disc(NamedTuple):
     radius: Fraction
 
     def holds(self, p: ExactPoint) -> bool:
-        """Return True if a point lies in the closed disc."""
+        """Return True if a point is in the closed disc."""
         return (p[0] - self.x) ** 2 + (p[1] - self.y) ** 2 <= self.radius**2
 
 

@@ -164,7 +164,7 @@ class ChangingWalls:
         return True
 
     def clearance_sq(self, points: list[ExactPoint], times: list[int]) -> Fraction:
-        """Return the squared distance, lu squared, from a timed path to what is blocked then."""
+        """Return the squared distance, lu squared, from a timed path to the cells blocked then."""
         pieces = list(zip(points[:-1], points[1:], times[:-1], times[1:], strict=True))
         pieces = pieces or [(points[0], points[0], 0, 0)]
         reach = 2 * math.ceil(self.radius * UNIT)

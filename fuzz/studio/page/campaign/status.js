@@ -151,7 +151,7 @@ function line(status, classes) {
   ];
 }
 
-// Says what a running campaign does. Shrinking goes on next to the search, too.
+// Shows what a running campaign does. Shrinking also runs next to the search.
 function phaseWords({ phase, shrinking }) {
   if (phase === "preparing") return "Preparing";
   return phase === "shrinking" ? `Shrinking ${plural(shrinking, "failure")}` : "Searching";

@@ -42,7 +42,7 @@ export function makeWall(campaign) {
       parts.faults.textContent = words;
     },
     wait: (words) => wait(wall, words),
-    /* Says anew why there is no picture. */
+    /* Shows again why there is no picture. */
     refreshEmpty: () => {
       const empty = wall.failures.length === 0 && wall.isRead ? parts.list.querySelector(".empty") : null;
       if (empty) empty.textContent = emptyWords(campaign);

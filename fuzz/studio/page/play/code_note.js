@@ -27,7 +27,7 @@ export function makeCodeNote(studio, run) {
       setting.hidden = !studio.offered?.controllers.some(({ named }) => named);
       box.checked = keptOf(studio.folder, BY_ITSELF) ?? true;
     },
-    /* Says that files have changed; returns whether the robots are to run again now. */
+    /* Shows that files have changed; returns whether the robots are to run again now. */
     edited: (files) => {
       what = `${fileWords(files)} changed at ${new Date().toTimeString().slice(0, 8)}`;
       const now = box.checked && studio.page() === "play";
@@ -37,7 +37,7 @@ export function makeCodeNote(studio, run) {
       again.hidden = now;
       return now;
     },
-    /* Says that a run has begun after the edit. */
+    /* Shows that a run has begun after the edit. */
     ran: () => {
       if (element.hidden) return;
       words.textContent = `${what}. The results are of the code as it is now.`;

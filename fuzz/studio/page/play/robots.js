@@ -171,7 +171,7 @@ function addOwn(robots, label) {
   showList(robots);
 }
 
-// Says that the chosen settings differ from those of the shown runs; nothing runs until the user presses Run.
+// Shows that the chosen settings differ from those of the shown runs; nothing runs until the user presses Run.
 function showDue(robots) {
   const due = robots.ran !== null && robots.ran !== JSON.stringify(messageFor(robots)) && robots.state.chosen.length > 0;
   robots.parts.due.textContent = due ? "Not run yet: press Run." : "";

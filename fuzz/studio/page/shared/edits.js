@@ -1,10 +1,10 @@
-// Notices that a file of a controller's code has been edited, from what the server says of the files.
+// Notices that a file of a controller's code has been edited, from the server's report on the files.
 
 import { Ended } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 /**
- * Returns the files that differ from what was known of them, and remembers what they are now.
+ * Returns the files that have changed since the last report, and remembers what they are now.
  * @param {Map<string, string>} known - Digest of each file; updated
  * @param {CodeFile[]} files
  * @returns {CodeFile[]}

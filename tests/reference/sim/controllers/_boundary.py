@@ -2,7 +2,7 @@
 
 The robot knows its position and, of the wall that it touched last, the direction to it. It
 *advances* along that wall, turned a little towards it, so that it slides on a flat wall and keeps
-in touch round a corner. Where it meets something else, it *presses* against its own wall again
+in touch around a corner. Where it meets something else, it *presses* against its own wall again
 before it goes on: what stopped it may be the far side of a passage
 hardly wider than itself. Only if it then cannot move ahead at all does it turn to the other wall.
 Where it loses its wall it turns towards it step by step. So it follows the edge of what its centre
@@ -46,7 +46,7 @@ _STRIDE = (
 )  # of the radius: longest step along a wall; less than the diameter, or it steps over openings
 _LEAST_STRIDE = 0.005  # m: a robot smaller than half of this would take forever
 _DEGREE = math.pi / 180.0
-# lean on a flat wall, and round a corner
+# lean on a flat wall, and around a corner
 _FLAT = 20.0 * _DEGREE
 _ROUND = 40.0 * _DEGREE
 _FLAT_AFTER = 2.0  # touches in a row by which a wall counts as flat
@@ -100,7 +100,7 @@ def is_stopped(observation: Floats, memory: Floats, far: float) -> bool:
     """Whether a wall stopped the last step to the target, of a length not above a stride, rather than bent it.
 
     A wall that does not lie ahead any more has only bent it, however far that step came: the disc
-        has slid round it.
+        has slid around it.
 
     Args:
         observation: What is sensed.

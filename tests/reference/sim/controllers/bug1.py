@@ -1,7 +1,7 @@
 """Bug1: goes around each obstacle once, and leaves it where it was nearest to the target.
 
 It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with
-its left hand all the way round, and notes where it was nearest to the target: the leave point. From
+its left hand all the way around, and notes where it was nearest to the target: the leave point. From
     the hit point it goes there, the
 shorter way, and drives straight to the target again. Leave points come nearer and nearer, so it
 arrives if anybody can, on a way of at most the distance and one and a half times the perimeters of
@@ -70,7 +70,7 @@ def _note(observation: Floats, memory: Floats, place: int) -> None:
 
 
 def _go_round(observation: Floats, memory: Floats, touches: bool) -> None:
-    """One step of the way round: the nearest place, and whether the hit point is reached again."""
+    """One step of the way around: the nearest place, and whether the hit point is reached again."""
     far = observation[layout.OBS_TARGET_DISTANCE]
     x = observation[layout.OBS_X]
     y = observation[layout.OBS_Y]

@@ -31,7 +31,7 @@ def braid_ends(rng: RandomStream, links: Links, share: float) -> None:
     ends = np.flatnonzero(sides.sum(axis=2) == 1)
     remove = round(share * len(ends))
 
-    # Visit the dead ends in random order until enough of them are gone.
+    # Visit the dead ends in random order until enough of them are open.
     for end in ends[np.argsort(rng.bits(len(ends)), kind="stable")].tolist():
         if remove <= 0:
             return
