@@ -60,7 +60,7 @@ _SUMMARY_EVERY = 1.0
 # Seconds for the runs of all pictures together.
 _TO_DRAW = 2.0
 # Share of the time in which natural worlds are run and failures explained, once the search is over.
-_TO_CONCLUDE = 0.1
+_TO_CONCLUDE = 0.15
 # Seconds for that after Ctrl-C.
 _TO_CONCLUDE_AT_ONCE = 1.0
 _VARY = "--vary"

@@ -41,7 +41,7 @@ _EFFORT = 0.15
 _MOST_CELLS = 2_000_000
 
 # Share of the time that goes to natural worlds; the rest explains.
-_NATURAL_TIME = 0.6
+_NATURAL_TIME = 0.7
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,9 @@ def build_overview(
 
     # Natural worlds say how often each cause matters, and so which to explain first.
     runs = None
-    families = natural_families(config.families) if config.fixed_map is None else []
+    # On a map of the user's, and for several robots, nothing says what would be natural.
+    is_usual = config.fixed_map is None and config.robots == 1
+    families = natural_families(config.families) if is_usual else []
     if natural and families:
         runs = natural_runs(
             config.scenario,

@@ -56,6 +56,10 @@ _MOST_STEPS_IN_PYTHON = 300_000
 
 _MOST_NAMED = 3
 
+# Changes that are reported as slight: a share of the number, and degrees.
+_SLIGHT = 0.03
+_SLIGHT_TURN = 3.0
+
 
 @dataclass(frozen=True)
 class Change:
@@ -73,6 +77,16 @@ class Change:
     value: Value
     was: Value | None = None
     unit: str = ""
+
+    @property
+    def is_slight(self) -> bool:
+        """True for a number that is hardly changed: a heading by 3 degrees, others by 3 %."""
+        if not isinstance(self.value, int | float) or not isinstance(self.was, int | float):
+            return False
+        if self.what == "option":
+            return False
+        limit = _SLIGHT_TURN if self.what == "heading" else _SLIGHT * abs(self.was)
+        return abs(self.value - self.was) <= limit
 
     def describe(self) -> str:
         """Return the change as a condition: ``if cell (3, 4) is free``."""
@@ -113,9 +127,14 @@ class Counterfactuals:
 
     def describe(self) -> str:
         """Return one sentence: ``arrives if cell (3, 4) is free, or with radius 0.06 m ...``."""
-        conditions = [self._describe_cells()] + [
-            change.describe() for change in self.changes if change.what != "cell"
-        ]
+        others = [change for change in self.changes if change.what != "cell"]
+        slight = [change.what.replace("-", " ") for change in others if change.is_slight]
+        conditions = [self._describe_cells()]
+        conditions += [change.describe() for change in others if not change.is_slight]
+        # Where the slightest change helps, its exact size says nothing.
+        if slight:
+            names = " or ".join(filter(None, (", ".join(slight[:-1]), slight[-1])))
+            conditions.append(f"with a slightly different {names}")
         known = [condition for condition in conditions if condition]
         if len(known) > 1:
             return f"arrives {', '.join(known[:-1])}, or {known[-1]}"

@@ -89,6 +89,14 @@ def test_a_failure_by_chance_is_refused():
         ([Change("option", "noise", True)], "arrives without +noise"),
         ([Change("option", "lag", 0.1)], "arrives without +lag=0.1"),
         (
+            [
+                Change("heading", 67.0, 65.0, "degrees"),
+                Change("radius", 0.0708, 0.07, "m"),
+                Change("speed", 3.0, 2.0, "m/s"),
+            ],
+            "arrives with speed 3 m/s instead of 2 m/s, or with a slightly different heading or radius",
+        ),
+        (
             [Change("radius", 0.06, 0.07, "m"), Change("time-step", 0.01, 0.015, "s")],
             "arrives with radius 0.06 m instead of 0.07 m, or with time step 0.01 s instead of 0.015 s",
         ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -34,7 +35,7 @@ from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive,
 from worldgen.render.trail_parts import arrow_head, cross, stays_put
 from worldgen.world import Cut, JointWitness, Witness, World
 
-__all__ = ["caption", "facts", "printable", "text_width"]
+__all__ = ["caption", "facts", "printable", "scale_bar", "text_width"]
 
 # Sizes in units.
 TITLE_SIZE = 16.0
@@ -125,8 +126,39 @@ def caption(content: Content) -> tuple[list[Primitive], int]:
         for line in wrapped(text, room, size, MOST_LINES):
             y += LEADING * size
             parts.append(Text(left, y - 0.35 * size, size, line, colour))
-    placed, y = _place(_keys(content), left, room, y + 4.0 * unit, unit)
+    bar = scale_bar(ICON * unit / frame.scale)
+    keys = [(f"{bar:g} m", _scale_sample(bar * frame.scale)), *_keys(content)]
+    placed, y = _place(keys, left, room, y + 4.0 * unit, unit)
     return parts + placed, round(y + 10.0 * unit)
+
+
+def scale_bar(most: float) -> float:
+    """Return the longest round length up to a limit: 1, 2 or 5 times a power of ten.
+
+    Args:
+        most: The limit, m; above 0.
+    """
+    power = 10.0 ** math.floor(math.log10(most) + 1e-9)
+    factor = next(one for one in (5.0, 2.0, 1.0) if one * power <= most * (1.0 + 1e-9))
+    # Rounding hides the last digit of a power below 1.
+    return float(f"{factor * power:.3g}")
+
+
+def _scale_sample(length: float) -> Sample:
+    """Return the sample of a scale bar.
+
+    Args:
+        length: Length of the bar, px.
+    """
+
+    def sample(x: float, y: float, unit: float) -> list[Primitive]:
+        tick = 4.0 * unit
+        points = np.array(
+            ((x, y - tick), (x, y + tick), (x + length, y + tick), (x + length, y - tick))
+        )
+        return [DrawnLine(points, Paint(stroke=INK, width=1.5 * unit))]
+
+    return sample
 
 
 def _place(

@@ -11,6 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from worldgen.errors import InvalidParameter
+from worldgen.render.caption import scale_bar
 from worldgen.render.disturbance_parts import above_the_trail
 from worldgen.render.fleet_parts import colour_of
 from worldgen.render.frame import Frame
@@ -35,6 +36,10 @@ _GAP = 14
 _LINE = 22
 # Margin, px.
 _TYPE = 15
+# Size of the text at a scale bar, px.
+_SMALL_TYPE = 12
+# Share of a map's width that its scale bar may take.
+_BAR = 0.3
 # Width of a robot's path, px.
 _WIDTH = 2.2
 
@@ -130,6 +135,7 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     image = Image.new("RGB", (width, chart.height + _LINE * (1 + len(panel.notes))), PAPER)
     image.paste(chart, (0, _LINE))
     pen = ImageDraw.Draw(image)
+    _draw_scale(pen, frame, chart.width, _LINE + chart.height)
     pen.text((0, _LINE - 6), panel.title, fill=rgb(INK), font=font, anchor="ls")
     for k, note in enumerate(panel.notes):
         baseline = _LINE + chart.height + (k + 1) * _LINE - 6
@@ -137,6 +143,21 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
             (0, baseline), note, fill=rgb(mix(COLOURS[k], "#000000", 0.25)), font=font, anchor="ls"
         )
     return image
+
+
+def _draw_scale(pen: ImageDraw.ImageDraw, frame: Frame, width: int, bottom: int) -> None:
+    """Draw a bar of a round length, with its unit, into the lower left corner of a map."""
+    metres = scale_bar(_BAR * width / frame.scale)
+    length = metres * frame.scale
+    font = ImageFont.load_default(_SMALL_TYPE)
+    words = f"{metres:g} m"
+    # A plate keeps bar and text legible over walls and paths.
+    right = length + font.getlength(words) + 16
+    pen.rectangle((2, bottom - 18, right, bottom - 3), fill=rgb(PAPER))
+    low = bottom - 7
+    bar = ((6, low - 5), (6, low), (6 + length, low), (6 + length, low - 5))
+    pen.line(bar, fill=rgb(INK), width=2)
+    pen.text((12 + length, low + 1), words, fill=rgb(INK), font=font, anchor="ls")
 
 
 def _way(trail: Trail | None, frame: Frame, shift: float, colour: str) -> list[Primitive]:
