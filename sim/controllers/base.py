@@ -22,6 +22,7 @@ from worldgen.errors import InvalidParameter
 
 if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration
+    from sim.controllers.learning import Learning
 
 __all__ = [
     "Act",
@@ -201,6 +202,7 @@ class CompiledController:
             never calls it.
         memory_map_on: Indices of the numbers that the map depends on; empty means all of them.
         arbitration: How it arbitrates among behaviours, if it does; for traces and charts.
+        learning: What of its memory it learns, if it does, for ``worldgen train``.
 
     Raises:
         InvalidParameter: If a sense does not exist, ``needs`` is not a :class:`RobotOptions`, or
@@ -220,6 +222,7 @@ class CompiledController:
     memory_map: Callable[[Floats], MemoryMap] | None = None
     memory_map_on: tuple[int, ...] = ()
     arbitration: Arbitration | None = None
+    learning: Learning | None = None
 
     def __post_init__(self) -> None:
         check_declared(self.name, self.senses, self.needs)

@@ -16,6 +16,7 @@ from typing import Any
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller, check_declared
 from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
 from sim.controllers.behaviours.composition import composition_named
+from sim.controllers.learning import is_learned_name, learned_file, read_learned, with_numbers
 from sim.controllers.programs.process import ProcessController, is_process_name
 from sim.controllers.shared.library import library_controller
 from sim.controllers.shared.object_file import is_library_name, library_file
@@ -41,6 +42,10 @@ class _Controllers(Registry[Controller]):
         if is_composition_name(name):
             # Not kept: a part may be a file that changes, and its registry knows whether it has.
             return composition_named(name)
+        if is_learned_name(name):
+            check_code(name)
+            learned = read_learned(learned_file(name))
+            return with_numbers(self.get(learned.controller), learned.numbers, name)
         if is_library_name(name):
             if name not in self._loaded:
                 check_code(name)
@@ -49,6 +54,8 @@ class _Controllers(Registry[Controller]):
         return super().get(name)
 
     def source(self, name: str) -> Path | None:
+        if is_learned_name(name):
+            return learned_file(name)
         if is_composition_name(name):
             files = (BEHAVIOURS.source(part) for part in listed_names(name) if ":" in part)
             return next((file for file in files if file is not None), None)

@@ -269,6 +269,22 @@ class LatticeRun:
         loop.run(steps, record=record)
         return self.outcome_of(loop.episode, loop.recording(), loop.complete, loop.fault)
 
+    def run_and_recall(self, steps: int, *, find_loop: bool) -> tuple[Outcome, Floats]:
+        """Simulate a compiled controller from the start, and return its memory at the end, too.
+
+        Returns:
+            The outcome, and (m,) the memory.
+        """
+        if not isinstance(self.controller, CompiledController):
+            raise TypeError("only the memory of a compiled controller can be read at the end")
+        self.settings.steps = steps
+        self.settings.digest = 0
+        self.settings.find_loop = (
+            lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
+        )
+        outcome, episode = self._run_compiled(self.controller, record=False)
+        return outcome, episode.state_words()[STATE_WORDS:].view(np.float64)
+
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
 

@@ -8,6 +8,7 @@ import pytest
 from fuzz.faults import FAULTS
 from sim.controllers import CONTROLLERS
 from sim.controllers.core_act import CoreAct
+from sim.controllers.learning import with_exploration
 from sim.controllers.library.dynamic_window import DynamicWindow, dynamic_window_robot
 from sim.controllers.library.potential_field import PotentialField, potential_field_robot
 from sim.controllers.library.three_layer import ThreeLayer, three_layer_robot
@@ -20,8 +21,9 @@ from tests.reference.sim.library import ACTS
 STEPS = 150
 SLOW = {"mapper": 15, "tangent-bug": 40}  # steps of what takes long in plain Python
 LIBRARY = (
-    "bug1", "bug2", "dynamic-window", "mapper", "mapper-small", "potential-field", "q-learning", "random-walk",
-    "tangent-bug", "three-layer", "turn-left", "turn-random", "turn-right", "vfh", "wall-left", "wall-right",
+    "bug1", "bug2", "dynamic-window", "mapper", "mapper-small", "potential-field", "q-learner", "q-learning",
+    "random-walk", "tangent-bug", "three-layer", "turn-left", "turn-random", "turn-right", "vfh",
+    "wall-left", "wall-right",
 )  # fmt: skip
 RAISED = (IndexError, ZeroDivisionError)
 
@@ -101,6 +103,11 @@ def test_a_composition_is_its_plain_python(name):
     assert controller.act == CoreAct("composition")
     for seed in range(4):
         check_alike(controller, ACTS["composition"], seed=seed)
+
+
+def test_a_learner_that_explores_is_its_plain_python():
+    controller = with_exploration(CONTROLLERS.get("q-learner"), 400)
+    check_alike(controller, ACTS["q-learner"], seed=5)
 
 
 @pytest.mark.parametrize("name", FAULTS)

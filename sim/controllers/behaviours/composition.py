@@ -31,11 +31,12 @@ from sim.controllers.behaviours.catalogue import ARBITERS, PREFIX, read_composit
 from sim.controllers.behaviours.library import HANDS, TURNS
 from sim.controllers.behaviours.with_python import ComposedController
 from sim.controllers.core_act import CoreAct, place, size_of
+from sim.controllers.learning import Learning
 from sim.controllers.memory_view import MemoryField
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 
-__all__ = ["composed", "composition_named", "learned_numbers"]
+__all__ = ["composed", "composition_named"]
 
 ffi: Any = _ffi
 lib: Any = _lib
@@ -114,6 +115,7 @@ def composed(
         start_speed=np.inf if _is_the_thesis(listed, arbiter) else 0.0,
         thesis_rule=_thesis_rule(listed, priorities, arbiter),
         randomised=any(_is_random(part) for part in listed),
+        learning=_learning(len(listed)) if arbiter == "learning" else None,
         **declared,
     )
 
@@ -166,11 +168,11 @@ def _state_size(behaviour: Behaviour) -> int:
     return int(lib.wg_behaviour_at(behaviour.kind).state_size)
 
 
-def learned_numbers(count: int) -> slice:
+def _learning(count: int) -> Learning:
     """Return where a composition of so many parts keeps what its arbiter has learned."""
     first = size_of("WgComposition") + count * size_of("WgStoredPart") + size_of("WgLearning")
     conditions = int(lib.WG_CONDITIONS) * (1 + count)
-    return slice(first, first + conditions * size_of("WgFeedback"))
+    return Learning(first, conditions * size_of("WgFeedback"))
 
 
 def _memory(parts: Sequence[Layer], priorities: Sequence[float], arbiter: str) -> Memory:
@@ -200,8 +202,8 @@ def _memory(parts: Sequence[Layer], priorities: Sequence[float], arbiter: str) -
     if arbiter == "vote":
         memory += [0.0] * len(parts)
     if arbiter == "learning":
-        learned = learned_numbers(len(parts))
-        memory += [0.0] * (learned.stop - len(memory))
+        learned = _learning(len(parts))
+        memory += [0.0] * (learned.places.stop - len(memory))
     for part in parts:
         behaviour = part.behaviour
         memory += behaviour.memory if behaviour.kind < 0 else [0.0] * _state_size(behaviour)

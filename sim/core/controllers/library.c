@@ -19,6 +19,7 @@ static const Named LIBRARY[] = {
     {"orca", wg_orca_act},
     {"potential-field", wg_potential_field_act},
     {"potential-field-tuned", wg_potential_field_tuned_act},
+    {"q-learner", wg_q_learner_act},
     {"q-learning", wg_q_learning_act},
     {"q-learning-tuned", wg_q_learning_tuned_act},
     {"random-walk", wg_random_walk_act},

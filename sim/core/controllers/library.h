@@ -15,6 +15,7 @@ void wg_naive_act(const WgObservation *seen, double *memory, WgCommand *command)
 void wg_orca_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_potential_field_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_potential_field_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);
+void wg_q_learner_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_q_learning_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_q_learning_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_random_walk_act(const WgObservation *seen, double *memory, WgCommand *command);

@@ -33,6 +33,11 @@ int64_t wg_q_situation(const WgObservation *seen, const WgQMemory *own)
     return ((int64_t)own->turned * 8 + eighth) * 32 + blocked;
 }
 
+int64_t wg_q_value(int64_t situation, int64_t turn)
+{
+    return wg_q_table[situation][turn];
+}
+
 // The turn with the highest value in the shipped table for a situation; the first of equals.
 static int64_t best_of_table(int64_t situation)
 {

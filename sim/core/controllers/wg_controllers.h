@@ -243,6 +243,15 @@ typedef struct WgQTunedMemory {
     double best[768];  // the turn to take in each situation: its index among the six turns
 } WgQTunedMemory;
 
+typedef struct WgQLearnerMemory {
+    WgQMemory state;
+    double situation;     // of the last decision; -1: there was none
+    double choice;        // its turn, a number among the six
+    double far;           // mm: distance to the target then
+    double explore;       // thousandths of the decisions that are drawn; 0 uses no random numbers
+    double values[1536];  // of each turn in each situation, three in a number: 16 bits each, in thousandths
+} WgQLearnerMemory;
+
 typedef struct WgMapperMemory {
     // The map; places are in nodes from the start.
     double side;         // nodes of the window along a side
@@ -298,6 +307,15 @@ void wg_compose(const WgBehaviour *others, const WgObservation *seen, double *me
 
 // The number of the situation that the Q-learning robot sees, below WG_Q_SITUATIONS. It needs 8 beams.
 int64_t wg_q_situation(const WgObservation *seen, const WgQMemory *own);
+
+// The value, in thousandths, that the shipped table gives a turn in a situation.
+int64_t wg_q_value(int64_t situation, int64_t turn);
+
+// Fills the memory of a learner that begins with the shipped table; it must be all zero.
+void wg_q_learner_reset(double *memory);
+
+// Tells a learner, after a run, that its last decision led to a reward, in thousandths.
+void wg_q_learner_arrives(double *memory, double reward);
 
 // A cell of the map of three-layer.
 typedef struct WgMapCell {

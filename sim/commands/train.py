@@ -1,0 +1,133 @@
+"""``worldgen train``: a controller that learns practises in worlds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.support.progress import working
+
+if TYPE_CHECKING:
+    from sim.controllers.learning import Learned
+
+__all__ = ["train"]
+
+EXAMPLES = (
+    "\b\n  worldgen train failures/ --controller q-learner --out taught.json\n"
+    "  worldgen run w.grid --controller learned:taught.json\n"
+    "  worldgen train w.grid --controller learned:taught.json --episodes 500 --out more.json"
+)
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "--controller",
+    default="q-learner",
+    show_default=True,
+    help="A controller that learns: q-learner, behaviours+by=learning:..., or learned:FILE to go on.",
+)
+@click.option("--episodes", default=200, show_default=True, help="Runs to learn from.")
+@click.option("--steps", default=2000, show_default=True, help="Budget of each of them, in steps.")
+@click.option(
+    "--explore",
+    default=300,
+    show_default=True,
+    help="Thousandths of the decisions that are drawn at first; they fall to none.",
+)
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of what is drawn.")
+@click.option(
+    "--out", required=True, type=click.Path(path_type=Path), help="File for what it learned."
+)
+@click.option(
+    "--curve",
+    type=click.Path(path_type=Path),
+    metavar="OUT",
+    help="Draw the learning curve: .svg.",
+)
+@json_option
+@force_option
+def train(
+    paths: tuple[Path, ...],
+    controller: str,
+    episodes: int,
+    steps: int,
+    explore: int,
+    seed: int,
+    out: Path,
+    curve: Path | None,
+    as_json: bool,
+    force: bool,
+) -> None:
+    """Let a controller that learns practise in worlds, and keep what it learned.
+
+    PATHS are worlds, or folders of them, such as the failures of a campaign.
+    """
+    from sim.controllers import CONTROLLERS
+    from sim.controllers.learning import learned_text, learning_of
+    from sim.drawing.curve import curve_svg
+    from sim.runners.training import TrainingOptions
+    from sim.runners.training import train as train_in
+    from sim.scenario import Scenario
+    from worldgen.files.grid import read_world
+    from worldgen.files.whole import check_output
+
+    check_output(out, force)
+    if curve is not None:
+        check_output(curve, force)
+        if curve.suffix != ".svg":
+            raise click.UsageError(f"--curve {curve}: name an .svg file")
+    scenario = Scenario.parse(controller)
+    found, _ = learning_of(CONTROLLERS.get(scenario.controller), scenario.controller)
+    files = [file for path in paths for file in _worlds_in(path)]
+    if not files:
+        raise click.UsageError(f"{paths[0]} holds no .grid file")
+    worlds = [read_world(file) for file in files]
+    options = TrainingOptions(episodes, steps, explore, seed)
+    done = [0]
+    with working(f"training {scenario.label()}") as work:
+        work.say(lambda: f"episode {done[0]} of {episodes}")
+        learned = train_in(
+            worlds, scenario, found, options, lambda count: done.__setitem__(0, count)
+        )
+    learned = learned._replace(controller=_first_name(scenario.controller))
+    write_bytes(out, learned_text(learned).encode(), force=force)
+    if as_json:
+        emit_json(
+            {
+                "controller": learned.controller,
+                "numbers": len(learned.numbers),
+                "curve": [point._asdict() for point in learned.curve],
+                "out": str(out),
+            }
+        )
+    else:
+        _say(learned)
+    note(f"wrote {out}")
+    if curve is not None:
+        write_bytes(curve, curve_svg(learned.curve, scenario.label()).encode(), force=force)
+        note(f"wrote {curve}")
+
+
+def _worlds_in(path: Path) -> list[Path]:
+    return sorted(path.rglob("*.grid")) if path.is_dir() else [path]
+
+
+def _first_name(name: str) -> str:
+    """Return the name of the controller that first learned, if this one goes on from a file."""
+    from sim.controllers.learning import is_learned_name, learned_file, read_learned
+
+    return read_learned(learned_file(name)).controller if is_learned_name(name) else name
+
+
+def _say(learned: Learned) -> None:
+    for point in learned.curve:
+        click.echo(
+            f"after {point.episodes} episodes: reaches {point.reached} of {point.worlds}, "
+            f"{point.steps} steps"
+        )
+    best = min(learned.curve, key=lambda point: (-point.reached, point.steps))
+    click.echo(f"kept what it knew after {best.episodes} episodes: {len(learned.numbers)} numbers")

@@ -1,0 +1,254 @@
+"""What a controller has learned, kept between runs in a file.
+
+``learned:./taught.json`` is a controller: the one that was trained, with what it had learned then.
+It starts every run with that, and learns on from there.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+
+if TYPE_CHECKING:
+    from sim.controllers.base import CompiledController, Controller
+
+__all__ = [
+    "Episodes",
+    "Learned",
+    "Learning",
+    "is_learned_name",
+    "learned_file",
+    "learned_text",
+    "learning_of",
+    "read_learned",
+    "with_exploration",
+    "with_numbers",
+]
+
+Floats = npt.NDArray[np.float64]
+
+_PREFIX = "learned:"
+_FORMAT = "worldgen-learned"
+_VERSION = 1
+
+# Bytes of a file, far above what the largest memory takes.
+_MOST_BYTES = 1 << 26
+
+
+@dataclass(frozen=True)
+class Learning:
+    """What of a controller's memory it learns.
+
+    Args:
+        first: Index of the first number that it learns; the others belong to one run.
+        count: How many numbers it learns.
+        explore: Index of the number that says how many thousandths of its decisions are drawn; -1
+            if it has none. Such a controller draws random numbers while it is trained.
+        arrives: Changes a memory (m,) after a run in which the robot arrived; ``None`` if nothing
+            is left to learn then.
+    """
+
+    first: int
+    count: int
+    explore: int = -1
+    arrives: Callable[[Floats], None] | None = None
+
+    @property
+    def places(self) -> slice:
+        """Where in the memory the numbers are."""
+        return slice(self.first, self.first + self.count)
+
+
+class Episodes(NamedTuple):
+    """A point of a learning curve.
+
+    Args:
+        episodes: Episodes of training before it.
+        reached: Worlds that the controller reaches now, without exploring.
+        worlds: Of how many.
+        steps: Steps of those runs, all together.
+    """
+
+    episodes: int
+    reached: int
+    worlds: int
+    steps: int
+
+
+class Learned(NamedTuple):
+    """A file of what was learned.
+
+    Args:
+        controller: Name of the controller that learned it.
+        numbers: The numbers, in the order of its memory.
+        curve: The learning curve.
+    """
+
+    controller: str
+    numbers: tuple[float, ...]
+    curve: tuple[Episodes, ...]
+
+
+def is_learned_name(name: str) -> bool:
+    """Return True if a controller's name refers to a file of what was learned."""
+    return name.startswith(_PREFIX)
+
+
+def learned_file(name: str) -> Path:
+    """Return the file in a controller's name."""
+    return Path(name.removeprefix(_PREFIX)).expanduser()
+
+
+def learned_text(learned: Learned) -> str:
+    """Return the text of a file; the same for the same numbers."""
+    numbers = [int(one) if one == int(one) else one for one in learned.numbers]
+    head = {
+        "format": _FORMAT,
+        "version": _VERSION,
+        "controller": learned.controller,
+        "curve": [list(point) for point in learned.curve],
+        "numbers": numbers,
+    }
+    return json.dumps(head, separators=(",", ":")) + "\n"
+
+
+def read_learned(path: Path) -> Learned:
+    """Read a file of what was learned.
+
+    Raises:
+        InvalidParameter: If the file does not exist or holds anything else.
+    """
+    try:
+        facts = path.stat()
+    except OSError as error:
+        raise InvalidParameter(
+            "no-such-file",
+            "{path} cannot be read ({reason})",
+            "write it: worldgen train worlds/ --controller q-learner --out {path}",
+            at_terminal=True,
+            path=str(path),
+            reason=error.strerror or str(error),
+        ) from error
+    if facts.st_size > _MOST_BYTES:
+        raise _not_learned(path, f"it has {facts.st_size} bytes")
+    return _read(path, facts.st_mtime_ns, facts.st_size)
+
+
+@functools.lru_cache(maxsize=16)
+def _read(path: Path, _modified: int, _size: int) -> Learned:
+    """Read a file again only if it has changed: a campaign asks for its controller in each run."""
+    try:
+        read: Any = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise _not_learned(path, "it is not JSON") from error
+    if not isinstance(read, dict) or read.get("format") != _FORMAT:
+        raise _not_learned(path, f"it has no format {_FORMAT!r}")
+    if read.get("version") != _VERSION:
+        raise _not_learned(path, f"its version is not {_VERSION}")
+    controller = read.get("controller")
+    numbers = read.get("numbers")
+    curve = read.get("curve")
+    if not isinstance(controller, str) or is_learned_name(controller):
+        raise _not_learned(path, "it names no controller")
+    if not isinstance(numbers, list) or not all(map(_is_number, numbers)):
+        raise _not_learned(path, "its numbers are not a list of finite numbers")
+    points: list[Any] = curve if isinstance(curve, list) else [None]
+    for point in points:
+        if not isinstance(point, list) or len(point) != len(Episodes._fields):
+            raise _not_learned(path, "its curve is not a list of points")
+        if not all(isinstance(one, int) for one in point):
+            raise _not_learned(path, "its curve is not a list of whole numbers")
+    return Learned(
+        controller, tuple(map(float, numbers)), tuple(Episodes(*point) for point in points)
+    )
+
+
+def _is_number(value: object) -> bool:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number and abs(value) < 2.0**53 and math.isfinite(value)  # type: ignore[arg-type]
+
+
+def _not_learned(path: Path, reason: str) -> InvalidParameter:
+    return InvalidParameter(
+        "not-learned",
+        "{path} does not hold what a controller learned: {reason}",
+        "name a file that `worldgen train` wrote",
+        at_terminal=True,
+        path=str(path),
+        reason=reason,
+    )
+
+
+def learning_of(controller: Controller, name: str) -> tuple[CompiledController, Learning]:
+    """Return a controller that learns, and what it learns.
+
+    Raises:
+        InvalidParameter: If it learns nothing.
+    """
+    learning: Learning | None = getattr(controller, "learning", None)
+    if learning is None:
+        raise InvalidParameter(
+            "does-not-learn",
+            "controller {name!r} does not learn",
+            "take q-learner, or behaviours+by=learning:avoid,follow,approach",
+            name=name,
+        )
+    return controller, learning  # type: ignore[return-value]
+
+
+def with_numbers(
+    controller: Controller, numbers: tuple[float, ...], name: str
+) -> CompiledController:
+    """Return a controller that starts with what was learned.
+
+    Args:
+        controller: One that learns.
+        numbers: What it learned.
+        name: Its name from now on.
+
+    Raises:
+        InvalidParameter: If it does not learn, or learns another number of numbers, or a number
+            cannot be in its memory.
+    """
+    found, learning = learning_of(controller, name)
+    if len(numbers) != learning.count:
+        raise InvalidParameter(
+            "wrong-size",
+            "{name} holds {came} numbers, and {controller} learns {count}",
+            "train it again with this version",
+            name=name,
+            came=len(numbers),
+            controller=found.name,
+            count=learning.count,
+        )
+    if any(number < 0.0 or number != math.floor(number) for number in numbers):
+        raise InvalidParameter(
+            "out-of-range",
+            "{name} holds numbers that are not whole, or below 0",
+            "train it again",
+            name=name,
+        )
+    memory = list(found.memory)
+    memory[learning.places] = numbers
+    return replace(found, name=name, memory=tuple(memory))
+
+
+def with_exploration(controller: CompiledController, thousandths: int) -> CompiledController:
+    """Return a controller that draws so many thousandths of its decisions."""
+    learning = controller.learning
+    if learning is None or learning.explore < 0 or thousandths == 0:
+        return controller
+    memory = list(controller.memory)
+    memory[learning.explore] = float(thousandths)
+    senses = dict.fromkeys((*controller.senses, "random"))
+    return replace(controller, memory=tuple(memory), senses=tuple(senses), randomised=True)

@@ -1,0 +1,79 @@
+"""A Q-learning robot that goes on learning while it drives.
+
+It starts with the table of ``q-learning``. After each decision it moves the value of the turn that
+it took by a quarter towards what came of it: a reward for coming nearer, a penalty for a wall, and
+the value of the best turn in the situation that it got into. A turn that fails often enough falls
+behind another, so the robot tries something else by itself.
+
+The memory is bounded: 768 situations times six values of 16 bits, in 1,536 numbers. All values are
+whole numbers that come to rest, so a run in which nothing new is learned any more repeats its
+complete state. A proved ``loop`` is therefore a statement about the learner, too: the table comes
+back as well, so it never learns its way out.
+
+``worldgen train`` lets it practise with some of its decisions drawn, and keeps its table.
+
+Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College,
+    Cambridge (1989); Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8
+    (1992). Coming nearer is rewarded as a potential: Andrew Y. Ng, Daishi Harada and Stuart
+    Russell, "Policy invariance under reward transformations" (1999).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import ffi as _ffi
+from sim._core import lib as _lib
+from sim.controllers.base import CompiledController
+from sim.controllers.core_act import CoreAct, place, size_of
+from sim.controllers.learning import Learning
+from sim.controllers.library.q_learning import NEEDS, SENSES
+from sim.controllers.memory_view import MemoryField
+
+__all__ = ["AT_RESET", "LEARNING", "q_learner"]
+
+Floats = npt.NDArray[np.float64]
+
+ffi: Any = _ffi
+lib: Any = _lib
+
+# Reward for arriving, in thousandths; as that of the table that it starts with.
+_ARRIVED = 30_000.0
+
+_SIZE = size_of("WgQLearnerMemory")
+_VALUES = place("WgQLearnerMemory", "values")
+
+
+def _at_reset() -> tuple[float, ...]:
+    memory = ffi.new("double[]", _SIZE)
+    lib.wg_q_learner_reset(memory)
+    return tuple(memory)
+
+
+def _arrives(memory: Floats) -> None:
+    lib.wg_q_learner_arrives(ffi.from_buffer("double[]", memory, require_writable=True), _ARRIVED)
+
+
+AT_RESET = _at_reset()
+LEARNING = Learning(
+    _VALUES,
+    _SIZE - _VALUES,
+    explore=place("WgQLearnerMemory", "explore"),
+    arrives=_arrives,
+)
+
+q_learner = CompiledController(
+    "q-learner",
+    CoreAct("q-learner"),
+    AT_RESET,
+    senses=(*SENSES, "target_distance"),
+    needs=NEEDS,
+    memory_fields=(
+        MemoryField("situation", place("WgQLearnerMemory", "situation")),
+        MemoryField("turn", place("WgQLearnerMemory", "choice")),
+    ),
+    learning=LEARNING,
+)

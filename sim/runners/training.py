@@ -1,0 +1,170 @@
+"""Let a controller that learns practise in worlds, and keep what it learned.
+
+Each episode is a run in one of the worlds, with some of the decisions drawn: many at first, none at
+the end. After every tenth of the episodes the controller is tried without drawing, in each world.
+What is kept is what did best in these tests: most worlds reached, then fewest steps. The same
+worlds, episodes and seed give the same numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers.base import CompiledController
+from sim.controllers.learning import Episodes, Learned, learning_of, with_exploration
+from sim.options.run import RunOptions
+from sim.runners.lattice import LatticeRun
+from sim.scenario import Scenario
+from sim.verdict import ARRIVALS
+from worldgen.errors import InvalidParameter
+from worldgen.parameters import check_between
+from worldgen.random_streams import RandomStream
+from worldgen.world import World
+
+__all__ = ["Progress", "TrainingOptions", "train"]
+
+Floats = npt.NDArray[np.float64]
+Progress = Callable[[int], None]
+
+# How often a controller is tried during its training, besides before.
+_TESTS = 10
+
+
+@dataclass(frozen=True)
+class TrainingOptions:
+    """How a controller is trained.
+
+    Args:
+        episodes: Runs to learn from.
+        steps: Budget of each of them; a test has that of any run in the world.
+        explore: Thousandths of the decisions that are drawn at first; they fall to none.
+        seed: Of the worlds' order and of what is drawn.
+
+    Raises:
+        InvalidParameter: If a value is out of range.
+    """
+
+    episodes: int = 200
+    steps: int = 2000
+    explore: int = 300
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        check_between("episodes", self.episodes, 1, 10_000_000)
+        check_between("steps", self.steps, 1, 10_000_000)
+        check_between("explore", self.explore, 0, 1000)
+
+
+def train(
+    worlds: Sequence[World],
+    scenario: Scenario,
+    controller: CompiledController,
+    options: TrainingOptions,
+    progress: Progress | None = None,
+) -> Learned:
+    """Train a controller in some worlds.
+
+    Args:
+        worlds: The worlds, at least one.
+        scenario: Its name and the options of its runs.
+        controller: The controller that it names.
+        options: How it is trained.
+        progress: Is called after each episode with how many are done.
+
+    Returns:
+        What it learned, and its learning curve, which begins before the training.
+
+    Raises:
+        InvalidParameter: If the controller does not learn, or there is no world.
+    """
+    found, learning = learning_of(controller, scenario.controller)
+    if not worlds:
+        raise InvalidParameter("no-worlds", "there is no world to train in", "name at least one")
+    order = RandomStream(options.seed).child("order of worlds")
+    seeds = RandomStream(options.seed).child("episodes")
+    learned = np.array(found.memory)[learning.places]
+    best = learned
+    curve = [_tested(worlds, scenario, found, learned, 0)]
+    best_point = curve[0]
+    due = _tests_after(options.episodes)
+    for episode in range(options.episodes):
+        left = options.episodes - 1 - episode
+        explore = options.explore * left // max(options.episodes - 1, 1)
+        learned = _episode(
+            order.choice(worlds),
+            scenario,
+            with_exploration(_with(found, learned), explore),
+            options,
+            seeds.next64() >> 1,
+        )
+        if progress is not None:
+            progress(episode + 1)
+        if episode + 1 in due:
+            point = _tested(worlds, scenario, found, learned, episode + 1)
+            curve.append(point)
+            if _is_better(point, best_point):
+                best_point = point
+                best = learned
+    return Learned(scenario.controller, tuple(best.tolist()), tuple(curve))
+
+
+def _tests_after(episodes: int) -> set[int]:
+    """Return the numbers of episodes after which the controller is tried."""
+    return {max(1, episodes * k // _TESTS) for k in range(1, _TESTS + 1)}
+
+
+def _is_better(point: Episodes, other: Episodes) -> bool:
+    return (-point.reached, point.steps) < (-other.reached, other.steps)
+
+
+def _with(controller: CompiledController, learned: Floats) -> CompiledController:
+    """Return a controller that starts with some numbers."""
+    memory = np.array(controller.memory)
+    learning = controller.learning
+    if learning is not None:
+        memory[learning.places] = learned
+    return replace(controller, memory=tuple(memory.tolist()))
+
+
+def _episode(
+    world: World,
+    scenario: Scenario,
+    controller: CompiledController,
+    options: TrainingOptions,
+    seed: int,
+) -> Floats:
+    """Return what a controller has learned after one episode."""
+    run = LatticeRun(world, controller, replace(scenario.run, seed=seed))
+    # A loop ends an episode that draws nothing: it would teach the same again.
+    outcome, memory = run.run_and_recall(options.steps, find_loop=True)
+    learning = controller.learning
+    if learning is None:
+        return memory
+    if outcome.ending in ARRIVALS and learning.arrives is not None:
+        learning.arrives(memory)
+    return memory[learning.places].copy()
+
+
+def _tested(
+    worlds: Sequence[World],
+    scenario: Scenario,
+    controller: CompiledController,
+    learned: Floats,
+    episodes: int,
+) -> Episodes:
+    """Return how a controller does in all worlds without drawing."""
+    reached = 0
+    steps = 0
+    tried = _with(controller, learned)
+    for world in worlds:
+        budget: RunOptions = scenario.options(world)
+        outcome, _ = LatticeRun(world, tried, budget).run_and_recall(budget.steps, find_loop=True)
+        arrived = outcome.ending in ARRIVALS
+        reached += arrived
+        # One that does not arrive counts with its whole budget, however early its loop is noticed.
+        steps += outcome.steps if arrived else budget.steps
+    return Episodes(episodes, reached, len(worlds), steps)
