@@ -56,6 +56,8 @@ __all__ = ["Answers"]
 
 _TRIES = 500  # most worlds that a search generates, as on the command line
 _KEPT_STEPS = 30_000  # steps of a run that the page receives: more than a window has pixels
+_PREVIEW_SIDE = 24  # cells of a side in a preview of a family: enough to recognise it
+_PREVIEW_SEED = 1
 _PICTURES = ("gif", "svg", "html")
 
 Message = Mapping[str, Any]
@@ -175,6 +177,14 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
             **parameters,
         )
         return opened_message(world)
+
+    def preview(self, message: Message, part: Part) -> dict[str, Any]:
+        """Return a small world of a registered family, to show what it makes."""
+        family = field(message, "family", str)
+        check_registered("family", family, FAMILIES.names())
+        known = {parameter.name for parameter in FAMILIES.get(family).parameters}
+        small: dict[str, Value] = {"size": _PREVIEW_SIDE} if "size" in known else {}
+        return {"world": drawn_world(generate(family, _PREVIEW_SEED, **small))}
 
     def shift(self, message: Message, part: Part) -> dict[str, Any]:
         """Return the world with walls that move from time to time, as in the thesis's simulator."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,11 +30,41 @@ from worldgen.family import FAMILIES
 from worldgen.interop import FORMATS
 from worldgen.parameters import Bounds, Parameter
 
-__all__ = ["catalogue"]
+__all__ = ["IDLE", "catalogue"]
 
 # s: a controller that took longer to fail is not tried again, because each new page would wait.
 _SLOW = 3.0
 _FAILED: dict[tuple[str, int], dict[str, Any]] = {}
+
+_MAZES = (
+    "wilson",
+    "aldous-broder",
+    "backtracker",
+    "hunt-and-kill",
+    "kruskal",
+    "prim",
+    "eller",
+    "sidewinder",
+    "binary-tree",
+    "recursive-division",
+)
+IDLE: Mapping[str, Mapping[str, tuple[str, tuple[str, ...]]]] = {
+    "corridor": {
+        "bends": ("shape", ("T", "X", "tunnel")),
+        "branches": ("shape", ("bends", "S", "tunnel")),
+    },
+    "maze": {"newest": ("algorithm", _MAZES), "oldest": ("algorithm", _MAZES)},
+    "rooms": {"corridor": ("plan", ("suite",))},
+    "trap": {
+        "inside": ("faces", ("target",)),
+        "parts": ("shape", ("U", "L", "spiral", "V", "pair")),
+        "turns": ("shape", ("U", "L", "V", "comb", "nested", "pair")),
+    },
+}
+"""By family and parameter: the parameter that decides, and its values with which this one has no effect.
+
+The families refuse such a parameter with the code ``no-effect``; the page does not show it.
+"""
 
 
 def catalogue(named: Sequence[str], part: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
@@ -69,8 +99,16 @@ def _family(name: str) -> dict[str, Any]:
         "name": name,
         "about": family.description,
         "changes": family.changes,
-        "parameters": [_parameter(parameter) for parameter in family.parameters],
+        "parameters": [
+            _parameter(parameter) | {"idle": _idle(name, parameter.name)}
+            for parameter in family.parameters
+        ],
     }
+
+
+def _idle(family: str, parameter: str) -> dict[str, Any] | None:
+    found = IDLE.get(family, {}).get(parameter)
+    return None if found is None else {"by": found[0], "values": list(found[1])}
 
 
 def _parameter(parameter: Parameter) -> dict[str, Any]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import io
 import tempfile
+import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -101,12 +103,23 @@ class ExchangeAnswers(Opened):
             return remarks | {
                 "written": [path.relative_to(self.folder.root).as_posix() for path in written]
             }
+        name, data = _download(place.stem, export.files)
         return remarks | {
-            "files": [
-                {"name": name, "data": base64.b64encode(data).decode()}
-                for name, data in export.files.items()
-            ]
+            "files": [{"name": name, "data": base64.b64encode(data).decode()}],
+            "inside": list(export.files),
         }
+
+
+def _download(stem: str, files: Mapping[str, bytes]) -> tuple[str, bytes]:
+    """Return the only file, or an archive of several: a browser asks before it saves a second one."""
+    if len(files) == 1:
+        return next(iter(files.items()))
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            # Without a time of its own, so that the same export has the same bytes.
+            archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
+    return f"{stem}.zip", packed.getvalue()
 
 
 class _DroppedFile(msgspec.Struct):

@@ -34,6 +34,7 @@ WORKER_OF = {
     "widest": "widths",
     "signal": "making",
     "generate": "making",
+    "preview": "looks",
     "shift": "making",
     "measure": "widths",
     "run": "runs",

@@ -1,6 +1,8 @@
 """Maps that come into the studio and go out: the same as by the command line, to the byte."""
 
 import base64
+import io
+import zipfile
 
 import pytest
 
@@ -37,13 +39,19 @@ def answers(folder):
 
 
 def exported(answers, folder, world, name, **asked):
-    """What the page gets for an export, by name."""
+    """What the page gets for an export, by name: one file, or what is in one archive."""
     usual = {
         "name": "out" + FORMATS.get(name).suffixes[0],
         "world": message_of(read_world(folder / world)),
     }
     said = answers.export({"format": name, "keep": False, **usual, **asked}, print)
-    return {file["name"]: base64.b64decode(file["data"]) for file in said["files"]}
+    (file,) = said["files"]
+    data = base64.b64decode(file["data"])
+    if len(said["inside"]) == 1:
+        return {file["name"]: data}
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        assert file["name"] == "out.zip" and archive.namelist() == said["inside"]
+        return {name: archive.read(name) for name in archive.namelist()}
 
 
 def by_command(out, world, name, *words):

@@ -14,6 +14,7 @@ const draw = {
   tool: "brush",
   board: { selection: null, zoom: (by) => done.push(`board ${by > 1}`), fit: note("board fit") },
   choose: (tool) => done.push(`tool ${tool}`), act: (what) => done.push(`act ${what}`), resize: (by) => done.push(`size ${by}`),
+  canvas: { focus: note("board") },
   toggle: (name) => done.push(`toggle ${name}`), cancel: () => false, panel: (name) => done.push(`panel ${name}`),
 };
 let page = "draw";
@@ -47,7 +48,7 @@ test("every tool has a key of its own, which no other thing has", () => {
 });
 
 test("on the board keys undo, save, copy and go to the pages", () => {
-  const keys = { z: "undo", y: "redo", s: "save", c: "act copy", x: "act cut", v: "act paste", m: "go draw", i: "go play", Enter: "run" };
+  const keys = { z: "undo", y: "redo", s: "save", c: "act copy", x: "act cut", v: "act paste", m: "go draw,board", i: "go play", Enter: "run" };
   assert.deepEqual(Object.keys(keys).map((key) => does(key, CTRL)), Object.values(keys));
   assert.equal(does("Z", { ...CTRL, shiftKey: true }), "redo");
   assert.deepEqual(["1", "2", "3", "d"].map((key) => does(key)), ["go draw", "go play", "go campaign", "theme"]);
@@ -64,7 +65,7 @@ test("what is selected is filled by Enter, and cleared, mirrored and turned", ()
 test("the thesis's keys that a browser leaves to a page do what they did", () => {
   page = "play";
   assert.equal(does("p", CTRL), "play true");
-  assert.equal(does("m", CTRL), "go draw");
+  assert.equal(does("m", CTRL), "go draw,board");
   assert.equal(does("l", CTRL), "go draw,panel files");
   assert.equal(document.activeElement.id, "tab-files");
   assert.equal(does("b", CTRL), "go play");
@@ -78,6 +79,18 @@ test("where robots drive keys play, step and switch layers", () => {
   assert.deepEqual(["+", "-", "0"].map((key) => does(key)), ["zoom true", "zoom false", "fit"]);
   there = null;
   assert.equal(does(" "), "");
+});
+
+test("Space plays after a click on a button or a tick, and presses what was reached by Tab", () => {
+  page = "play";
+  const box = element("box", "input");
+  box.type = "checkbox";
+  for (const one of [box, element("theme")]) {
+    assert.equal(does(" ", {}, one), "play true");
+    one.byKeys = true;
+    assert.equal(does(" ", {}, one), "");
+    one.byKeys = false;
+  }
 });
 
 test("a key of one page does nothing on another", () => {

@@ -179,7 +179,8 @@ test("who types, moves a slider or presses a button means that", () => {
   assert.deepEqual(["d", " ", "ArrowLeft"].map((key) => keepsKey(field("input", "text"), key)), [true, true, true]);
   assert.deepEqual(["d", " ", "ArrowLeft"].map((key) => keepsKey(field("input", "range"), key)), [false, false, true]);
   assert.deepEqual(["d", " ", "ArrowLeft"].map((key) => keepsKey(field("input", "radio"), key)), [false, true, true]);
-  assert.deepEqual(["d", " ", "Enter"].map((key) => keepsKey(field("button"), key)), [false, true, true]);
+  assert.deepEqual(["d", " ", "Enter"].map((key) => keepsKey(Object.assign(field("button"), { byKeys: true }), key)), [false, true, true]);
+  assert.deepEqual([" ", "Enter"].map((key) => keepsKey(field("button"), key)), [false, true]);
   assert.deepEqual(["d", " ", "Enter"].map((key) => keepsKey(field("canvas"), key)), [false, false, false]);
 });
 

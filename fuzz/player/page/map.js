@@ -2,6 +2,7 @@
 
 import { bodyRadius, drawOther, drawRobot } from "#player/body.js";
 import { drawCertificate } from "#player/certificate.js";
+import { drawComing, drawOpenings } from "#player/changes.js";
 import { cellsAt, poseAt, stepWithin } from "#player/decode.js";
 import { grouped, plural } from "#player/dom.js";
 import { drawStart, drawTarget } from "#player/ends.js";
@@ -26,10 +27,14 @@ export function drawScene(canvas, scene, view = null) {
   const pen = penFor(canvas, view, world);
   if (pen.width === 0) return;
   const step = scene.step ?? 0;
-  const ms = run ? step * run.dt * 1000 : 0;
+  const ms = run ? step * run.dt * 1000 : (scene.ms ?? 0);
   const cells = cellsAt(world, ms);
   drawGround(pen, world, cells, scene);
-  if (scene.show.witness) drawCertificate(pen, world, ms);
+  if (scene.show.changes) drawComing(pen, world, cells);
+  if (scene.show.witness) {
+    drawCertificate(pen, world, ms);
+    drawOpenings(pen, world, cells);
+  }
   drawTarget(pen, world);
   if (run) drawRun(pen, { ...scene, run, step }, cells);
   else drawStart(pen, world);

@@ -36,7 +36,7 @@ export function makePlayer(canvas, drawn, changed) {
     playing: false,
     period: false, // plays the loop's period only
     speed: run ? usualSpeed(last, run.dt) : 1,
-    show: { trail: true, witness: false, sensors: true, signal: true, touched: true, memory: true },
+    show: { changes: false, trail: true, witness: false, sensors: true, signal: true, touched: true, memory: true },
     drawnMore: null, // called after each frame, while a file of both runs is made
     view: null, // null: the whole world
     follow: false,

@@ -55,6 +55,8 @@ interface OpenWorld {
   /** Cells at some time, and the number of events that they include. */
   now?: Uint8Array | null;
   done: number;
+  /** What happens next to each cell, and which floor has burnt, at `done`. */
+  coming?: { next: Uint8Array; burnt: Uint8Array; done: number };
   /** In a world that is being edited: a box of all cells changed after a version, null for all cells. */
   boxSince?: (version: number) => Box | null;
 }
@@ -321,7 +323,7 @@ interface Pose {
   row: number;
 }
 
-type Layer = "trail" | "witness" | "sensors" | "signal" | "touched" | "memory";
+type Layer = "changes" | "trail" | "witness" | "sensors" | "signal" | "touched" | "memory";
 
 /** The visible parts of a scene; `grid` is visible unless it is false. */
 type Shown = Partial<Record<Layer | "grid", boolean>>;
@@ -337,6 +339,8 @@ interface Scene {
   run?: DrawnRun | null;
   /** Time, in steps. */
   step?: number;
+  /** Time without a run, ms. */
+  ms?: number;
   show: Shown;
   sensors?: Sensors | null;
   /** The colour of this robot in the palette, if there are several robots. */

@@ -284,7 +284,7 @@ function begin() {
   listenToBoard(studio.draw);
   followSystem(byId("theme"), () => {
     if (studio.draw.board.signal) studio.draw.board.signal.picture = null;
-    studio.draw.board.draw();
+    studio.draw.redraw();
     studio.play.redraw();
     studio.campaign.redraw();
   });

@@ -119,6 +119,8 @@ interface Parameter {
   bounds?: string;
   unit?: string;
   group?: string;
+  /** The parameter `by` and its values with which this one has no effect; null if it always has one. */
+  idle?: { by: string; values: string[] } | null;
 }
 
 /** Changes of cells, in columns. */
@@ -303,6 +305,8 @@ interface Board {
   view: View | null;
   proof: Proof | null;
   signal: { values: Float64Array; most: number; picture?: OffscreenCanvas | null } | null;
+  /** The moment that is shown of a world that changes, s. */
+  time: number;
   /** A preview of what would be put down. */
   ghost: { pattern: Pattern; at: CellPlace } | null;
   /** Boxes of cells that would change. */
@@ -320,10 +324,12 @@ interface Board {
   fit(): void;
 }
 
-/** How a tool is used: whether it erases, and whether it acts exactly at the pointer. */
+/** How a tool is used: whether it erases, acts exactly at the pointer, and draws straight lines. */
 interface ToolUse {
   erase: boolean;
   exact: boolean;
+  /** Whether Shift is held: lines run straight. */
+  straight?: boolean;
 }
 
 interface Tool {

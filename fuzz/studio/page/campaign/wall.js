@@ -184,12 +184,10 @@ function moreButton(wall, left) {
 function cardOf(wall, failure) {
   const key = failure.name,
     before = wall.cards.get(key);
-  const label = `${failure.class}, ${failure.width} x ${failure.height} cells, ${failure.solid} solid${failure.known ? ", known" : ""}`;
   const card =
     before && before.dataset.digest === failure.digest
       ? before
       : el("button", { type: "button", class: "card", "data-failure": key, "data-digest": failure.digest }, el("canvas", { "aria-hidden": "true" }), el("span", { class: "text" }));
-  card.setAttribute("aria-label", label);
   card.setAttribute("aria-pressed", String(wall.chosen === key));
   card.dataset.verdict = failure.verdict;
   card.onclick = () => choose(wall, failure);

@@ -3,6 +3,7 @@
 import { UNIT, numbersOf } from "#player/decode.js";
 import { drawScene } from "#player/map.js";
 import { line, penFor, ring, stroke } from "#player/pen.js";
+import { drawnOf } from "#studio/draw/drawn_world.js";
 import { pictureOf } from "#studio/draw/pattern_picture.js";
 
 const NEAREST = 200; // pixels per cell at the highest zoom
@@ -24,6 +25,7 @@ export function makeBoard(canvas, model, show) {
     view: null, // null: the whole world
     proof: null, // the server's, for this version of the world
     signal: null, // the robot's reading in each cell
+    time: 0, // s: the moment that is shown of a world that changes
     ghost: null, // { pattern, at }: a preview of what would be put down
     marks: [], // boxes of cells that would change
     selection: null, // a rectangle of cells
@@ -90,6 +92,16 @@ function cameraOf(board) {
   };
 }
 
+/** @type {{model: object | null, version: number, open: OpenWorld | null}} */
+const changing = { model: null, version: -1, open: null }; // the world that changes, as it was unpacked last
+
+// Returns the unpacked world of a drawing that changes; the same one until the drawing differs.
+function openChanging(model) {
+  if (changing.model !== model || changing.version !== model.version)
+    Object.assign(changing, { model, version: model.version, open: drawnOf(model.world).open });
+  return /** @type {OpenWorld} */ (changing.open);
+}
+
 /**
  * Returns a world as the player draws it, without copying its cells.
  * @param {import("#studio/draw/model.js").Model} model
@@ -98,6 +110,7 @@ function cameraOf(board) {
  */
 function sceneWorld(model, proof) {
   const { world, version } = model;
+  const witness = proof && proof.witness ? openWitness(proof) : null;
   const side = world.cell_size;
   const [startX, startY, heading] = world.start;
   const [targetX, targetY, radius] = world.target;
@@ -109,13 +122,9 @@ function sceneWorld(model, proof) {
     target: [targetX / side, targetY / side, radius / side],
     witness: proof && proof.witness,
     cut: proof && proof.cut,
-    open: {
-      cells: world.cells,
-      events: null,
-      done: version,
-      boxSince: (then) => model.boxSince(then),
-      witness: proof && proof.witness ? openWitness(proof) : null,
-    },
+    open: world.events
+      ? Object.assign(openChanging(model), { witness })
+      : { cells: world.cells, events: null, done: version, boxSince: (then) => model.boxSince(then), witness },
   };
 }
 
@@ -133,7 +142,7 @@ function drawBoard(board) {
   const { canvas, model, show } = board;
   const world = sceneWorld(model, show.proof ? board.proof : null),
     view = board.now();
-  const scene = { world, show: { witness: show.proof, grid: show.grid } };
+  const scene = { world, ms: board.time * 1000, show: { witness: show.proof, grid: show.grid, changes: true } };
   drawScene(canvas, scene, view);
   // Everything else is drawn on top of the scene, from the lowest layer to the highest.
   const pen = penFor(canvas, view, world);

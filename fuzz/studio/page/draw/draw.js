@@ -9,6 +9,7 @@ import { markAt } from "#studio/draw/model.js";
 import { askSignal, proofWords } from "#studio/draw/proof.js";
 import { SELECTION, withSelection } from "#studio/draw/selection.js";
 import { STAMPS } from "#studio/draw/shapes.js";
+import { makeTime } from "#studio/draw/time.js";
 import { TOOLS, makeTools } from "#studio/draw/tools.js";
 import { makeWorldPanel } from "#studio/draw/world_panel.js";
 
@@ -42,9 +43,10 @@ export function makeDraw(section, studio) {
   const draw = { studio, board, canvas, show, setting, tool: "brush", tools: makeTools(board, setting, studio.say) };
   /** @type {Record<string, any>} */
   const parts = { options: el("div", { class: "options" }), ...statusParts() };
+  parts.time = makeTime(draw);
   section.replaceChildren(
     palette(draw, parts),
-    el("div", { class: "middle" }, parts.options, el("div", { class: "stage board" }, canvas), parts.status),
+    el("div", { class: "middle" }, parts.options, el("div", { class: "stage board" }, canvas), parts.time.element, parts.status),
     panels(draw, parts),
   );
   Object.assign(draw, {
@@ -54,6 +56,7 @@ export function makeDraw(section, studio) {
     toggle: (name) => toggle(draw, parts, name),
     refresh: () => refresh(draw, parts),
     panel: (name) => openPanel(draw, parts, name),
+    redraw: () => (board.draw(), parts.bodies.maker.redraw()),
     where: (point) => showPlace(draw, parts, point),
     senseSignal: () => senseSignal(draw),
     bring: (dropped) => {
@@ -279,6 +282,7 @@ function openPanel(draw, parts, name) {
 
 function refresh(draw, parts) {
   for (const panel of Object.values(parts.bodies)) panel.refresh();
+  parts.time.refresh();
   draw.board.draw();
   showPlace(draw, parts, parts.place);
 }

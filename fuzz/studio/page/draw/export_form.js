@@ -114,7 +114,7 @@ async function exportAs(form, parts, inFolder, wrote) {
   if (inFolder) wrote();
   const where = inFolder
     ? `Wrote ${answer.written.join(", ")}.`
-    : `Downloaded ${answer.files.map((file) => file.name).join(", ")}.`;
+    : `Downloaded ${answer.files.map((file) => file.name).join(", ")}${answer.inside.length > 1 ? `, with ${answer.inside.join(" and ")}` : ""}.`;
   return [where, ...answer.lost, ...answer.notes].join(" ");
 }
 

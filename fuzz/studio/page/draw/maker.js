@@ -1,21 +1,26 @@
 // The generator: a family, its parameters, and a seed.
 
 import { choice, el } from "#player/dom.js";
+import { makeFamilies } from "#studio/draw/families.js";
 import { Ended } from "#studio/shared/connection.js";
-import { faultOf, firstFault, isField, labelled, parameterField, words } from "#studio/shared/fields.js";
+import { faultOf, firstFault, isField, labelled, parameterField, rangeWords, words } from "#studio/shared/fields.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 const OF_THE_ROBOT = ["cell_size", "robot_radius", "robot_speed"];
 
 /**
  * @param {Studio} studio
- * @returns {{element: HTMLElement, refresh: () => void}}
+ * @returns {{element: HTMLElement, redraw: () => void, refresh: () => void}}
  */
 export function makeMaker(studio) {
   const state = { family: null, given: {} };
   const parts = { fields: el("div"), about: el("p", { class: "quiet" }), said: el("p", { role: "status" }) };
   parts.seed = el("input", { type: "text", inputmode: "numeric", value: "1", id: "maker-seed", pattern: "[0-9]+" });
   const family = el("div", { id: "maker-family" });
+  parts.gallery = makeFamilies(studio, (name) => {
+    parts.list.value = name;
+    chooseFamily(studio, state, parts, name);
+  });
   const element = el(
     "div",
     {},
@@ -31,11 +36,14 @@ export function makeMaker(studio) {
   });
   return {
     element,
+    redraw: () => parts.gallery.redraw(),
     refresh: () => {
       if (state.family || !studio.offered) return;
       const names = studio.offered.families.map(({ name }) => [name, name]);
       const list = choice(names, "maze", (event) => chooseFamily(studio, state, parts, event.target.value));
-      family.replaceChildren(labelled("Family", list));
+      parts.list = list;
+      parts.gallery.offer();
+      family.replaceChildren(parts.gallery.element, labelled("Family", list));
       chooseFamily(studio, state, parts, "maze");
     },
   };
@@ -80,17 +88,34 @@ function chooseFamily(studio, state, parts, name) {
   const field = (parameter) => {
     const input = parameterField(parameter, parameter.default, (value) => {
       state.given[parameter.name] = value;
+      showEffective(state, parts);
     });
-    const bounds = parameter.bounds.replace(/^./, (letter) => letter.toUpperCase());
-    const help = [parameter.help, bounds ? `${bounds}.` : ""].join(" ").trim();
-    return labelled(words(parameter.name), input, { help });
+    const range = rangeWords(parameter).replace(/^./, (letter) => letter.toUpperCase());
+    const help = [parameter.help, range && parameter.kind !== "bool" && parameter.choices.length === 0 ? `${range}.` : ""].join(" ").trim();
+    const element = labelled(words(parameter.name), input, { help });
+    parts.made.set(parameter.name, { parameter, input, element });
+    return element;
   };
+  parts.made = new Map();
   const own = state.family.parameters.filter((parameter) => !OF_THE_ROBOT.includes(parameter.name));
   const robot = state.family.parameters.filter((parameter) => OF_THE_ROBOT.includes(parameter.name));
   parts.fields.replaceChildren(
     ...own.map(field),
     robot.length > 0 ? el("details", {}, el("summary", {}, "Cells and robot"), robot.map(field)) : "",
   );
+  showEffective(state, parts);
+  parts.gallery.choose(name);
+}
+
+// Shows only parameters that have an effect with the chosen algorithm or shape; the others are not sent.
+function showEffective(state, parts) {
+  for (const [name, { parameter, element }] of parts.made) {
+    const { idle } = parameter;
+    const other = idle && parts.made.get(idle.by);
+    const hidden = Boolean(other && idle.values.includes(String(state.given[idle.by] ?? other.parameter.default)));
+    element.hidden = hidden;
+    if (hidden) delete state.given[name];
+  }
 }
 
 // Returns the first invalid field and what is wrong with it; null if all are valid.

@@ -31,7 +31,7 @@ export function listenToBoard(draw) {
   draw.cancelKeys = () => state.stroke?.byKeys && takeBack(draw, state);
 }
 
-const how = (event) => ({ erase: (event.buttons & 2) === 2, exact: event.altKey });
+const how = (event) => ({ erase: (event.buttons & 2) === 2, exact: event.altKey, straight: event.shiftKey });
 
 function down(draw, state, event) {
   const { canvas, board } = draw;
@@ -106,6 +106,7 @@ function move(draw, state, event) {
     state.panning = event;
     return;
   }
+  if (state.stroke) state.stroke.straight = event.shiftKey;
   const tool = state.stroke ? state.stroke.tool : draw.tools[draw.tool];
   for (const one of state.stroke && event.getCoalescedEvents ? event.getCoalescedEvents() : []) drag(draw, state, one);
   const point = board.pointAt(event);

@@ -75,6 +75,21 @@ export function makeTools(board, setting, said) {
   };
 }
 
+/**
+ * Returns the cell nearest to another one that is straight across, straight up or at 45 degrees from the first.
+ * @param {CellPlace} from
+ * @param {CellPlace} to
+ * @returns {CellPlace}
+ */
+function straightFrom([x, y], [toX, toY]) {
+  const dx = toX - x,
+    dy = toY - y,
+    far = Math.max(Math.abs(dx), Math.abs(dy));
+  if (2 * Math.abs(dy) < Math.abs(dx)) return [toX, y];
+  if (2 * Math.abs(dx) < Math.abs(dy)) return [x, toY];
+  return [x + Math.sign(dx) * far, y + Math.sign(dy) * far];
+}
+
 // Returns each cell of a line as a box of the brush's width.
 function thick(cells, size) {
   return cells.map((cell) => brushBox(cell, size));
@@ -88,14 +103,18 @@ function thick(cells, size) {
 function painter(kit, value) {
   /** @type {CellPlace | null} */
   let last = null;
-  const paint = (point, erase) => {
-    const here = cellOf(point);
+  /** @type {CellPlace} */
+  let first = [0, 0];
+  /** @type {(point: CellPlace, use: ToolUse) => void} */
+  const paint = (point, { erase, straight }) => {
+    if (!last) first = cellOf(point);
+    const here = straight ? straightFrom(first, cellOf(point)) : cellOf(point);
     kit.model.paint(thick(lineCells(last || here, here), kit.setting.size), erase ? 1 - value : value);
     last = here;
   };
   return {
-    begin: (point, { erase }) => paint(point, erase),
-    drag: (point, { erase }) => paint(point, erase),
+    begin: paint,
+    drag: paint,
     end() {
       last = null;
       kit.model.lift(value ? "brush" : "eraser");
@@ -126,8 +145,8 @@ function spanned(kit, label, cellsOf) {
       from = to = cellOf(point);
       show();
     },
-    drag(point) {
-      to = cellOf(point);
+    drag(point, { straight }) {
+      to = straight ? straightFrom(from, cellOf(point)) : cellOf(point);
       show();
     },
     end({ erase }) {

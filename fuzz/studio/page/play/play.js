@@ -10,7 +10,7 @@ import { Ended } from "#studio/shared/connection.js";
 import { messageOf } from "#studio/draw/model.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
 import { makeCodeNote } from "#studio/play/code_note.js";
-import { drawnOf } from "#studio/play/drawn_world.js";
+import { drawnOf } from "#studio/draw/drawn_world.js";
 import { makeRobots } from "#studio/play/robots.js";
 import { runsOneOf } from "#studio/shared/edits.js";
 

@@ -89,11 +89,17 @@ export function parameterField(parameter, value, change) {
     );
   }
   if (kind === "str") return el("input", { type: "text", value, onchange: (event) => change(event.target.value) });
-  const least = typeof parameter.chosen === "number" && low !== null ? Math.min(low, parameter.chosen) : low;
-  const input = number(value, change, { low: least, high, step: kind === "int" ? 1 : "any" });
+  const { chosen } = parameter,
+    isAutomatic = typeof chosen === "number"; // this number stands for "automatic", and is shown as an empty field
+  const input = number(value === chosen ? "" : value, change, { low, high, step: kind === "int" ? 1 : "any" });
+  if (isAutomatic) {
+    input.placeholder = "automatic";
+    input.addEventListener("change", () => input.value === "" && !input.validity.badInput && change(chosen));
+  }
   if (kind !== "int" && kind !== "float") return input;
   input.addEventListener("input", () => {
-    input.setCustomValidity(boundsFault(parameter, input.valueAsNumber));
+    const empty = isAutomatic && input.value === "" && !input.validity.badInput;
+    input.setCustomValidity(empty ? "" : boundsFault(parameter, input.valueAsNumber));
     const fault = faultOf(input);
     input.setAttribute("aria-invalid", String(fault !== ""));
     input.closest(".labelled")?.classList.toggle("wrong", fault !== "");
@@ -108,16 +114,27 @@ export function parameterField(parameter, value, change) {
  * @returns {string}
  */
 function boundsFault(parameter, value) {
-  const { name, kind, low, high, above, chosen, bounds } = parameter;
+  const { name, kind, low, high, above } = parameter;
   const fits =
     Number.isFinite(value) &&
     (kind === "float" || Number.isInteger(value)) &&
-    (value === chosen ||
-      ((low === null || value > low || (value === low && !above)) && (high === null || value <= high)));
+    (low === null || value > low || (value === low && !above)) &&
+    (high === null || value <= high);
   if (fits) return "";
-  const ends = [low, high].map((end) => end?.toLocaleString("en-US"));
-  const range = bounds || (low !== null && high !== null ? ends.join(" to ") : "");
+  const range = rangeWords(parameter);
   return `${words(name)} must be ${kind === "int" ? "a whole number" : "a number"}${range ? `, ${range}` : ""}.`;
+}
+
+/**
+ * Describes a parameter's range, such as "1 to 20 cells", from its bounds; empty if it has none.
+ * @param {Parameter} parameter
+ * @returns {string}
+ */
+export function rangeWords({ low, high, above, chosen, unit }) {
+  const [from, to] = [low, high].map((end) => end?.toLocaleString("en-US"));
+  const least = above ? `more than ${from}` : high === null ? `at least ${from}` : from;
+  const range = low !== null && high !== null ? `${least} to ${to}` : low !== null ? least : high !== null ? `at most ${to}` : "";
+  return [range, range && unit ? ` ${unit}` : "", typeof chosen === "number" ? `${range ? "; " : ""}empty for automatic` : ""].join("");
 }
 
 /**
@@ -131,7 +148,7 @@ export function optionFields(options, given) {
     const input = parameterField(option, option.default, (value) => {
       given[option.name] = value;
     });
-    return labelled(words(option.name), input, { help: [option.help.replaceAll("`", ""), option.bounds].filter(Boolean).join(" ") });
+    return labelled(words(option.name), input, { help: [option.help.replaceAll("`", ""), rangeWords(option)].filter(Boolean).join(" ") });
   });
 }
 

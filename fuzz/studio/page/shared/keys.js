@@ -19,6 +19,7 @@ const DRAWING = [
   ...Object.values(TOOLS).map(([words, key]) => [key, words]),
   ["Ctrl+Z, Ctrl+Y", "Undo, redo"],
   ["[ ]", "Brush or stamp smaller, larger"],
+  ["Shift", "While dragging: straight lines, across, up or slanted"],
   ["Arrows, Space", "On the board: move the cursor, use the tool; Shift+Space erases"],
   ["x y .", "Mirror, flip, turn the selection or the stamp"],
   ["Ctrl+C, X, V", "Copy, cut, paste the selection"],
@@ -34,7 +35,7 @@ const PLAYING = [
   ["l", "Repeat one period of a loop"],
   ["e", "Go to the next marked step"],
   ["r", "Follow the robot"],
-  ["t u s i m w", "Trail, touched walls, sensors, signal, the robot's memory, witness"],
+  ["t u s i m w c", "Trail, touched walls, sensors, signal, the robot's memory, witness, changes to come"],
   ["+ − 0", "Zoom; show the whole world"],
 ];
 
@@ -64,7 +65,7 @@ function commandFor(studio, event) {
   if (key === "s") return () => studio.page() !== "campaign" && settled(event.target, studio.save);
   if (key === "enter") return () => settled(event.target, studio.run);
   const far = {
-    m: () => studio.go("draw"),
+    m: () => toBoard(studio),
     i: () => studio.go("play"),
     b: () => toSettings(studio),
     o: () => toFiles(studio),
@@ -77,6 +78,11 @@ function commandFor(studio, event) {
   if (key === "y") return studio.redo;
   const what = { c: "copy", x: "cut", v: "paste" }[key];
   return what ? () => studio.draw.act(what) : null;
+}
+
+function toBoard(studio) {
+  studio.go("draw");
+  studio.draw.canvas.focus();
 }
 
 function toFiles(studio) {

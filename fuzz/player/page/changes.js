@@ -1,0 +1,176 @@
+// Changes of cells over time: what happens next to each cell, and which floor has burnt. Hatching shows what is to come.
+
+import { BURNING, SOLID } from "#player/decode.js";
+import { rimOf } from "#player/pen.js";
+
+const OPENS = 1,
+  CLOSES = 2,
+  BURNS = 3; // what happens next to a cell, as the state after it plus one
+const HATCHED = 3; // pixels per cell from which hatching can be told from a plain colour
+const APART = 6; // pixels between two lines of hatching
+const MOST_LABELS = 6; // of the places where a timed path waits for a wall to open
+
+/**
+ * Returns for each cell what happens to it next (0: nothing), and which free cells have burnt.
+ * @param {OpenWorld} open - As cellsAt has left it for the current time
+ * @returns {{next: Uint8Array, burnt: Uint8Array}}
+ */
+function comingIn(open, width) {
+  const { events, done } = open;
+  if (open.coming && open.coming.done === done) return open.coming;
+  const next = new Uint8Array(open.cells.length),
+    burnt = new Uint8Array(open.cells.length);
+  if (events) {
+    const { ix, iy, state } = events;
+    for (let k = state.length - 1; k >= done; k -= 1) next[iy[k] * width + ix[k]] = state[k] + 1; // the earliest stays
+    for (let k = 0; k < done; k += 1) burnt[iy[k] * width + ix[k]] = state[k] === BURNING ? 1 : burnt[iy[k] * width + ix[k]];
+  }
+  open.coming = { next, burnt, done };
+  return open.coming;
+}
+
+/**
+ * Draws burnt floor below everything else.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {Uint8Array} cells
+ */
+export function drawBurnt(pen, world, cells) {
+  const { open } = world;
+  if (!open?.events || open.done === 0) return;
+  const { burnt } = comingIn(open, world.width);
+  const { context } = pen;
+  context.fillStyle = pen.colours.burnt;
+  context.beginPath();
+  if (pathOf(pen, world, (k) => burnt[k] === 1 && cells[k] === 0)) context.fill();
+}
+
+/**
+ * Hatches cells that burn, open or close later.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {Uint8Array} cells
+ */
+export function drawComing(pen, world, cells) {
+  const { open } = world;
+  if (!open?.events) return;
+  const { next } = comingIn(open, world.width);
+  const { colours } = pen;
+  hatch(pen, world, (k) => next[k] === BURNS && cells[k] === 0, colours.fire, 1);
+  hatch(pen, world, (k) => next[k] === CLOSES && cells[k] === 0, colours.wall, 1);
+  const opens = (k) => next[k] === OPENS && cells[k] === SOLID;
+  wash(pen, world, opens, colours.floor); // so that the hatching stands out from walls
+  hatch(pen, world, opens, colours.start, -1);
+}
+
+// Adds the rectangles of visible cells to the path; returns whether there are any.
+function pathOf(pen, world, is) {
+  const { context, px, py, snap, scale } = pen;
+  const first = Math.max(0, Math.floor((0 - px(0)) / scale)),
+    beyond = Math.min(world.width, Math.ceil((pen.width - px(0)) / scale));
+  const low = Math.max(0, Math.floor((py(0) - pen.height) / scale)),
+    high = Math.min(world.height, Math.ceil(py(0) / scale));
+  let some = false;
+  for (let iy = low; iy < high; iy += 1) {
+    const top = snap(py(iy + 1)),
+      deep = Math.max(1, snap(py(iy)) - top);
+    for (let ix = first; ix < beyond; ix += 1) {
+      if (!is(iy * world.width + ix)) continue;
+      const from = ix;
+      while (ix + 1 < beyond && is(iy * world.width + ix + 1)) ix += 1;
+      const left = snap(px(from));
+      context.rect(left, top, Math.max(1, snap(px(ix + 1)) - left), deep);
+      some = true;
+    }
+  }
+  return some;
+}
+
+function wash(pen, world, is, colour) {
+  const { context } = pen;
+  context.save();
+  context.globalAlpha = 0.6;
+  context.fillStyle = colour;
+  context.beginPath();
+  if (pathOf(pen, world, is)) context.fill();
+  context.restore();
+}
+
+function hatch(pen, world, is, colour, slant) {
+  const { context } = pen;
+  context.save();
+  context.beginPath();
+  if (pathOf(pen, world, is)) {
+    context.clip();
+    context.globalAlpha = pen.scale < HATCHED ? 0.35 : 0.75;
+    context.strokeStyle = context.fillStyle = colour;
+    context.lineWidth = 1.5;
+    if (pen.scale < HATCHED) context.fillRect(0, 0, pen.width, pen.height);
+    else {
+      context.beginPath();
+      const { width, height } = pen;
+      for (let at = -height; at < width + height; at += APART) {
+        context.moveTo(at, slant > 0 ? height : 0);
+        context.lineTo(at + height, slant > 0 ? 0 : height);
+      }
+      context.stroke();
+    }
+  }
+  context.restore();
+}
+
+/**
+ * Says next to a timed path where it goes through a cell that is a wall now, and when that opens.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {Uint8Array} cells
+ */
+export function drawOpenings(pen, world, cells) {
+  const { open } = world,
+    witness = open?.witness;
+  if (!open?.events || !witness) return;
+  const { context, px, py, colours } = pen;
+  context.save();
+  context.font = "600 12px system-ui, sans-serif";
+  context.lineWidth = 4;
+  context.strokeStyle = colours.floor;
+  context.fillStyle = colours.start;
+  for (const { x, y, ms } of openingsOn(world, cells).slice(0, MOST_LABELS)) {
+    const words = `opens at ${(ms / 1000).toFixed(1)} s`,
+      left = Math.min(px(x) + 8, pen.width - rimOf(pen) - context.measureText(words).width - 4);
+    context.strokeText(words, left, py(y) - 6);
+    context.fillText(words, left, py(y) - 6);
+  }
+  context.restore();
+}
+
+/**
+ * Returns where a timed path enters walls that open later, one place for each stretch of wall.
+ * @param {SceneWorld} world
+ * @param {Uint8Array} cells
+ * @returns {{x: number, y: number, ms: number}[]}
+ */
+function openingsOn(world, cells) {
+  const { events, witness, done } = /** @type {OpenWorld} */ (world.open);
+  const found = [];
+  if (!events || !witness) return found;
+  /** @type {Map<number, number>} */
+  const opens = new Map();
+  for (let k = events.ms.length - 1; k >= done; k -= 1)
+    if (events.state[k] === 0) opens.set(events.iy[k] * world.width + events.ix[k], events.ms[k]);
+  let within = false;
+  for (let k = 0; k + 1 < witness.x.length; k += 1) {
+    const dx = witness.x[k + 1] - witness.x[k],
+      dy = witness.y[k + 1] - witness.y[k];
+    const places = Math.max(1, Math.ceil(4 * Math.hypot(dx, dy)));
+    for (let part = 0; part < places; part += 1) {
+      const x = witness.x[k] + (dx * part) / places,
+        y = witness.y[k] + (dy * part) / places;
+      const cell = Math.floor(y) * world.width + Math.floor(x),
+        ms = cells[cell] === SOLID ? opens.get(cell) : undefined;
+      if (ms !== undefined && !within) found.push({ x, y, ms });
+      within = ms !== undefined;
+    }
+  }
+  return found;
+}
