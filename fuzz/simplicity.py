@@ -89,6 +89,14 @@ def _off_centre(case: Case) -> int:
     return sum(in_cells(place, case.world.cell_size) % 1 * 2 != 1 for place in places)
 
 
+def _covered(case: Case) -> int:
+    return sum(
+        math.dist((robot.start.x, robot.start.y), (robot.target.x, robot.target.y))
+        < robot.radius + robot.target.radius
+        for robot in case.world.robots
+    )
+
+
 def _distance(case: Case) -> int:
     world = case.world
     pairs = [
@@ -121,6 +129,7 @@ ORDER: tuple[Measure, ...] = (
     Measure("cells", "cells of the grid", lambda case: case.world.walls.size),
     Measure("solid", "solid cells", lambda case: case.world.solid_cells),
     Measure("events", "events of the timeline", lambda case: len(case.world.timeline)),
+    Measure("covered", "robots whose disc overlaps their target at the start", _covered),
     Measure(
         "heading",
         "0 for a quarter turn, 1 for an eighth, 2 for a sixteenth, else 3; of all robots",

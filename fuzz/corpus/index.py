@@ -19,7 +19,7 @@ __all__ = ["INDEX_FOLDER", "Index"]
 INDEX_FOLDER = ".worldgen-corpus"  # in the corpus; it contains a .gitignore for itself
 _FILE = "index.json"
 # Version of `Facts` and of how they are read from a file; an index of another version is ignored.
-_VERSION = 2
+_VERSION = 3
 _TYPES = {
     "controller": str,
     "motion": str,

@@ -39,7 +39,7 @@ __all__ = ["CLEARANCES", "TURNS", "NaturalRuns", "natural_families", "natural_ru
 # The seeds of natural worlds are their own: no unit of a search draws from this stream.
 _STREAM = "natural"
 
-CLEARANCES = ("below 1.1", "1.1 to 1.5", "1.5 to 2", "2 to 3", "above 3")
+CLEARANCES = ("less than 1.1", "1.1 to 1.5", "1.5 to 2", "2 to 3", "more than 3")
 """Radius of the largest disc that gets from start to target, divided by the robot's radius."""
 
 _CLEARANCE_EDGES = (1.1, 1.5, 2.0, 3.0)

@@ -255,4 +255,4 @@ def test_every_cause_has_a_sentence_and_an_advice():
 def test_the_table_of_natural_worlds_names_what_was_never_tried():
     table = NaturalRuns().table()
     assert table["share"] is None and json.loads(json.dumps(table)) == table
-    assert table["clearances"]["below 1.1"] == {"worlds": 0, "arrived": 0}
+    assert table["clearances"]["less than 1.1"] == {"worlds": 0, "arrived": 0}
