@@ -98,7 +98,7 @@ def build_overview(
         causes = with_natural(causes, runs.causes)
 
     # The clearest world of each cause, and what it depends on.
-    is_over = _after(began, seconds, 1.0)
+    is_over = None if seconds is None else _after(began, seconds, 1.0)
     candidates = _candidates(state)
     shown = [
         _shown(one, candidates, is_explained=number < _MOST_EXPLAINED, is_over=is_over)
@@ -137,10 +137,10 @@ def _shown(
     candidates: Mapping[str, Failure],
     *,
     is_explained: bool,
-    is_over: Callable[[], bool],
+    is_over: Callable[[], bool] | None,
 ) -> CauseTotals:
     """Return a cause with its clearest and its smallest world, and what the clearest depends on."""
-    with stopping_when(is_over):
+    with stopping_when(is_over or (lambda: False)):
         own = {name: one for name, one in candidates.items() if cause_of(one) == cause.cause}
         best = clearest(own.values(), cause.cause)
     if best is None:
@@ -151,29 +151,34 @@ def _shown(
 
 
 def explained(
-    failure: Failure, is_over: Callable[[], bool] = lambda: False
+    failure: Failure, is_over: Callable[[], bool] | None = None
 ) -> Counterfactuals | None:
     """Return after which single changes a failure's robot arrives, at little cost.
 
     Args:
         failure: The failure.
-        is_over: Returns True once there is no more time.
+        is_over: Returns True once there is no more time; a fixed amount of work if omitted.
 
     Returns:
-        The changes, ``None`` if there is no time, or if no change can explain such a failure.
+        The changes, ``None`` if nothing could be learned: there is no time, or no change can
+        explain such a failure.
     """
+    is_bounded = is_over is not None
+    is_over = is_over or (lambda: False)
     # What never depends on a wall, a number or an option is explained by its own sentence.
     if cause_of(failure).severity in (Severity.CONTROLLER_ERROR, Severity.UNSENSED) or is_over():
         return None
     try:
         with stopping_when(is_over):
             found = counterfactuals(
-                failure, effort=_EFFORT, most_runs=_MOST_CELLS / failure.world.walls.size
+                failure,
+                effort=1.0 if is_bounded else _EFFORT,
+                most_runs=_MOST_CELLS / failure.world.walls.size,
             )
     except (WorldgenError, OutOfTime):
         return None
-    # Nothing tried is nothing known.
-    return found if found.runs else None
+    # That some changes do not help says nothing about the others.
+    return found if found.changes or found.is_complete else None
 
 
 def _name_of(failure: Failure, files: Mapping[str, Failure]) -> str:

@@ -39,12 +39,14 @@ class Clarity:
     Args:
         flaws: Number of the reasons against it.
         is_unshrunk: True if walls are in it that do not matter.
+        windings: How much longer the period's path is than a way around its box, in doublings.
         size: Cells of the grid.
         name: Digest of its file, so that the order is the same everywhere.
     """
 
     flaws: int
     is_unshrunk: bool
+    windings: int
     size: int
     name: str
 
@@ -74,10 +76,13 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
     # What only the run shows: a robot drawn over its target, and a period that is a tangle.
     episode = failure.run(through_walls=failure.is_breach)
     behaviour = behaviour_of(world, episode)
+    windings = 0
     if behaviour is not None:
+        around = 4.0 * max(behaviour.extent, 1.0)
+        windings = math.floor(math.log2(max(1.0, behaviour.length / around)))
         flaws += cause != Cause.MISSES_THE_TARGET and behaviour.nearest < robot
         flaws += behaviour.length > _TANGLE * max(world.width, world.height)
-    return Clarity(flaws, not failure.is_shrunk, world.walls.size, failure.id)
+    return Clarity(flaws, not failure.is_shrunk, windings, world.walls.size, failure.id)
 
 
 def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:
