@@ -21,7 +21,7 @@ def corpus(campaign):
     return {kind: found.dumps() for kind, found in campaign.state.best.items()}
 
 
-FEWER = replace(CONFIG, examples=12)
+FEWER = replace(CONFIG, examples=12, families=("features", "trap"))
 
 
 @pytest.fixture(scope="module")

@@ -110,7 +110,7 @@ def test_a_campaign_killed_between_any_two_files_goes_on_to_the_same_corpus(
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.nightly), 2])
 def test_a_campaign_killed_with_signal_9_goes_on_to_the_same_corpus(workers, whole, tmp_path):
     out = tmp_path / "out"
     process = start(*FUZZ[:-1], workers, "--units", UNITS, "--out", out)

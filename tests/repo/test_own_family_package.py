@@ -76,7 +76,7 @@ def test_an_installed_family_is_a_command_like_any_other(installed):
     assert "warehouse" in run(installed, "-m", "worldgen", "--help").stdout
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_packages_own_test_passes(installed):
     _, package = installed
     done = run(installed, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(package / "tests"))

@@ -467,7 +467,16 @@ def test_a_cell_that_shuts_and_opens_again_stops_a_robot_of_any_speed():
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("error", [AssertionError, RuntimeError, MemoryError])
+@pytest.mark.parametrize(
+    "error",
+    [
+        RuntimeError,
+        *(
+            pytest.param(error, marks=pytest.mark.nightly)
+            for error in (AssertionError, MemoryError)
+        ),
+    ],
+)
 def test_a_compiled_controller_may_raise_anything(error):
     def act(observation, memory, command):
         memory[0] += 1.0

@@ -151,14 +151,14 @@ _PIECES = [
 
 
 @pytest.mark.gate
-@settings(max_examples=300)
+@settings(max_examples=120)
 @given(st.lists(st.sampled_from(_PIECES) | st.text(max_size=6), max_size=14))
 def test_any_text_behind_the_magic_gives_a_world_or_a_complaint_with_a_line(pieces):
     world_or_complaint("\n".join(["%worldgen-grid 1", *pieces, ""]).encode())
 
 
 @pytest.mark.gate
-@settings(max_examples=400)
+@settings(max_examples=150)
 @given(damaged_files())
 def test_a_damaged_file_gives_a_world_or_a_complaint_with_a_line(data):
     world_or_complaint(data)

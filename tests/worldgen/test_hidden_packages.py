@@ -47,7 +47,12 @@ def project(tmp_path, request):
 @pytest.mark.gate
 @pytest.mark.parametrize(
     ("project", "by_path"),
-    [("sim/__init__.py", False), ("sim/planner.py", False), ("fuzz.py", False), ("sim.py", True)],
+    [
+        ("sim/__init__.py", False),
+        ("sim.py", True),
+        pytest.param("sim/planner.py", False, marks=pytest.mark.nightly),
+        pytest.param("fuzz.py", False, marks=pytest.mark.nightly),
+    ],
     indirect=["project"],
 )
 def test_the_program_works_next_to_a_folder_of_the_same_name(project, by_path):
@@ -79,7 +84,9 @@ def test_a_controller_next_to_a_folder_of_the_same_name_is_still_found(project):
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("project", ["sim.py", "fuzz.py"], indirect=True)
+@pytest.mark.parametrize(
+    "project", ["sim.py", pytest.param("fuzz.py", marks=pytest.mark.nightly)], indirect=True
+)
 def test_a_test_run_says_what_hides_a_package(project):
     (project / "test_robot.py").write_text(ROBOT_TEST)
     result = run_in(project, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_robot.py")
