@@ -17,6 +17,7 @@ from fuzz.search.registry import OWN_STRATEGIES
 from fuzz.studio.campaigns.fuzz_words import options
 from fuzz.studio.folder import KNOWN
 from fuzz.studio.refusals import refusal
+from fuzz.triage.cause import Cause
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller
 from sim.motion import MOTIONS
@@ -89,6 +90,9 @@ def catalogue(named: Sequence[str], part: Callable[[dict[str, Any]], None]) -> d
         "oracles": ORACLES.names(),
         "cores": os.cpu_count() or 1,
         "known": KNOWN,
+        "causes": {
+            cause.value: {"sentence": cause.sentence, "advice": cause.advice} for cause in Cause
+        },
         "options": options(),
     }
 

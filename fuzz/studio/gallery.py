@@ -21,6 +21,8 @@ from fuzz.studio.messages import field as part_of
 from fuzz.studio.opened import Opened
 from fuzz.studio.pasted import from_anywhere
 from fuzz.studio.running import check_record, check_registered
+from fuzz.triage.cause import Cause
+from fuzz.triage.diagnosis import CAUSE, cause_of_run
 from sim.controllers import CONTROLLERS
 from sim.describe import describe_evidence
 from sim.episode import simulate
@@ -50,6 +52,7 @@ class WallAnswers(Opened):
     _read: dict[tuple[str, int, int], CorpusEntry | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+    _causes: dict[str, str] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def failures(self, message: Message, part: Part) -> dict[str, Any]:
         """Return the failures in and below a folder; unreadable ones are reported, not raised."""
@@ -70,6 +73,7 @@ class WallAnswers(Opened):
                 {
                     "name": entry.path.relative_to(self.folder.root).as_posix(),
                     "class": entry.facts.kind,
+                    "cause": self._cause(entry),
                     "verdict": entry.facts.verdict,
                     "controller": entry.facts.controller,
                     "motion": entry.facts.motion,
@@ -85,6 +89,21 @@ class WallAnswers(Opened):
             ],
             "faults": faults,
         }
+
+    def _cause(self, entry: CorpusEntry) -> str:
+        """Return the cause that a failure's record names; empty if it names none.
+
+        Nothing is run for it, because a folder may hold thousands of failures.
+        """
+        key = entry.facts.digest
+        if key not in self._causes:
+            try:
+                failure = Failure.found_in(read_world(entry.path))
+            except (OSError, WorldgenError):  # replaced a moment ago
+                return ""
+            recorded = "" if failure is None else failure.record.details.get(CAUSE, "")
+            self._causes[key] = recorded if recorded in set(Cause) else ""
+        return self._causes[key]
 
     def look(self, message: Message, part: object) -> dict[str, Any]:
         """Return a failure's world and run, to be drawn, and what happened in words."""
@@ -152,6 +171,7 @@ class WallAnswers(Opened):
             "run": drawn_run(shown, world.cell_size, judged, controller=controller),
             "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + failure.violation.in_words,
+            "cause": cause_of_run(world, judged).value,
             "same": judged.trace_digest == failure.record.trace_digest
             or options.steps < failure.options.steps,
         }

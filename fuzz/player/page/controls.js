@@ -2,6 +2,7 @@
 
 import { openWorld } from "#player/decode.js";
 import { choice, el, grouped, icon, keyButton, svg } from "#player/dom.js";
+import { legendOf } from "#player/legend.js";
 import { hasMap } from "#player/memory.js";
 import { SPEEDS, makePlayer, usualSpeed } from "#player/player.js";
 import { saveMenu } from "#player/saving.js";
@@ -44,6 +45,7 @@ export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
     scrubBar(player, parts),
     controls(player, parts),
     layers(player, parts),
+    legendOf(drawn),
     ...thinNote(drawn.run),
   );
   player.update();

@@ -140,6 +140,17 @@ export function say(text) {
   byId("said").textContent = text;
 }
 
+const SIGNS = { reached: "✓", loop: "↻", stalled: "‖", timeout: "…", tunnel: "⇥", overlap: "⇥", burned: "✹" };
+
+/**
+ * Makes a sign for a verdict next to robots, whose colours are taken: a shape in the colour of the text.
+ * @param {string} verdict
+ * @returns {HTMLElement}
+ */
+export function verdictSign(verdict) {
+  return el("span", { class: "verdict-mark", "aria-hidden": "true" }, SIGNS[verdict] ?? "✗");
+}
+
 /**
  * @param {string} verdict
  * @returns {HTMLElement}

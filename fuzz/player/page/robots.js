@@ -1,7 +1,7 @@
 // Several robots in one world: which one is in front, the result of each, the instruments of the one in front.
 
 import { behaviourAt, poseAt, rowAt, stepWithin } from "#player/decode.js";
-import { breakable, el, grouped, shortName, verdictDot } from "#player/dom.js";
+import { breakable, el, grouped, shortName, verdictSign } from "#player/dom.js";
 import { memoryFacts } from "#player/memory.js";
 
 /**
@@ -63,7 +63,7 @@ export function showRobots(list, robots, looked, look, note = "") {
       el(
         "button",
         { type: "button", class: "result", "data-controller": one.name, onclick: () => look(number) },
-        el("span", { class: "who", title: one.name }, chip, " ", el("b", {}, breakable(shortName(one.name))), " ", verdictDot(one.verdict), " ", el("span", {}, one.verdict), " ", el("code", { class: "digest", title: "Digest of every state of the run" }, one.digest)),
+        el("span", { class: "who", title: one.name }, chip, " ", el("b", {}, breakable(shortName(one.name))), " ", verdictSign(one.verdict), " ", el("span", {}, one.verdict), " ", el("code", { class: "digest", title: "Digest of every state of the run" }, one.digest)),
         el("span", { class: "quiet facts" }, facts),
         one.verdict === "reached" ? null : el("span", { class: "why" }, one.why),
         framesPart(one.frames),

@@ -37,7 +37,7 @@ function lengthWords(metres) {
  * @param {SceneWorld} world
  */
 export function drawScaleBar(pen, world) {
-  const perMetre = pen.scale / world.cell;
+  const perMetre = pen.scale / (world.cell ?? NaN); // a drawing has rulers, and no bar
   const metres = roundLength(Math.max(WIDEST * pen.width, LEAST), perMetre);
   const long = metres * perMetre;
   if (!(long > 4)) return;

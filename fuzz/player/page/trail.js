@@ -1,10 +1,12 @@
 // The path of the robot: faint ahead, strong where it has driven.
 
+import { drawHeads } from "#player/arrows.js";
 import { openRun, poseAt, rowAt } from "#player/decode.js";
 import { drawLine } from "#player/long_line.js";
 import { line, stroke } from "#player/pen.js";
 
 const RECENT = 300; // rows of a long path that are drawn strongest
+const FADES = 5; // steps in which the recent path becomes fainter with its age
 
 /**
  * Draws the path; the period of a loop has its own colour, or a stronger line in the robot's colour.
@@ -28,9 +30,13 @@ export function drawTrail(pen, scene) {
   // From the lowest layer to the highest: ahead, driven long ago, driven recently, the loop.
   if (!scene.whole) part("ahead", { from: 0, to: rows, colour: colours.ahead, width: 1.25, alpha: 0.45 });
   part("before", { from: 0, to: recent + 1, colour: before, width: 1.75, alpha: 0.4 });
-  context.globalAlpha = run.loop && scene.colour ? 0.5 : 1;
-  line(pen, open.x, open.y, recent, last, end <= entry ? pose : null);
-  stroke(pen, before, 2.25);
+  const strong = run.loop && scene.colour ? 0.5 : 1;
+  for (let part = 0; part < FADES; part += 1) {
+    const [from, to] = [part, part + 1].map((k) => recent + Math.round(((last - recent) * k) / FADES));
+    context.globalAlpha = scene.whole ? strong : strong * (0.4 + (0.6 * (part + 1)) / FADES);
+    line(pen, open.x, open.y, Math.max(0, from - 1), to, part === FADES - 1 && end <= entry ? pose : null);
+    stroke(pen, before, 2.25);
+  }
   context.globalAlpha = 1;
   if (end > entry) {
     const width = scene.colour ? 3.5 : 2.75;
@@ -38,6 +44,8 @@ export function drawTrail(pen, scene) {
     line(pen, open.x, open.y, end - 1, end, pose);
     stroke(pen, own, width);
   }
+  drawHeads(pen, open, 0, Math.min(end, entry + 1), before);
+  if (end > entry) drawHeads(pen, open, entry, end, own);
   drawBreachPath(pen, run, scene);
 }
 
@@ -54,6 +62,7 @@ export function drawOtherTrail(pen, run, colour, until, pose) {
   drawLine(pen, open, "other", { from: 0, to: until, colour, width: 2, alpha: 1 });
   line(pen, open.x, open.y, until - 1, until, pose);
   stroke(pen, colour, 2);
+  drawHeads(pen, open, 0, until, colour);
 }
 
 // Draws the path of the step that breaks the world's rules.

@@ -58,6 +58,8 @@ interface Offered {
   strategies: string[];
   oracles: string[];
   cores: number;
+  /** By name, what the robot does wrong, and where to look in the controller. */
+  causes: Record<string, { sentence: string; advice: string }>;
   /** Name of the folder of known failures. */
   known: string;
   /** Help text and default of each option of `worldgen fuzz`. */
@@ -249,6 +251,8 @@ interface CampaignState {
 interface WallFailure {
   name: string;
   class: string;
+  /** Name of its cause; empty if its file names none. */
+  cause: string;
   verdict: string;
   controller: string;
   motion: string;

@@ -38,6 +38,7 @@ function show(panel, failure) {
   Object.assign(panel, { failure, look: null });
   panel.canvas = el("canvas", { class: "large", role: "img", "aria-label": "The world and the robot's path" });
   const words = el("p", {}, "…");
+  const why = el("p", { id: "failure-cause" });
   const changed = el("p", { class: "notice", hidden: true }, OTHER_RUN);
   const facts = [
     ["Controller", `${failure.controller} under ${failure.motion}`],
@@ -49,6 +50,7 @@ function show(panel, failure) {
   panel.element.replaceChildren(
     el("h2", {}, verdictDot(failure.verdict), " ", failure.class),
     panel.canvas,
+    why,
     words,
     changed,
     actions(panel),
@@ -59,10 +61,14 @@ function show(panel, failure) {
     if (panel.failure !== failure) return;
     panel.look = look;
     words.replaceChildren([look.error ? refusalWords(look.error) : look.words, ...look.notes].join("; "), framesPart(look.error?.frames) ?? "");
+    const cause = campaignCauses(panel)[look.cause ?? failure.cause];
+    why.replaceChildren(...(cause ? [el("b", {}, cause.sentence), ` ${cause.advice}`] : []));
     changed.hidden = look.error !== null || look.same !== false;
     redraw(panel);
   });
 }
+
+const campaignCauses = ({ campaign }) => campaign.studio.offered?.causes ?? {};
 
 function actions(panel) {
   const { campaign, failure } = panel;

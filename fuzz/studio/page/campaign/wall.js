@@ -9,8 +9,8 @@ import { Refused, refusalWords } from "#studio/shared/refusals.js";
 const AT_ONCE = 3; // pictures requested at the same time
 const LOOKS = 400; // pictures that are kept, about 50 kB each
 const ROWS = 120; // cards that are shown before the user asks for more
-const SORTS = { size: "smallest first", newest: "newest first", oldest: "oldest first", class: "by class" };
-const FILTERS = { class: "Class", verdict: "Verdict", controller: "Controller" };
+const SORTS = { cause: "by cause", size: "smallest first", newest: "newest first", oldest: "oldest first", class: "by class" };
+const FILTERS = { cause: "Cause", class: "Class", verdict: "Verdict", controller: "Controller" };
 
 /**
  * @param {any} campaign
@@ -94,8 +94,9 @@ function faultWords(faults) {
 
 function sorted(failures, by) {
   const size = (a, b) => a.solid - b.solid || a.width * a.height - b.width * b.height || a.events - b.events;
+  const times = (cause) => failures.filter((one) => one.cause === cause).length;
   const name = (a, b) => (a.class < b.class ? -1 : a.class > b.class ? 1 : 0);
-  const orders = { size, newest: (a, b) => b.seen - a.seen, oldest: (a, b) => a.seen - b.seen, class: name };
+  const orders = { cause: (a, b) => times(b.cause) - times(a.cause) || (a.cause < b.cause ? -1 : a.cause > b.cause ? 1 : 0), size, newest: (a, b) => b.seen - a.seen, oldest: (a, b) => a.seen - b.seen, class: name };
   return [...failures].sort((a, b) => orders[by](a, b) || size(a, b) || name(a, b) || (a.name < b.name ? -1 : 1));
 }
 
@@ -125,7 +126,7 @@ function showTools(wall) {
   const values = (name) => [...new Set(failures.map((one) => one[name]))].sort();
   /** @type {(pair: string[]) => HTMLElement} */
   const filter = ([name, words]) =>
-    list(name, words, [["", "all"], ...values(name).map((one) => [one, one])], wall.filter[name] || "", (value) => (wall.filter[name] = value));
+    list(name, words, [["", "all"], ...values(name).map((one) => [one, name === "cause" ? causeWords(one) : one])], wall.filter[name] || "", (value) => (wall.filter[name] = value));
   const known = ["", "new", "known"].map((value) => [value, value || "all"]);
   /** @type {(pair: string[]) => boolean} */
   const several = ([name]) => wall.filter[name] || values(name).length > 1;
@@ -192,11 +193,14 @@ function cardOf(wall, failure) {
   card.dataset.verdict = failure.verdict;
   card.onclick = () => choose(wall, failure);
   card.querySelector(".text").replaceChildren(
-    el("span", { class: "kind" }, verdictDot(failure.verdict), failure.class),
+    el("span", { class: "kind" }, verdictDot(failure.verdict), failure.cause ? causeWords(failure.cause) : failure.class),
+    failure.cause ? el("span", { class: "quiet class" }, failure.class) : "",
     el("span", { class: "quiet" }, `${failure.width} x ${failure.height}, ${failure.solid} solid`, failure.known ? el("b", { class: "known" }, "known") : ""),
   );
   return [key, card];
 }
+
+const causeWords = (cause) => cause.replaceAll("-", " ") || "unknown";
 
 function choose(wall, failure) {
   wall.chosen = failure.name;

@@ -1,0 +1,44 @@
+// The legend of a player: the marks that its picture has, in the words of the static pictures.
+
+import { BURNING, SOLID, openWorld } from "#player/decode.js";
+import { el } from "#player/dom.js";
+import { hasMap } from "#player/memory.js";
+
+/**
+ * Returns the marks of what is drawn, as pairs of a class and words.
+ * @param {Drawn} drawn
+ * @returns {[string, string][]}
+ */
+function marksOf({ world, run, others, colour }) {
+  const { events } = openWorld(world),
+    happens = new Set(events?.state ?? []);
+  const several = (others ?? []).length > 0;
+  /** @type {(string[] | false)[]} */
+  const marks = [
+    ["start", "start"],
+    ["target", "target"],
+    several && ["chip-mark", "each robot has its number and colour"],
+    !several && run !== null && run.loop !== null && ["way", "the path into the loop"],
+    !several && run !== null && ["loop", run.loop ? "the period, repeated forever" : "the robot's path"],
+    several && run !== null && run.loop !== null && [`${colour} thick`, "its period, repeated forever"],
+    run !== null && [ "ahead", "still to be driven"],
+    run !== null && ["square touched", "wall touched"],
+    run !== null && run.marks.some(({ cell }) => cell) && ["square pierced", "wall entered, or cell that did harm"],
+    hasMap(run) && ["memory", "the robot's own map"],
+    happens.has(BURNING) && ["square fire", "burning"],
+    happens.has(BURNING) && ["square burnt", "burnt floor"],
+    (happens.has(BURNING) || happens.has(SOLID)) && ["square burns", "changes later (c)"],
+    world.cut ? ["cut", "the cut that separates start and target"] : world.witness ? ["witness", "a path for this robot (w)"] : false,
+  ];
+  return /** @type {[string, string][]} */ (marks.filter(Boolean));
+}
+
+/**
+ * Makes the legend, which can be closed.
+ * @param {Drawn} drawn
+ * @returns {HTMLElement}
+ */
+export function legendOf(drawn) {
+  const items = marksOf(drawn).map(([name, words]) => el("li", {}, el("i", { class: name }), words));
+  return el("details", { class: "legend-part", open: true }, el("summary", {}, "Legend"), el("ul", { class: "legend" }, items));
+}
