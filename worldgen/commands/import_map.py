@@ -53,6 +53,13 @@ EXAMPLES = (
     "--row", type=click.IntRange(1), default=1, show_default=True, help="Which problem of --scen."
 )
 @click.option(
+    "--robots",
+    type=click.IntRange(1, 1000),
+    default=1,
+    show_default=True,
+    help="Take so many problems of --scen, from --row on, as robots of one world.",
+)
+@click.option(
     "--cell-size",
     "--cell",
     "cell_size",
@@ -94,6 +101,7 @@ def import_map(
     target: str | None,
     scen: Path | None,
     row: int,
+    robots: int,
     cell_size: float | None,
     slice_height: float | None,
     unknown: str | None,
@@ -121,7 +129,7 @@ def import_map(
     robot = interop.ImportedRobot(
         None if start is None else interop.parse_point("start", start, "HEADING"),
         None if target is None else interop.parse_point("target", target, "RADIUS"),
-        radius, speed, scen, row, seed, ignore_unread,
+        radius, speed, scen, row, seed, ignore_unread, robots,
     )  # fmt: skip
     given = {"cell_size": cell_size, "slice_height": slice_height, "unknown": unknown}
     asked = {option: value for option, value in given.items() if value is not None}

@@ -91,6 +91,7 @@ def export_world(
             changes=len(world.timeline),
             format=known.name,
         )
+    _check_robots(still, known)
     # Write the file.
     destination = Destination(
         file or f"world{known.suffixes[0]}", origin_of(world) if origin is None else origin
@@ -106,8 +107,27 @@ def export_world(
         files[beside] = sidecar_text(still, destination, [*missing, *written.altered])
     # Tell the user what got lost.
     lost = [f"not stored: {', '.join(missing.values())}"] if missing else []
-    notes = (*written.notes, *_notes(world, at, destination), *_too_large(known, written.data))
+    notes = (
+        *written.notes,
+        *_notes(world, known, at, destination),
+        *_too_large(known, written.data),
+    )
     return Export(known, files, (*lost, *dict.fromkeys(written.altered.values())), beside, notes)
+
+
+def _check_robots(world: World, known: Format) -> None:
+    """Refuse several robots where a file has one; a map that has none may be of any world."""
+    if not world.others or known.robots or "start" not in known.holds:
+        return
+    able = [other.name for other in map(FORMATS.get, FORMATS) if other.write and other.robots]
+    raise InvalidWorld(
+        "several-robots",
+        "{format} files hold one robot, and the world has {count}",
+        "export it to one of {known!l}",
+        format=known.name,
+        count=len(world.robots),
+        known=able,
+    )
 
 
 def _missing(world: World, known: Format, destination: Destination) -> Iterator[tuple[str, str]]:
@@ -145,12 +165,18 @@ def _too_large(known: Format, data: bytes) -> Iterator[str]:
         )
 
 
-def _notes(world: World, at: float | None, destination: Destination) -> Iterator[str]:
+def _notes(
+    world: World, known: Format, at: float | None, destination: Destination
+) -> Iterator[str]:
     if at is not None and world.is_dynamic:
         yield (
             f"the world's {len(world.timeline)} changes are not stored; the file has the cells "
             f"at {at:g} s"
         )
+    if world.others and "start" not in known.holds:
+        yield f"the file is a map; starts and targets of the {len(world.robots)} robots are not in it"
+    elif world.others and not known.holds >= HELD.keys():
+        yield "what the file does not store is in the sidecar for the first robot only"
     if world.failure is not None:
         yield f"the failure's record ({world.failure.outcome}) is not stored; it stays in the .grid"
     if destination.origin != (0.0, 0.0):

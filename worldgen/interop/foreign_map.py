@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +25,7 @@ __all__ = [
     "MAX_FILE_BYTES",
     "THESIS_ROBOT",
     "ForeignMap",
+    "ForeignRobot",
     "UsualRobot",
     "check_sides",
     "digest",
@@ -66,6 +68,22 @@ GRID_AGENT = UsualRobot(
 FLOOR_ROBOT = UsualRobot(Fraction(11, 50), False, "Nav2's default, a TurtleBot's")
 
 
+class ForeignRobot(NamedTuple):
+    """A robot of a file with several.
+
+    Args:
+        start: x and y, m, and, if the file has it, the heading, rad.
+        target: x and y, m, and, if the file has it, the radius, m.
+        radius: Of the robot, m; that of the first robot if None.
+        speed: Top speed, m/s; that of the first robot if None.
+    """
+
+    start: tuple[float, ...]
+    target: tuple[float, ...]
+    radius: float | None = None
+    speed: float | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class ForeignMap:
     """A map as stored in its file, before a robot is put into it.
@@ -85,6 +103,7 @@ class ForeignMap:
         usual_robot: The robot that such maps are drawn for; ``read_map`` fills in its format's.
         unread: Obstacles in the file that ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A path
             through such a map proves nothing.
+        others: The robots after the first, if the file has several.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -100,6 +119,7 @@ class ForeignMap:
     origin: tuple[float, float] = (0.0, 0.0)
     usual_robot: UsualRobot = THESIS_ROBOT
     unread: tuple[str, ...] = ()
+    others: tuple[ForeignRobot, ...] = ()
 
 
 def origin_of(world: World) -> tuple[float, float]:

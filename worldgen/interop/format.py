@@ -151,6 +151,7 @@ class Format:
             read.
         holds: The facts of :data:`HELD` that its files can store.
         changes: Whether its files can store worlds that change with time.
+        robots: Whether its files can store several robots.
         client: The programs that read it, in a few words.
         usual_robot: The robot that its maps are drawn for, used if neither the file nor the user
             gives one.
@@ -166,6 +167,7 @@ class Format:
     write: Callable[..., Exported] | None = None
     holds: frozenset[str] = frozenset()
     changes: bool = False
+    robots: bool = False
     client: str = ""
     usual_robot: UsualRobot = THESIS_ROBOT
     most_bytes: int = MAX_FILE_BYTES

@@ -9,14 +9,14 @@ from pathlib import Path
 
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap
+from worldgen.interop.foreign_map import ForeignMap, ForeignRobot
 from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario
 from worldgen.interop.place import heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map
 from worldgen.lattice import exact
 from worldgen.reach import Decision, decide
 from worldgen.timeline import Timeline
-from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Target, Value, World
+from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target, Value, World
 
 __all__ = [
     "VERSION",
@@ -49,6 +49,7 @@ class ImportedRobot:
             places, and a thesis map its program's start.
         ignore_unread: Whether to judge the map without those obstacles of the file that could not
             be read.
+        robots: Number of the scenario's problems, from ``row`` on, that are robots of one world.
     """
 
     start: tuple[float, ...] | None = None
@@ -59,6 +60,7 @@ class ImportedRobot:
     row: int = 1
     seed: int | None = None
     ignore_unread: bool = False
+    robots: int = 1
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,8 @@ def import_world(
     if found.origin != (0.0, 0.0):
         params["origin"] = list(found.origin)
     radius_from = _radius_from(robot, found)
+    if robot.robots > 1:
+        found = _with_more_problems(robot, found, params)
     robot, notes = _at_programs_start(_complete(_with_scenario(robot, found, params), found), found)
     world, warnings = _place(robot, found)
 
@@ -195,6 +199,27 @@ def _with_scenario(
     return replace(robot, start=problem.start, target=problem.goal, radius=radius)
 
 
+def _with_more_problems(
+    robot: ImportedRobot, found: ForeignMap, params: dict[str, Value]
+) -> ForeignMap:
+    """Return the map with a robot for each of the problems that follow the scenario's first one."""
+    if robot.scenario is None:
+        raise InvalidParameter(
+            "conflict",
+            "robots={robots}: only a scenario file has several robots that can be counted",
+            "name it with --scen, or let the map's own robots be read",
+            at_terminal=True,
+            robots=robot.robots,
+        )
+    params["robots"] = robot.robots
+    height, width = found.walls.shape
+    others = []
+    for row in range(robot.row + 1, robot.row + robot.robots):
+        problem = read_scenario(robot.scenario, row, width, height, found.cell_size)
+        others.append(ForeignRobot(problem.start, problem.goal))
+    return replace(found, others=tuple(others))
+
+
 def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
     """Fill in the options from a world of ours, or from the default robot."""
     old = found.world
@@ -256,7 +281,31 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, .
     start = Pose(*at, headed[2] if len(headed) > 2 else heading_towards(at, to))
     target = Target(*to, sized[2] if len(sized) > 2 else radius)
     timeline = found.world.timeline if found.world else Timeline()
-    return World(found.walls, start, target, found.cell_size, radius, speed, timeline), warnings
+    others = _other_robots(robot, found, radius, speed)
+    return World(
+        found.walls, start, target, found.cell_size, radius, speed, timeline, others=others
+    ), warnings
+
+
+def _other_robots(
+    robot: ImportedRobot, found: ForeignMap, radius: float, speed: float
+) -> tuple[Robot, ...]:
+    """Return the robots after the first: the file's, unless the user asked for other places."""
+    if robot.seed is not None:
+        return ()
+    if found.world is not None:
+        return found.world.others
+    robots = []
+    for other in found.others:
+        at = (other.start[0], other.start[1])
+        to = (other.target[0], other.target[1])
+        headed = other.start[2] if len(other.start) > 2 else heading_towards(at, to)
+        size = _first(other.radius, radius)
+        sized = other.target[2] if len(other.target) > 2 else size
+        robots.append(
+            Robot(Pose(*at, headed), Target(*to, sized), size, _first(other.speed, speed))
+        )
+    return tuple(robots)
 
 
 def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:

@@ -60,7 +60,7 @@ def write_irsim(
     picture = destination.sibling_file(".png") if walls == "image" else None
     lines = [
         *_world(world, destination, picture, step_time),
-        *_robot(world, destination, robot, lidar),
+        *_robots(world, destination, robot, lidar),
     ]
     lines += _obstacles(boxes)
     files[destination.name] = ("\n".join(lines) + "\n").encode()
@@ -95,24 +95,25 @@ def _quoted(name: str) -> str:
     return "'" + name.replace("'", "''") + "'"
 
 
-def _robot(world: World, destination: Destination, kinematics: str, lidar: bool) -> Iterator[str]:
-    start = world.start
-    target = world.target
-    speed = decimal(world.robot_speed)
-    other = _TURN_RATE if kinematics == "diff" else speed
-    # The second speed is a turn rate or a sideways speed, depending on the kinematics.
+def _robots(world: World, destination: Destination, kinematics: str, lidar: bool) -> Iterator[str]:
     yield "robot:"
-    yield f"  - kinematics: {{name: {kinematics}}}"
-    yield f"    shape: {{name: circle, radius: {decimal(world.robot_radius)}}}"
-    yield (
-        f"    state: [{destination.x(start.x)}, {destination.y(start.y)}, {decimal(start.heading)}]"
-    )
-    yield f"    goal: [{destination.x(target.x)}, {destination.y(target.y)}, 0]"
-    yield f"    goal_threshold: {decimal(target.radius)}"
-    yield f"    vel_min: [-{speed}, -{other}]"
-    yield f"    vel_max: [{speed}, {other}]"
-    if lidar:
-        yield f"    sensors: {_LIDAR}"
+    for robot in world.robots:
+        start = robot.start
+        target = robot.target
+        speed = decimal(robot.speed)
+        # The second speed is a turn rate or a sideways speed, depending on the kinematics.
+        other = _TURN_RATE if kinematics == "diff" else speed
+        x = destination.x(start.x)
+        y = destination.y(start.y)
+        yield f"  - kinematics: {{name: {kinematics}}}"
+        yield f"    shape: {{name: circle, radius: {decimal(robot.radius)}}}"
+        yield f"    state: [{x}, {y}, {decimal(start.heading)}]"
+        yield f"    goal: [{destination.x(target.x)}, {destination.y(target.y)}, 0]"
+        yield f"    goal_threshold: {decimal(target.radius)}"
+        yield f"    vel_min: [-{speed}, -{other}]"
+        yield f"    vel_max: [{speed}, {other}]"
+        if lidar:
+            yield f"    sensors: {_LIDAR}"
 
 
 def _obstacles(boxes: list[PlacedBox]) -> Iterator[str]:
@@ -173,6 +174,7 @@ irsim = Format(
     read_irsim,
     write_irsim,
     holds=frozenset(HELD),
+    robots=True,
     client="IR-SIM",
     most_bytes=MAX_YAML_BYTES,
     usual_robot=FLOOR_ROBOT,

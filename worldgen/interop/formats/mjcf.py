@@ -19,12 +19,13 @@ from worldgen.interop.geometry.solid_scene import (
     Body,
     SolidScene,
     events_file,
+    numbered,
     plain_name,
     scene,
 )
 from worldgen.lattice import exact
 from worldgen.parameters import check_between
-from worldgen.world import World
+from worldgen.world import Robot, World
 
 __all__ = ["mjcf", "write_mjcf"]
 
@@ -67,7 +68,11 @@ def write_mjcf(
         *_surroundings(parts, height),
         *_marks(world, destination),
         *(line for body in parts.bodies for line in _mocap(body, height)),
-        *(_robot(world, destination, height, timestep) if robot else ()),
+        *(
+            line
+            for number in range(1, len(world.robots) + 1 if robot else 1)
+            for line in _robot(world.robots[number - 1], number, destination, height, timestep)
+        ),
         "  </worldbody>",
         *(_actuators(world) if robot else ()),
         "</mujoco>",
@@ -122,24 +127,25 @@ def _numbers_of(values: Sequence[Fraction], share: int = 1) -> str:
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
-    """Yield start and target as sites: they are drawn, but rays and bodies do not hit them."""
-    start = world.start
-    target = world.target
-    for name, x, y, radius, more in (
-        (
-            "start",
-            start.x,
-            start.y,
-            world.robot_radius,
-            f'euler="0 0 {decimal(start.heading)}" rgba="0.1 0.4 0.9 0.6"',
-        ),
-        ("target", target.x, target.y, target.radius, 'rgba="0.1 0.7 0.2 0.6"'),
-    ):
-        place = f"{destination.x(x)} {destination.y(y)} {_THIN}"
-        yield (
-            f'    <site name="{name}" type="cylinder" pos="{place}" size="{decimal(radius)} '
-            f'{_THIN}" {more}/>'
-        )
+    """Yield starts and targets as sites: they are drawn, but rays and bodies do not hit them."""
+    for number, robot in enumerate(world.robots, start=1):
+        start = robot.start
+        target = robot.target
+        for name, x, y, radius, more in (
+            (
+                "start",
+                start.x,
+                start.y,
+                robot.radius,
+                f'euler="0 0 {decimal(start.heading)}" rgba="0.1 0.4 0.9 0.6"',
+            ),
+            ("target", target.x, target.y, target.radius, 'rgba="0.1 0.7 0.2 0.6"'),
+        ):
+            place = f"{destination.x(x)} {destination.y(y)} {_THIN}"
+            yield (
+                f'    <site name="{numbered(name, number)}" type="cylinder" pos="{place}" '
+                f'size="{decimal(radius)} {_THIN}" {more}/>'
+            )
 
 
 def _mocap(body: Body, height: float) -> Iterator[str]:
@@ -158,48 +164,55 @@ def _mocap(body: Body, height: float) -> Iterator[str]:
     yield "    </body>"
 
 
-def _robot(world: World, destination: Destination, height: float, timestep: float) -> Iterator[str]:
+def _robot(
+    robot: Robot, number: int, destination: Destination, height: float, timestep: float
+) -> Iterator[str]:
     """Yield a disc that hovers, so that the floor's friction does not act on it.
 
     Its coordinates are in the file's frame.
     """
-    x = destination.x(world.start.x)
-    y = destination.y(world.start.y)
-    heading = decimal(world.start.heading)
+    name = numbered("robot", number)
+    x = destination.x(robot.start.x)
+    y = destination.y(robot.start.y)
+    heading = decimal(robot.start.heading)
     half = exact(height) / 2
     # The stiffest contact that MuJoCo keeps stable: two steps.
     stiff = text(2 * exact(timestep))
-    yield f'    <body name="robot" pos="{x} {y} {text(half)}">'
-    yield f'      <joint name="robot_x" type="slide" axis="1 0 0" ref="{x}"/>'
-    yield f'      <joint name="robot_y" type="slide" axis="0 1 0" ref="{y}"/>'
+    yield f'    <body name="{name}" pos="{x} {y} {text(half)}">'
+    yield f'      <joint name="{name}_x" type="slide" axis="1 0 0" ref="{x}"/>'
+    yield f'      <joint name="{name}_y" type="slide" axis="0 1 0" ref="{y}"/>'
     yield f'      <inertial pos="0 0 0" mass="{_MASS}" diaginertia="0.001 0.001 0.001"/>'
-    yield f'      <body name="robot_disc" euler="0 0 {heading}">'
-    yield f'        <joint name="robot_heading" type="hinge" axis="0 0 1" ref="{heading}"/>'
-    size = f"{decimal(world.robot_radius)} {text(half / 2)}"
+    yield f'      <body name="{name}_disc" euler="0 0 {heading}">'
+    yield f'        <joint name="{name}_heading" type="hinge" axis="0 0 1" ref="{heading}"/>'
+    size = f"{decimal(robot.radius)} {text(half / 2)}"
     yield (
-        f'        <geom name="robot" type="cylinder" size="{size}" mass="{_MASS}" condim="1" '
+        f'        <geom name="{name}" type="cylinder" size="{size}" mass="{_MASS}" condim="1" '
         f'priority="1" '
         f'solref="{stiff} 1" rgba="0.1 0.4 0.9 1"/>'
     )
-    nose = text(exact(world.robot_radius) / 2)
+    nose = text(exact(robot.radius) / 2)
     front = f'type="sphere" pos="{nose} 0 {text(half / 2)}" size="{nose}"'
-    yield f'        <site name="robot_front" {front} rgba="1 1 1 1"/>'
+    yield f'        <site name="{name}_front" {front} rgba="1 1 1 1"/>'
     yield "      </body>"
     yield "    </body>"
 
 
 def _actuators(world: World) -> Iterator[str]:
     """Yield a velocity actuator per joint: along x and y, m/s, and turning, rad/s."""
-    fastest = decimal(world.robot_speed)
     yield "  <actuator>"
+    for number, robot in enumerate(world.robots, start=1):
+        yield from _velocities(numbered("robot", number), decimal(robot.speed))
+    yield "  </actuator>"
+
+
+def _velocities(name: str, fastest: str) -> Iterator[str]:
     for axis in ("x", "y"):
         yield (
-            f'    <velocity name="robot_v{axis}" joint="robot_{axis}" kv="20" '
+            f'    <velocity name="{name}_v{axis}" joint="{name}_{axis}" kv="20" '
             f'ctrlrange="-{fastest} {fastest}" '
             'ctrllimited="true"/>'
         )
-    yield '    <velocity name="robot_turn" joint="robot_heading" kv="0.1"/>'
-    yield "  </actuator>"
+    yield f'    <velocity name="{name}_turn" joint="{name}_heading" kv="0.1"/>'
 
 
 mjcf = Format(
@@ -209,5 +222,6 @@ mjcf = Format(
     write=write_mjcf,
     holds=frozenset(HELD),
     changes=True,
+    robots=True,
     client="MuJoCo",
 )

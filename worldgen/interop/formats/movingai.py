@@ -511,9 +511,10 @@ def _fields(line: bytes, number: int, source: str) -> list[bytes]:
 
 
 def write_movingai(world: World, destination: Destination) -> Exported:
-    """Return a map of ``.`` and ``@``, and a scenario file with one problem.
+    """Return a map of ``.`` and ``@``, and a scenario file with a problem for each robot.
 
-    The problem leads from the start's cell to the target's.
+    Each leads from the start's cell to the target's. Programs for several robots take the first
+    problems of a file as the robots of one task.
 
     Args:
         world: The world.
@@ -524,27 +525,33 @@ def write_movingai(world: World, destination: Destination) -> Exported:
     cells = np.where(flip_rows(world.walls), np.uint8(BLOCKED[0]), np.uint8(PASSABLE[0]))
     head = f"type octile\nheight {world.height}\nwidth {world.width}\nmap\n".encode()
     files = {destination.name: head + b"".join(row.tobytes() + b"\n" for row in cells)}
-    start = cell_of(world, world.start.x, world.start.y)
-    goal = cell_of(world, world.target.x, world.target.y)
-    moves = octile_moves(flip_rows(world.walls), start, goal)
-    if moves is None:
-        why = (
-            "no path of cells leads from the start's to the target's, so there is no scenario file"
-        )
-        return Exported(
-            files, {"start": why, "target": why, "robot_radius": "the robot's radius is not stored"}
-        )
-    optimal = _decimals(*moves)
     # Other programs split the fields at any white space.
     name = re.sub(r"\s", "_", destination.name)
-    bucket = int(optimal.partition(".")[0]) // 4
-    row = "\t".join(map(str, (bucket, name, world.width, world.height, *start, *goal, optimal)))
-    files[f"{destination.name}.scen"] = f"version 1\n{row}\n".encode()
-    altered = off_centre(world, (start, goal))
-    if radius_in_cells(world) != SCENARIO_RADIUS:
-        altered["robot_radius"] = (
-            "the robot's radius is not stored; a scenario's robot has 0.4 cells"
-        )
+    rows: list[str] = []
+    altered: dict[str, str] = {}
+    for number in range(1, len(world.robots) + 1):
+        alone = world.alone(number) if world.others else world
+        start = cell_of(alone, alone.start.x, alone.start.y)
+        goal = cell_of(alone, alone.target.x, alone.target.y)
+        moves = octile_moves(flip_rows(world.walls), start, goal)
+        if moves is None:
+            why = (
+                "no path of cells leads from the start's to the target's, so there is no scenario "
+                "file"
+            )
+            lost = "the robot's radius is not stored"
+            return Exported(files, {"start": why, "target": why, "robot_radius": lost})
+        optimal = _decimals(*moves)
+        bucket = int(optimal.partition(".")[0]) // 4
+        fields = (bucket, name, world.width, world.height, *start, *goal, optimal)
+        rows.append("\t".join(map(str, fields)))
+        altered |= off_centre(alone, (start, goal))
+        if radius_in_cells(alone) != SCENARIO_RADIUS:
+            altered["robot_radius"] = (
+                "the robot's radius is not stored; a scenario's robot has 0.4 cells"
+            )
+    text = "".join(f"{row}\n" for row in rows)
+    files[f"{destination.name}.scen"] = f"version 1\n{text}".encode()
     return Exported(files, altered)
 
 
@@ -566,6 +573,7 @@ movingai = Format(
     read_movingai,
     write_movingai,
     holds=frozenset({"start", "target", "robot_radius"}),
+    robots=True,
     client="MovingAI benchmarks, HOG2",
     usual_robot=GRID_AGENT,
 )

@@ -10,12 +10,21 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from string import ascii_lowercase
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, digest, read_bounded, unix_text
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
+from worldgen.interop.foreign_map import (
+    GRID_AGENT,
+    ForeignMap,
+    ForeignRobot,
+    digest,
+    read_bounded,
+    unix_text,
+)
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, cell_of, equal_rows, off_centre
 from worldgen.support.rows import flip_rows
@@ -32,16 +41,22 @@ _CELL = rb"[.#a-zA-Z@$!]"
 
 
 def read_pogema(
-    path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL_SIZE
+    path: Path,
+    *,
+    agent: str = "a",
+    agents: Literal["one", "all"] = "one",
+    cell_size: float = DEFAULT_CELL_SIZE,
 ) -> ForeignMap:
     """Read a map in the form GridConfig takes, the top row first.
 
-    One agent is the robot; other agents and their targets are free cells.
+    One agent is the robot, or all agents are robots.
 
     Args:
         path: The file; white space around rows and empty rows are ignored.
         agent: Letter of the agent that is the robot, lower case; its target is the same letter in
             upper case.
+        agents: one: the other agents and their targets are free cells; all: they are robots too,
+            by letter after the first.
         cell_size: Side of a cell, m.
 
     Raises:
@@ -78,27 +93,39 @@ def read_pogema(
             )
     # Find the agents and their targets.
     letters = _letters(drawn, [number for number, _ in lines], source)
-    agents = [letter for letter in letters if letter.islower()]
-    if agents and agent not in agents:
+    lower = [letter for letter in letters if letter.islower()]
+    if lower and agent not in lower:
         raise InvalidParameter(
             "unknown-name",
             "{source}: there is no agent {agent!r}",
             "there are {known!l}",
             source=source,
             agent=agent,
-            known=sorted(agents),
+            known=sorted(lower),
         )
-    places = [
-        cell_centre(letters[name][1], drawn.shape[0] - 1 - letters[name][0], cell_size)
-        if name in letters
-        else None
-        for name in (agent, agent.upper())
-    ]
-    notes = (
-        ()
-        if len(agents) < 2
-        else (f"the robot is agent {agent} of {len(agents)}; the others are not there",)
-    )
+    centres = {
+        letter: cell_centre(column, drawn.shape[0] - 1 - row, cell_size)
+        for letter, (row, column) in letters.items()
+    }
+    others: list[ForeignRobot] = []
+    notes: tuple[str, ...] = ()
+    if agents == "all":
+        for letter in sorted(set(lower) - {agent}):
+            if letter.upper() not in centres:
+                raise FormatError(
+                    "missing-target",
+                    "agent {letter} has no target {target}",
+                    "draw it, or read one agent only",
+                    letter=letter,
+                    target=letter.upper(),
+                    source=source,
+                )
+            others.append(ForeignRobot(centres[letter], centres[letter.upper()]))
+    elif len(lower) > 1:
+        notes = (
+            f"the robot is agent {agent} of {len(lower)}; the others are not there, and "
+            "--from pogema+agents=all takes them all",
+        )
     params: dict[str, Value] = {
         "format": "pogema",
         "source": path.name,
@@ -106,7 +133,8 @@ def read_pogema(
         "agent": agent,
     }
     return ForeignMap(
-        flip_rows(drawn == _WALL[0]), cell_size, params, notes, start=places[0], target=places[1]
+        flip_rows(drawn == _WALL[0]), cell_size, params, notes,
+        start=centres.get(agent), target=centres.get(agent.upper()), others=tuple(others),
     )  # fmt: skip
 
 
@@ -132,23 +160,44 @@ def _letters(
 
 
 def write_pogema(world: World, destination: Destination) -> Exported:
-    """Return a map with one agent, ``a`` to ``A``, the top row first.
+    """Return a map with an agent for each robot, ``a`` to ``A`` and so on, the top row first.
 
     Args:
         world: The world.
         destination: Where the file is written.
     """
-    # Draw the agent and its target, unless they share a cell or a wall is in the way.
+    if len(world.robots) > len(ascii_lowercase):
+        raise InvalidWorld(
+            "too-many-robots",
+            "{count} robots; a map of POGEMA has letters for {most}",
+            "export it as movingai",
+            count=len(world.robots),
+            most=len(ascii_lowercase),
+        )
+    # Draw each agent and its target, unless they share a cell or a wall is in the way.
     cells = np.where(flip_rows(world.walls), np.uint8(_WALL[0]), np.uint8(_FREE[0]))
-    start = cell_of(world, world.start.x, world.start.y)
-    target = cell_of(world, world.target.x, world.target.y)
-    altered = off_centre(world, (start, target))
-    if start == target or _WALL[0] in (cells[start[1], start[0]], cells[target[1], target[0]]):
-        because = "they are one cell" if start == target else "one of them is in a wall"
-        why = f"start and target are not drawn, for {because}"
-        altered = {"start": why, "target": why}
-    else:
-        cells[start[1], start[0]], cells[target[1], target[0]] = b"aA"
+    altered: dict[str, str] = {}
+    for number, letter in enumerate(ascii_lowercase[: len(world.robots)], start=1):
+        alone = world.alone(number) if world.others else world
+        start = cell_of(alone, alone.start.x, alone.start.y)
+        target = cell_of(alone, alone.target.x, alone.target.y)
+        taken = [int(cells[row, column]) for column, row in (start, target)]
+        if start != target and taken == [_FREE[0]] * 2:
+            altered |= off_centre(alone, (start, target))
+            cells[start[1], start[0]] = ord(letter)
+            cells[target[1], target[0]] = ord(letter.upper())
+        elif world.others:
+            raise InvalidWorld(
+                "cells-taken",
+                "robot {number}: a cell holds one letter, and the cells of its start and target are "
+                "the same, in a wall, or taken by another robot",
+                "export it as movingai",
+                number=number,
+            )
+        else:
+            because = "they are one cell" if start == target else "one of them is in a wall"
+            why = f"start and target are not drawn, for {because}"
+            altered = {"start": why, "target": why}
     notes: tuple[str, ...] = ()
     if max(world.width, world.height) > _MAX_SIDE:
         notes = (f"POGEMA itself takes maps of up to {_MAX_SIDE} cells a side",)
@@ -171,6 +220,7 @@ pogema = Format(
     read_pogema,
     write_pogema,
     holds=frozenset({"start", "target"}),
+    robots=True,
     client="POGEMA",
     usual_robot=GRID_AGENT,
 )

@@ -16,7 +16,14 @@ from typing import Literal
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
 from worldgen.interop.geometry.placed_boxes import PlacedBox
-from worldgen.interop.geometry.solid_scene import TIMESTEPS, Body, events_file, plain_name, scene
+from worldgen.interop.geometry.solid_scene import (
+    TIMESTEPS,
+    Body,
+    events_file,
+    numbered,
+    plain_name,
+    scene,
+)
 from worldgen.interop.players.sdf_robot import SYSTEMS, robot_lines
 from worldgen.interop.readers.gazebo_world import grid_line
 from worldgen.lattice import exact
@@ -190,18 +197,19 @@ def _walls(boxes: tuple[PlacedBox, ...]) -> Iterator[str]:
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
-    """Yield start and target as discs that are only visible; the start's shows the heading."""
-    start = world.start
-    target = world.target
-    for name, x, y, heading, radius in (
-        ("start", start.x, start.y, start.heading, world.robot_radius),
-        ("target", target.x, target.y, 0.0, target.radius),
-    ):
-        pose = f"{destination.x(x)} {destination.y(y)} {text(_THIN / 2)} 0 0 {decimal(heading)}"
-        disc = (
-            f"<cylinder><radius>{decimal(radius)}</radius><length>{text(_THIN)}</length></cylinder>"
-        )
-        yield from _model(name, pose, _shapes("seen", "disc", disc, _COLOURS[name]))
+    """Yield starts and targets as discs that are only visible; a start's shows the heading."""
+    for number, robot in enumerate(world.robots, start=1):
+        start = robot.start
+        target = robot.target
+        for name, x, y, heading, radius in (
+            ("start", start.x, start.y, start.heading, robot.radius),
+            ("target", target.x, target.y, 0.0, target.radius),
+        ):
+            pose = f"{destination.x(x)} {destination.y(y)} {text(_THIN / 2)} 0 0 {decimal(heading)}"
+            size = f"<radius>{decimal(radius)}</radius><length>{text(_THIN)}</length>"
+            disc = f"<cylinder>{size}</cylinder>"
+            shapes = _shapes("seen", "disc", disc, _COLOURS[name])
+            yield from _model(numbered(name, number), pose, shapes)
 
 
 def _moving(body: Body, tall: Fraction) -> Iterator[str]:
@@ -221,5 +229,6 @@ sdf = Format(
     write=write_sdf,
     holds=frozenset(HELD),
     changes=True,
+    robots=True,
     client="Gazebo, PyBullet",
 )

@@ -15,10 +15,11 @@ from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
 from worldgen.interop.geometry.boxes import closing_boxes
 from worldgen.interop.geometry.degrees import degrees_text
+from worldgen.interop.geometry.solid_scene import numbered
 from worldgen.interop.readers.grey_image import walls_png
 from worldgen.interop.readers.stage_world import RINGED, TARGET, read_stage
 from worldgen.lattice import exact
-from worldgen.world import World
+from worldgen.world import Robot, World
 
 __all__ = ["stage", "write_stage"]
 
@@ -92,9 +93,10 @@ def write_stage(world: World, destination: Destination, *, lidar: bool = False) 
         _disc(),
         _TARGET,
         *_floor_plan(world, destination, picture, ringed),
-        *_robot(world, destination, lidar),
-        *_target(world, destination),
     ]
+    for number, robot in enumerate(world.robots, start=1):
+        lines += _robot(robot, number, destination, lidar)
+        lines += _target(robot, number, destination)
     solid = np.pad(world.walls, 1, constant_values=True) if ringed else world.walls
     files = {destination.name: ("\n".join(lines)).encode(), picture: walls_png(solid)}
     return Exported(files)
@@ -148,13 +150,13 @@ def _floor_plan(
     yield ")\n"
 
 
-def _robot(world: World, destination: Destination, lidar: bool) -> Iterator[str]:
-    start = world.start
-    speed = decimal(world.robot_speed)
-    across = decimal_text(2 * exact(world.robot_radius))
+def _robot(robot: Robot, number: int, destination: Destination, lidar: bool) -> Iterator[str]:
+    start = robot.start
+    speed = decimal(robot.speed)
+    across = decimal_text(2 * exact(robot.radius))
     yield "disc"
     yield "("
-    yield '  name "robot"'
+    yield f'  name "{numbered("robot", number)}"'
     yield f"  size [ {across} {across} {_LOW} ]"
     yield (
         f"  pose [ {destination.x(start.x)} {destination.y(start.y)} 0 "
@@ -166,12 +168,12 @@ def _robot(world: World, destination: Destination, lidar: bool) -> Iterator[str]
     yield ")\n"
 
 
-def _target(world: World, destination: Destination) -> Iterator[str]:
-    target = world.target
-    across = decimal_text(2 * exact(world.target.radius))
+def _target(robot: Robot, number: int, destination: Destination) -> Iterator[str]:
+    target = robot.target
+    across = decimal_text(2 * exact(target.radius))
     yield "goal"
     yield "("
-    yield f'  name "{TARGET}"'
+    yield f'  name "{numbered(TARGET, number)}"'
     yield f"  size [ {across} {across} 0.01 ]"
     yield f"  pose [ {destination.x(target.x)} {destination.y(target.y)} 0 0 ]"
     yield ")\n"
@@ -189,6 +191,7 @@ stage = Format(
     read_stage,
     write_stage,
     holds=frozenset(HELD),
+    robots=True,
     client="Stage",
     usual_robot=FLOOR_ROBOT,
 )

@@ -20,7 +20,7 @@ from worldgen.lattice import exact
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["TIMESTEPS", "Body", "SolidScene", "events_file", "plain_name", "scene"]
+__all__ = ["TIMESTEPS", "Body", "SolidScene", "events_file", "numbered", "plain_name", "scene"]
 
 # Time step of the player, s.
 TIMESTEPS = (1e-6, 1e3)
@@ -143,6 +143,11 @@ def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: s
     return "".join(
         (head, ",\n".join(places), '\n  },\n  "events": [\n', ",\n".join(rows), "\n  ]\n}\n")
     ).encode()
+
+
+def numbered(name: str, number: int) -> str:
+    """Return the name of a robot's part; robots after the first have their number in it."""
+    return name if number == 1 else f"{name}_{number}"
 
 
 def plain_name(destination: Destination) -> str:

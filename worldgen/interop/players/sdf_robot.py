@@ -7,8 +7,9 @@ from fractions import Fraction
 
 from worldgen.interop.format import Destination, decimal
 from worldgen.interop.format import decimal_text as text
+from worldgen.interop.geometry.solid_scene import numbered
 from worldgen.lattice import exact
-from worldgen.world import World
+from worldgen.world import Robot, World
 
 __all__ = ["SYSTEMS", "robot_lines"]
 
@@ -49,27 +50,32 @@ _WHEEL_MASS = Fraction(1, 10)
 
 
 def robot_lines(world: World, destination: Destination, plugins: str) -> Iterator[str]:
-    """Yield the model ``robot`` at the start.
+    """Yield the model ``robot`` at the start, and ``robot_2`` and so on for the others.
 
-    It is a cylinder of the robot's radius, with joints ``left_joint`` and ``right_joint``.
+    Each is a cylinder of its robot's radius, with joints ``left_joint`` and ``right_joint``.
 
     Args:
         world: The world.
         destination: Gives the position of the grid's lower-left corner.
         plugins: A key of ``SYSTEMS``; with any but ``none`` the robot takes velocity commands.
     """
-    radius = exact(world.robot_radius)
-    start = world.start
-    yield '    <model name="robot">'
+    for number, robot in enumerate(world.robots, start=1):
+        yield from _model(robot, numbered("robot", number), destination, plugins)
+
+
+def _model(robot: Robot, name: str, destination: Destination, plugins: str) -> Iterator[str]:
+    radius = exact(robot.radius)
+    start = robot.start
+    yield f'    <model name="{name}">'
     yield (
         f"      <pose>{destination.x(start.x)} {destination.y(start.y)} 0 0 0 "
         f"{decimal(start.heading)}</pose>"
     )
     yield from _chassis(radius)
-    for name, side in (("left", 1), ("right", -1)):
-        yield from _wheel(name, side, radius)
+    for wheel, side in (("left", 1), ("right", -1)):
+        yield from _wheel(wheel, side, radius)
     if plugins in _DRIVES:
-        yield from _drive(*_DRIVES[plugins], radius, world.robot_speed)
+        yield from _drive(*_DRIVES[plugins], radius, robot.speed)
     yield "    </model>"
 
 
@@ -130,7 +136,7 @@ def _wheel(name: str, side: int, radius: Fraction) -> Iterator[str]:
 
 
 def _drive(file: str, system: str, radius: Fraction, speed: float) -> Iterator[str]:
-    """Yield the systems; commands arrive on the topic ``/model/robot/cmd_vel``."""
+    """Yield the systems; commands arrive on the topic ``/model/NAME/cmd_vel``."""
     numbers = {
         "left_joint": "left_joint",
         "right_joint": "right_joint",

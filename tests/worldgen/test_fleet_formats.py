@@ -1,0 +1,185 @@
+"""Several robots in other programs' files: all of them, in order, or a refusal in one sentence."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
+from worldgen.files.grid import read_world, write_world
+from worldgen.generation import generate
+from worldgen.interop import FORMATS, ImportedRobot, export_world, import_world
+from worldgen.lattice import in_cells
+from worldgen.reach import check_certificate
+
+ABLE = ["dbcbs", "irsim", "mjcf", "movingai", "pogema", "sdf", "stage"]
+ALCOVE = """
+environment:
+  min: [-1, 0]
+  max: [5.5, 3.5]
+  obstacles:
+    - {type: box, center: [0.25, 0.5], size: [2.5, 1.0]}
+    - {type: box, center: [4.25, 0.5], size: [2.5, 1.0]}
+    - {type: box, center: [2.25, 3.0], size: [6.5, 1.0]}
+robots:
+  - {type: unicycle_first_order_0_sphere, start: [-0.5, 1.75, 0], goal: [5.0, 1.75, 0]}
+  - {type: unicycle_first_order_0_sphere, start: [5.0, 1.75, 3.1], goal: [-0.5, 1.75, 0]}
+"""
+
+
+@pytest.fixture(scope="module")
+def fleet():
+    """Three robots, each with start and target in cells of its own."""
+    return generate("warehouse", 3, robots=3, robot_radius=0.04, size=20, aisle=1, shelf_depth=1)
+
+
+def exported(world, name, tmp_path, file):
+    """The main file of an export, written with all that belongs to it but the sidecar."""
+    export = export_world(world, name, file=file, sidecar=False)
+    for beside, data in export.files.items():
+        (tmp_path / beside).write_bytes(data)
+    return tmp_path / file
+
+
+def cells(world):
+    """The cells of all starts and targets."""
+    side = world.cell_size
+    return [
+        tuple(
+            math.floor(in_cells(value, side))
+            for value in (r.start.x, r.start.y, r.target.x, r.target.y)
+        )
+        for r in world.robots
+    ]
+
+
+def test_the_formats_that_take_several_robots_say_so():
+    assert [name for name in sorted(FORMATS.names()) if FORMATS.get(name).robots] == ABLE
+
+
+@pytest.mark.parametrize(
+    "name",
+    sorted(
+        name for name in FORMATS.names() if FORMATS.get(name).write and not FORMATS.get(name).robots
+    ),
+)
+def test_every_other_format_refuses_several_robots_or_is_a_map(fleet, name):
+    known = FORMATS.get(name)
+    if "start" in known.holds:
+        with raises(InvalidWorld, "several-robots", format=name, count=3):
+            export_world(fleet, name)
+    else:
+        assert any("3 robots" in note for note in export_world(fleet, name).notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "word", "times"),
+    [
+        ("irsim", "goal_threshold", 3),
+        ("stage", "localization_origin", 1),
+        ("stage", '  name "robot', 3),
+        ("mjcf+robot", "<actuator>", 1),
+        ("mjcf+robot", '_turn" ', 3),
+        ("sdf+robot", '<model name="robot', 3),
+        ("sdf+robot", '<model name="target', 3),
+    ],
+)
+def test_an_export_has_a_part_for_each_robot(fleet, name, word, times):
+    data = export_world(fleet, name).data.decode()
+    assert data.count(word) == times
+
+
+def test_a_scenario_comes_back_with_all_its_robots(fleet, tmp_path):
+    path = exported(fleet, "movingai", tmp_path, "w.map")
+    robot = ImportedRobot(scenario=tmp_path / "w.map.scen", robots=3)
+    found = import_world(path, robot)
+    assert cells(found.world) == cells(fleet)
+    assert check_certificate(found.world).valid
+    assert found.world.provenance.params["robots"] == 3
+
+
+def test_more_robots_than_a_scenario_has_are_refused(fleet, tmp_path):
+    path = exported(fleet, "movingai", tmp_path, "w.map")
+    with raises(FormatError, "out-of-range", row=4, rows=3):
+        import_world(path, ImportedRobot(scenario=tmp_path / "w.map.scen", robots=5))
+    with raises(InvalidParameter, "conflict", robots=2):
+        import_world(path, ImportedRobot(robots=2))
+
+
+def test_a_pogema_map_comes_back_with_all_its_agents(fleet, tmp_path):
+    path = exported(fleet, "pogema", tmp_path, "w.pogema")
+    found = import_world(path, name="pogema+agents=all")
+    assert cells(found.world) == cells(fleet)
+    assert check_certificate(found.world).valid
+    alone = import_world(path)
+    assert not alone.world.others and "agents=all" in alone.notes[0]
+
+
+def test_agents_that_share_a_cell_are_refused(fleet):
+    other = replace(fleet.others[0], target=replace(fleet.target, radius=1.0))
+    with raises(InvalidWorld, "cells-taken", number=2):
+        export_world(replace(fleet, others=(other,), certificate=None), "pogema")
+
+
+def test_an_agent_without_a_target_is_refused(tmp_path):
+    path = tmp_path / "w.pogema"
+    path.write_text("a..A\n.b..\n....\n")
+    with raises(FormatError, "missing-target", letter="b"):
+        import_world(path, name="pogema+agents=all")
+
+
+def test_a_problem_of_db_cbs_comes_back(tmp_path):
+    path = tmp_path / "alcove.yaml"
+    path.write_text(ALCOVE)
+    found = import_world(path)
+    world = found.world
+    assert found.decision.result == "reachable"
+    assert check_certificate(world).valid
+    assert [robot.radius for robot in world.robots] == [0.4, 0.4]
+    again = import_world(exported(world, "dbcbs", tmp_path, "again.yaml"))
+    assert (again.world.robots, again.world.walls.tolist()) == (
+        world.robots,
+        world.walls.tolist(),
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ("type: box", "type: sphere", "unsupported"),
+        ("unicycle_first_order_0_sphere", "car_first_order_with_1_trailers_0", "unsupported"),
+        ("min: [-1, 0]", "min: [-1, 0, 0]", "wrong-count"),
+        ("max: [5.5, 3.5]", "max: [-5.5, 3.5]", "out-of-range"),
+        ("goal: [5.0, 1.75, 0]", "goal: here", "wrong-type"),
+        ("goal: [5.0, 1.75, 0]", "goal: []", "wrong-type"),
+        ("start: [-0.5, 1.75, 0], ", "", "wrong-count"),
+        ("max: [5.5, 3.5]", "max: [1e60, 3.5]", "wrong-size"),
+        ("environment:", "surroundings:", "missing-key"),
+    ],
+)
+def test_a_fault_in_a_problem_of_db_cbs_is_one_message(tmp_path, old, new, code):
+    path = tmp_path / "bad.yaml"
+    assert old in ALCOVE
+    path.write_text(ALCOVE.replace(old, new, 1))
+    with raises(FormatError, code):
+        import_world(path, name="dbcbs")
+
+
+def test_a_grid_file_keeps_its_robots_when_it_is_imported(fleet, tmp_path):
+    write_world(fleet, tmp_path / "w.grid")
+    done = worldgen("import", str(tmp_path / "w.grid"), "--out", str(tmp_path / "v.grid"))
+    assert done.code == 0
+    assert read_world(tmp_path / "v.grid").robots == fleet.robots
+
+
+def test_robots_that_overlap_are_one_line_and_code_2(tmp_path):
+    path = tmp_path / "w.pogema"
+    path.write_text("a..A\nb..B\n....\n")
+    done = worldgen(
+        "import", str(path), "--from", "pogema+agents=all", "--radius", "0.08",
+        "--out", str(tmp_path / "v.grid"),
+    )  # fmt: skip
+    assert done.code == 2
+    assert "overlap" in done.err
