@@ -57,6 +57,11 @@ EXAMPLES = (
     metavar="CELLS",
     help="Move walls and target no further; add none.",
 )
+@click.option(
+    "--together",
+    is_flag=True,
+    help="With --leash, keep each obstacle in one piece, and apart from the others.",
+)
 @click.option("--no-edit", is_flag=True, help="Only worlds as the family makes them.")
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
@@ -87,6 +92,7 @@ def find(
     symmetric: bool,
     keep_target: bool,
     leash: int | None,
+    together: bool,
     no_edit: bool,
     motion: str,
     time_step: float | None,
@@ -124,6 +130,7 @@ def find(
             no_edit and not families,
             "--no-edit leaves worlds as a family makes them; name one with --family",
         ),
+        (together and leash is None, "give --together with --leash, which bounds the edits"),
         (no_edit and symmetric, "give --no-edit or --symmetric, not both: to mirror is to edit"),
     ):
         if contradiction:
@@ -141,6 +148,7 @@ def find(
         fixed_target=keep_target,
         leash=-1 if leash is None else leash,
         edit=not no_edit,
+        together=together,
     )
     with working("loading the simulator (compiled once after an installation, for about a minute)"):
         _try_out(config)

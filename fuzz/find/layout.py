@@ -38,6 +38,8 @@ class Layout:
         leash: Cells that a box's side, or the target, may move from its place in ``home``; boxes
             are then neither added nor removed. -1 for no limit.
         home: The initial layout, for the leash.
+        together: Whether boxes that touch in ``home``, directly or by way of others, stay together,
+            and the others apart, so that the number and kind of obstacles stays.
     """
 
     empty: World
@@ -46,10 +48,17 @@ class Layout:
     fixed_target: bool = False
     leash: int = -1
     home: Layout | None = None
+    together: bool = False
 
     @classmethod
     def of(
-        cls, world: World, *, mirror: bool = False, fixed_target: bool = False, leash: int = -1
+        cls,
+        world: World,
+        *,
+        mirror: bool = False,
+        fixed_target: bool = False,
+        leash: int = -1,
+        together: bool = False,
     ) -> Layout:
         """Return a world's inner solid cells as boxes, the largest first.
 
@@ -73,7 +82,7 @@ class Layout:
         inner = world.walls & ~border
         boxes = _half(inner) if mirror else _boxes(inner)
         home = cls(empty, tuple(boxes), mirror, fixed_target)
-        return home if leash < 0 else replace(home, leash=leash, home=home)
+        return home if leash < 0 else replace(home, leash=leash, home=home, together=together)
 
     def world(self) -> World:
         """Return the world that the layout describes."""
@@ -149,6 +158,8 @@ class Layout:
                 for side, before in zip(box, old, strict=True)
             ):
                 return None
+            if self.together and _obstacles(boxes) != _obstacles(self.home.boxes):
+                return None
         # Start and target must stay clear.
         layout = replace(self, boxes=boxes)
         side = self.empty.cell_size
@@ -203,6 +214,18 @@ class Layout:
         return (
             (x, y, x + length, y + thickness) if rng.below(2) else (x, y, x + thickness, y + length)
         )
+
+
+def _obstacles(boxes: tuple[Box, ...]) -> list[int]:
+    """Return for each box the first box of its obstacle: of those that touch, corners included."""
+    first = list(range(len(boxes)))
+    for k, (x0, y0, x1, y1) in enumerate(boxes):
+        for j, (left, low, right, high) in enumerate(boxes[:k]):
+            touches = x0 <= right and left <= x1 and y0 <= high and low <= y1
+            if touches and first[k] != first[j]:
+                one, other = sorted((first[k], first[j]))
+                first = [one if place == other else place for place in first]
+    return first
 
 
 def _mirrored(box: Box, side: int) -> Box:

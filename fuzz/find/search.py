@@ -52,6 +52,7 @@ class FindConfig:
         fixed_target: Whether edits leave the target in place.
         leash: Cells that edits may move a wall's side, or the target, from its place; -1 for any.
         edit: Whether to edit sampled worlds at all.
+        together: Whether edits on a leash keep obstacles in one piece, and apart from each other.
     """
 
     wishes: tuple[OutcomeTarget, ...]
@@ -64,6 +65,7 @@ class FindConfig:
     fixed_target: bool = False
     leash: int = -1
     edit: bool = True
+    together: bool = False
 
 
 @dataclass(frozen=True)
@@ -319,7 +321,11 @@ def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
         world = replace(world, start=config.start)
         provenance = None
     layout = Layout.of(
-        world, mirror=config.mirror, fixed_target=config.fixed_target, leash=config.leash
+        world,
+        mirror=config.mirror,
+        fixed_target=config.fixed_target,
+        leash=config.leash,
+        together=config.together,
     )
     if config.mirror:
         world = layout.world()

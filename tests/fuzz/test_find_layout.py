@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -114,3 +115,18 @@ def test_a_world_that_is_not_square_has_no_mirror():
     world = World(np.zeros((8, 9), bool), Pose(0.25, 0.25, 0.0), Target(0.55, 0.55, 0.05))
     with raises(InvalidParameter, "not-square", width=9, height=8):
         Layout.of(world, mirror=True)
+
+
+@given(st.integers(0, 2**32), st.integers(1, 4))
+def test_obstacles_that_stay_together_stay_in_one_piece_and_apart(seed, leash):
+    walls = np.zeros((30, 30), bool)
+    walls[[0, -1], :] = walls[:, [0, -1]] = True
+    walls[10:20, 16:19] = walls[16:20, 9:19] = True
+    walls[4:6, 20:26] = True
+    world = World(walls, Pose(0.35, 2.65, 0.0), Target(2.45, 0.85, 0.05))
+    layout, rng = Layout.of(world, leash=leash, together=True), RandomStream(seed)
+    for _ in range(60):
+        layout = layout.edited(rng) or layout
+        inner = layout.world().walls[1:-1, 1:-1]
+        grown = [shapely.box(x, y, x + 1, y + 1) for y, x in np.argwhere(inner)]
+        assert len(shapely.get_parts(shapely.union_all(shapely.buffer(grown, 1e-6)))) == 2
