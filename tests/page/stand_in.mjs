@@ -421,6 +421,9 @@ Object.assign(globalThis, {
     unobserve() {}
   },
   matchMedia: () => ({ matches: false, addEventListener() {} }),
+  ResizeObserver: class {
+    observe() {}
+  },
   requestAnimationFrame: (act) => frames.push(act),
   cancelAnimationFrame: () => frames.splice(0),
   localStorage: new Storage_(),

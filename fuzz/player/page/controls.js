@@ -5,6 +5,7 @@ import { choice, el, grouped, icon, keyButton, svg } from "#player/dom.js";
 import { legendOf } from "#player/legend.js";
 import { hasMap } from "#player/memory.js";
 import { SPEEDS, makePlayer, usualSpeed } from "#player/player.js";
+import { makePlots } from "#player/plots.js";
 import { saveMenu } from "#player/saving.js";
 
 export const LAYERS = {
@@ -41,8 +42,11 @@ export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
     player.draw();
     return player;
   }
+  parts.plots = makePlots(player, (step) => jumpTo(player, step));
+  player.zoomTime = parts.plots.zoom;
   under.replaceChildren(
     scrubBar(player, parts),
+    parts.plots.element,
     controls(player, parts),
     layers(player, parts),
     legendOf(drawn),
@@ -248,6 +252,7 @@ function showState(player, parts) {
   const { run } = player.drawn;
   if (!run) return;
   const step = Math.min(player.last, Math.floor(player.step + 1e-9));
+  parts.plots.draw();
   parts.scrub.value = step;
   parts.scrub.setAttribute("aria-valuetext", `step ${step} of ${player.last}${momentOf(run, step)}`);
   parts.play.replaceChildren(icon(player.playing ? "pause" : "play"), player.playing ? "Pause" : "Play");

@@ -86,5 +86,8 @@ export function clockKeys(player, steps) {
     r: () => toggleFollow(player),
     e: () => nextMark(player),
     l: () => playPeriod(player),
+    ">": () => player.zoomTime?.(2),
+    "<": () => player.zoomTime?.(1 / 2),
+    "|": () => player.zoomTime?.(0),
   };
 }

@@ -105,6 +105,7 @@ interface OpenRun {
   pierced?: Map<string, { ix: number; iy: number; step: number; named: boolean }>;
   touched?: Map<string, { ix: number; iy: number; step: number }>;
   numbered?: number[];
+  series?: { name: string; unit: string; most: number; values: Float64Array; capped: boolean }[];
 }
 
 interface DrawnMemory {
@@ -397,6 +398,8 @@ interface Player extends Clock, Camera {
   /** Null for the whole world. */
   view: View | null;
   follow: boolean;
+  /** Shows less of the run in the plots, more with a factor below 1, the whole run with 0. */
+  zoomTime?: (factor: number) => void;
   draw(): void;
   update(): void;
 }

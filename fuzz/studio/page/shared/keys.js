@@ -34,6 +34,7 @@ const PLAYING = [
   ["Home End", "Go to the start, to the end"],
   ["l", "Repeat one period of a loop"],
   ["e", "Go to the next marked step"],
+  ["> < |", "Plots: less of the run, more of it, all of it"],
   ["r", "Follow the robot"],
   ["t u s i m w c", "Trail, touched walls, sensors, signal, the robot's memory, witness, changes to come"],
   ["+ − 0", "Zoom; show the whole world"],
