@@ -149,6 +149,19 @@ def test_the_command_cuts_where_it_is_told(tmp_path):
     assert np.array_equal(read_world(tmp_path / "w.grid").walls, ground_floor(0.2))
 
 
+def test_the_command_takes_unit_axis_and_floor(tmp_path):
+    mesh = building(BUILDING_BOXES)
+    mesh.apply_scale(1000.0)
+    path = put(tmp_path, "b.stl", mesh.export(file_type="stl"))
+    out = tmp_path / "w.grid"
+    words = ("--slice", "0.2", "--cell", "0.1", "--unit", "mm", "--up", "z", "--out", out)
+    done = worldgen("import", path, *words)
+    assert done.code == 0, done.err
+    assert np.array_equal(read_world(out).walls, ground_floor(0.2))
+    missing = worldgen("import", path, *words, "--force", "--floor", "7")
+    assert missing.code == 2 and missing.error_code == "out-of-range"
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.95])
 def test_a_file_that_is_cut_off_is_refused(kind, share, tmp_path):

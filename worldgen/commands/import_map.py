@@ -73,6 +73,19 @@ EXAMPLES = (
     help="Height of the cut through a mesh, m above the floor.  [default: 0.2]",
 )
 @click.option(
+    "--floor", type=click.IntRange(0), help="Which floor of a mesh; 0 is the lowest.  [default: 0]"
+)
+@click.option(
+    "--unit",
+    type=click.Choice(["m", "cm", "mm", "in"]),
+    help="Unit of an STL, OBJ or PLY file.  [default: m]",
+)
+@click.option(
+    "--up",
+    type=click.Choice(["y", "z"]),
+    help="Axis of a mesh that points up.  [default: y for glTF, otherwise z]",
+)
+@click.option(
     "--unknown",
     type=click.Choice(["solid", "free"]),
     help="What unknown ROS cells are.  [default: solid]",
@@ -104,6 +117,9 @@ def import_map(
     robots: int,
     cell_size: float | None,
     slice_height: float | None,
+    floor: int | None,
+    unit: str | None,
+    up: str | None,
     unknown: str | None,
     seed: int | None,
     ignore_unread: bool,
@@ -131,7 +147,14 @@ def import_map(
         None if target is None else interop.parse_point("target", target, "RADIUS"),
         radius, speed, scen, row, seed, ignore_unread, robots,
     )  # fmt: skip
-    given = {"cell_size": cell_size, "slice_height": slice_height, "unknown": unknown}
+    given = {
+        "cell_size": cell_size,
+        "slice_height": slice_height,
+        "floor": floor,
+        "unit": unit,
+        "up": up,
+        "unknown": unknown,
+    }
     asked = {option: value for option, value in given.items() if value is not None}
     # Import the map and decide the world.
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):

@@ -183,7 +183,12 @@ def unix_text(data: bytes) -> bytes:
 
 
 def check_sides(
-    width: int, height: int, *, line: int | None = None, source: str | None = None
+    width: int,
+    height: int,
+    *,
+    line: int | None = None,
+    source: str | None = None,
+    remedy: str = "cut or shrink it",
 ) -> None:
     """Reject sizes that no world may have.
 
@@ -196,7 +201,7 @@ def check_sides(
             "wrong-size",
             "{width} x {height} cells; a map has sides of 1 to {max_side} and at most {max_cells} "
             "cells",
-            "cut or shrink it",
+            remedy,
             width=width,
             height=height,
             max_side=MAX_SIDE,

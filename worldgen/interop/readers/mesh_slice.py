@@ -229,7 +229,12 @@ def _frame(
     low = [math.floor(value + slack) for value in ends[0].tolist()]
     high = [math.ceil(value - slack) for value in ends[1].tolist()]
     width, height = (max(b - a, 1) for a, b in zip(low, high, strict=True))
-    check_sides(width, height, source=source)
+    check_sides(
+        width,
+        height,
+        source=source,
+        remedy="give larger cells, or the file's unit if it is not the metre",
+    )
     return (float(low[0] * cell), float(low[1] * cell)), width, height
 
 
