@@ -92,3 +92,14 @@ def test_irsim_meets_a_wall_outside_a_world_whose_border_is_open(tmp_path):
     ]
     found = asked_of_irsim(world, tmp_path, "irsim+step_time=0.01", (0.0, 0.0), [], drives)
     assert [round(one["y"], 2) for one in found["drives"] if one["collision"]] == [0.23, 0.07]
+
+
+def test_irsim_has_each_of_several_robots_at_its_start_with_its_goal(tmp_path):
+    world = generate("crossing", seed=4, robots=3)
+    found = asked_of_irsim(world, tmp_path, "irsim", (0.0, 0.0), [])["robots"]
+    assert len(found) == 3
+    for robot, there in zip(world.robots, found, strict=True):
+        start, target = robot.start, robot.target
+        assert there["state"] == pytest.approx([start.x, start.y, start.heading])
+        assert there["goal"] == pytest.approx([target.x, target.y])
+        assert there["radius"] == pytest.approx(robot.radius)

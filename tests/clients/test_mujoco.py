@@ -90,3 +90,14 @@ def test_start_target_and_numbers_are_where_a_user_of_mujoco_looks(tmp_path):
         [-12.7, 3.45],
         [2.0],
     ]
+
+
+def test_each_of_several_robots_is_at_its_start_and_drives_by_its_own_actuator(tmp_path):
+    world = generate("crossing", seed=4, robots=3)
+    names = ["robot", "robot_2", "robot_3"]
+    begun, driven = asked(tmp_path, world, {"fleet": names}, "mjcf+robot")["fleet"]
+    for robot, before, after in zip(world.robots, begun, driven, strict=True):
+        x, y = robot.start.x + ORIGIN[0], robot.start.y + ORIGIN[1]
+        assert before == pytest.approx([x, y, robot.start.heading], abs=1e-12)
+        assert after[0] - x == pytest.approx(0.5 * (0.2 - 1 / 20), abs=5e-3)
+        assert after[1] == pytest.approx(y, abs=1e-3)

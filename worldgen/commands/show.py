@@ -14,7 +14,7 @@ from worldgen.cli.output import emit_json, force_option, json_option, note, writ
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
-    from worldgen.world import FailureRecord, World
+    from worldgen.world import Certificate, FailureRecord, Robot, World
 
 __all__ = ["show"]
 
@@ -105,7 +105,7 @@ def _facts(world: World, path: Path, pictures: list[Path]) -> dict[str, object]:
         "target": [world.target.x, world.target.y, world.target.radius],
         "robot_radius": world.robot_radius,
         "robot_speed": world.robot_speed,
-        "certificate": None if certificate is None else type(certificate).__name__.lower(),
+        "certificate": None if certificate is None else _kind(certificate),
         "failure": None
         if failure is None
         else {
@@ -115,6 +115,19 @@ def _facts(world: World, path: Path, pictures: list[Path]) -> dict[str, object]:
             "evidence": dict(failure.evidence),
         },
         "pictures": [str(picture) for picture in pictures],
+    } | ({"robots": [_robot_facts(robot) for robot in world.robots]} if world.others else {})
+
+
+def _kind(certificate: Certificate) -> str:
+    return "cut" if type(certificate).__name__ == "Cut" else "witness"
+
+
+def _robot_facts(robot: Robot) -> dict[str, object]:
+    return {
+        "start": [robot.start.x, robot.start.y, robot.start.heading],
+        "target": [robot.target.x, robot.target.y, robot.target.radius],
+        "radius": robot.radius,
+        "speed": robot.speed,
     }
 
 

@@ -88,7 +88,9 @@ def of_family(name: str | Family, seed: int | RandomStream = 0, **params: Value)
     """
     if isinstance(seed, RandomStream):
         made_by = name if isinstance(name, Family) else FAMILIES.get(name)
-        return of_world(made_by.build(seed, **made_by.complete(params)))
+        # A piece is a map with one start and one target; the world as a whole has the robots.
+        complete = made_by.complete({**params, "robots": 1})
+        return of_world(made_by.build(seed, **complete))
     return of_world(generate(name, seed, **params))
 
 

@@ -20,7 +20,7 @@ from worldgen.difficulty.surroundings import samples_of, surroundings
 from worldgen.lattice import UNIT
 from worldgen.reach.still.disc import target_disc
 from worldgen.timeline import CellState
-from worldgen.world import Witness, World
+from worldgen.world import Certificate, JointWitness, Witness, World
 
 __all__ = ["measure", "with_metrics"]
 
@@ -35,7 +35,8 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
 
     Metrics along a path use the world's own witness; a world without a certificate is decided
     first. Equal worlds with equal witnesses have equal metrics, to the last digit, on every
-    machine.
+    machine. In a world of several robots, the metrics are those of the robot that has it hardest:
+    each is measured alone, on its path of the joint witness.
 
     Args:
         world: Any world; in one that changes, the walls and obstacles of time 0 count.
@@ -48,6 +49,8 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
     certificate = (
         world.certificate if world.certificate is not None else reach.decide(world).certificate
     )
+    if world.others:
+        return _hardest(world, certificate, only)
     solid = world.cells_at(0.0) != CellState.FREE
     found: dict[str, float] = {"solid": int(np.count_nonzero(solid)) / solid.size}
     if wanted & _BOTTLENECK:
@@ -70,6 +73,26 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
             for name, value in found.items()
         }
     )
+
+
+def _hardest(
+    world: World, certificate: Certificate | None, only: Collection[str] | None
+) -> Metrics:
+    """Return the metrics of the robot with the highest difficulty, or else with the longest path."""
+    paths = certificate.paths if isinstance(certificate, JointWitness) else ()
+    measured: list[Metrics] = []
+    for number in range(1, len(world.robots) + 1):
+        alone = world.alone(number)
+        if paths:
+            alone = replace(alone, certificate=paths[number - 1])
+        metrics = measure(alone, only=only)
+        if paths and not world.is_dynamic:
+            # Robots wait for each other also where no cell changes.
+            way = witness_path_of(alone, paths[number - 1])
+            metrics = replace(metrics, waiting=rounded(way.waiting))
+        measured.append(metrics)
+    hardest = max(measured, key=lambda one: (one.difficulty or 0.0, one.length or 0.0))
+    return replace(hardest, robots=len(world.robots))
 
 
 def with_metrics(world: World) -> World:

@@ -61,6 +61,7 @@ METRICS: Final = {
     "waiting": Metric("s", 1, "how long the witness stands still"),
     "margin": Metric("s", -1, "how much later the witness may begin"),
     "changing": Metric("", 1, "share of the cells that change with time"),
+    "robots": Metric("", 1, "number of robots, if there are several"),
 }
 """Every metric by name, in table order."""
 
@@ -93,6 +94,7 @@ class Metrics:
     waiting: float | None = None
     margin: float | None = None
     changing: float | None = None
+    robots: float | None = None
 
     def as_dict(self) -> dict[str, float]:
         """Return the metrics that have a value, by name, in table order."""

@@ -30,7 +30,7 @@ from worldgen.render.palette import (
 )
 from worldgen.render.polyline import along, arc_length
 from worldgen.support.rows import flip_rows
-from worldgen.world import Witness, World
+from worldgen.world import JointWitness, Witness, World
 
 __all__ = ["draw_terminal", "wants_color"]
 
@@ -186,8 +186,14 @@ class _Grid:
             self._line(dots, trail.loop, LOOPS)
         elif isinstance(world.certificate, Witness) and self.dots_per_cell > 1:
             self._line(dots, np.column_stack((world.certificate.x, world.certificate.y)), WITNESS)
-        self._disc(dots, world.target.x, world.target.y, world.target.radius, TARGET_DOT)
-        self._disc(dots, world.start.x, world.start.y, world.robot_radius, START_DOT)
+        if isinstance(world.certificate, JointWitness) and trail is None and self.dots_per_cell > 1:
+            for path in world.certificate.paths:
+                self._line(dots, np.column_stack((path.x, path.y)), WITNESS)
+        for robot in world.robots:
+            target = robot.target
+            self._disc(dots, target.x, target.y, target.radius, TARGET_DOT)
+        for robot in world.robots:
+            self._disc(dots, robot.start.x, robot.start.y, robot.radius, START_DOT)
         if trail is not None:
             for x, y in trail.places("tunnel"):
                 dots[self._place(dots, x, y)] = TUNNELS

@@ -48,6 +48,14 @@ print(
             "goal": [float(value) for value in robot.goal[:2, 0]],
             "goal_threshold": float(robot.goal_threshold),
             "fastest": float(robot.vel_max[0, 0]),
+            "robots": [
+                {
+                    "state": [float(value) for value in one.init_state[:3, 0]],
+                    "goal": [float(value) for value in one.goal[:2, 0]],
+                    "radius": float(one.radius),
+                }
+                for one in env.robot_list
+            ],
         }
     )
 )

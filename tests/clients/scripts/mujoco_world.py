@@ -91,6 +91,25 @@ def marks():
     }
 
 
+def fleet():
+    """Places of the named robots, [x, y, heading], as the model begins and after all drive along x."""
+    model = mujoco.MjModel.from_xml_path(path)
+    data = mujoco.MjData(model)
+
+    def places():
+        return [
+            [float(data.joint(f"{name}_{part}").qpos[0]) for part in ("x", "y", "heading")]
+            for name in request["fleet"]
+        ]
+
+    begun = places()
+    for name in request["fleet"]:
+        data.actuator(f"{name}_vx").ctrl = 0.5
+    while data.time < 0.2:
+        mujoco.mj_step(model, data)
+    return [begun, places()]
+
+
 answer = {"version": mujoco.__version__}
 if "rays" in request:
     answer["rays"] = [rays_at(time) for time in request["times"]]
@@ -98,6 +117,8 @@ if "drop" in request:
     answer["drop"] = drop()
 if "drive" in request:
     answer["drive"] = drive()
+if "fleet" in request:
+    answer["fleet"] = fleet()
 if "marks" in request:
     answer["marks"] = marks()
 print(json.dumps(answer))

@@ -1,0 +1,118 @@
+"""Worlds of several robots from the command line: made, measured, shown, composed and made again."""
+
+import json
+
+import pytest
+
+from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
+from worldgen.compose.sources import of_family
+from worldgen.difficulty import measure
+from worldgen.errors import InvalidParameter
+from worldgen.family import FAMILIES
+from worldgen.files.grid import dumps, read_world
+from worldgen.generation import generate
+from worldgen.random_streams import RandomStream
+from worldgen.reach import check_certificate
+from worldgen.render import draw_svg
+
+
+def test_a_world_of_one_robot_has_the_bytes_that_it_always_had():
+    assert dumps(generate("maze", 7, robots=1)) == dumps(generate("maze", 7))
+    assert "robots" not in generate("maze", 7).provenance.params
+
+
+def test_robots_are_in_provenance_and_make_the_world_again():
+    world = generate("rooms", 7, robots=4)
+    assert world.provenance.params["robots"] == 4
+    assert generate("rooms", 7, **world.provenance.params) == world
+
+
+def test_the_first_robot_is_placed_as_ever():
+    alone = generate("cave", 7)
+    world = generate("cave", 7, robots=3)
+    assert (world.start, world.target) == (alone.start, alone.target)
+    assert (world.walls == alone.walls).all()
+
+
+def test_a_narrow_corridor_is_made_wide_enough_for_two():
+    world = generate("corridor", 7, robots=2)
+    assert check_certificate(world).valid
+    assert world.provenance.params["width"] == -1
+
+
+def test_every_family_has_the_option(tmp_path):
+    for name in FAMILIES:
+        assert "--robots" in worldgen(name, "--help").out
+
+
+def test_a_set_of_fleets_is_made_again(tmp_path):
+    made = worldgen(
+        "doorway", "--count", "2", "--seed", "3", "--robots", "3", "--size", "16",
+        "--out", str(tmp_path / "set"),
+    )  # fmt: skip
+    assert made.code == 0
+    assert worldgen("regenerate", str(tmp_path / "set"), "--check").code == 0
+    again = worldgen("regenerate", str(tmp_path / "set"), "--out", str(tmp_path / "again"))
+    assert again.code == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (["--robots", "0"], "1 to 1000"),
+        (["--robots", "300", "--size", "12"], "room was found for"),
+        (["--robots", "1001"], "1 to 1000"),
+    ],
+)
+def test_a_wrong_number_of_robots_is_one_line_and_code_2(options, word):
+    done = worldgen("maze", "--seed", "1", *options)
+    assert done.code == 2
+    assert word in done.err and done.err.strip().count("\n") == 0
+
+
+def test_verify_says_how_many_robots_it_decided(tmp_path):
+    file = str(tmp_path / "w.grid")
+    assert worldgen("junction", "--seed", "2", "--out", file).code == 0
+    answer = json.loads(worldgen("verify", file, "--json").out)
+    assert (answer["result"], answer["certificate_valid"], answer["robots"]) == (
+        "reachable",
+        True,
+        2,
+    )
+    larger = json.loads(worldgen("verify", file, "--radius", "0.09", "--json").out)
+    assert (larger["result"], larger["decided"]) == ("reachable", True)
+    assert worldgen("verify", file, "--widest").code == 2
+
+
+def test_show_tells_of_all_robots(tmp_path):
+    file = str(tmp_path / "w.grid")
+    worldgen("alley", "--seed", "2", "--out", file)
+    facts = json.loads(worldgen("show", file, "--json").out)
+    assert len(facts["robots"]) == 2 and facts["certificate"] == "witness"
+    drawing = worldgen("show", file).out
+    assert drawing.split("S start")[0].count("S") >= 2
+    assert "robot 2" in draw_svg(read_world(file))
+
+
+def test_metrics_are_those_of_the_robot_that_has_it_hardest():
+    world = generate("alley", 2)
+    found = measure(world)
+    paths = world.certificate.paths
+    assert found.robots == 2
+    assert any(found.length == pytest.approx(path.length, rel=1e-5) for path in paths)
+    assert measure(generate("alley", 2, robots=1)).robots is None
+
+
+def test_a_piece_of_a_world_is_a_map_without_other_robots():
+    assert of_family("doorway", RandomStream(1)).solid.shape == (30, 30)
+    assert of_family("maze", RandomStream(1), robots=3).solid.shape == (30, 30)
+    with raises(InvalidParameter, "unknown-name"):
+        generate("maze", 1, over="doorway")
+
+
+@pytest.mark.parametrize("name", ["doorway", "junction", "alley", "crossing", "warehouse"])
+@pytest.mark.parametrize("size", [10, 60])
+def test_families_of_fleets_work_at_all_sizes(name, size):
+    for seed in range(4):
+        assert check_certificate(generate(name, seed, size=size)).valid
