@@ -186,7 +186,7 @@ class Family:
 
     @functools.cached_property
     def places_robots(self) -> bool:
-        """Whether ``robots`` is a parameter of its own, because it places them itself."""
+        """True if the family itself declares ``robots`` and places them."""
         return any(known.name == ROBOTS for known in self.parameters)
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Alleys: a passage for one robot with bays beside it, and robots that come from both ends."""
+"""Alleys: a passage for one robot with bays on its sides, and robots that come from both ends."""
 
 from __future__ import annotations
 

@@ -99,8 +99,8 @@ def place_robots(world: World, rng: RandomStream, count: int, owner: str) -> Wor
     try:
         placed = _draw_ends(never, radius, rng.child("safe"), boxes, [first], owner)
     except InvalidParameter:
-        # Where nearly every cell changes, only what is solid at first counts. Whether the robots are
-        # safe is proved later anyway.
+        # Where nearly every cell changes, only what is solid at first counts. The proof
+        # decides later whether the robots are safe.
         if not world.is_dynamic:
             raise
         placed = _draw_ends(world.walls, radius, rng.child("bold"), boxes, [first], owner)

@@ -188,7 +188,7 @@ def _lines(world: World, destination: Destination) -> Iterator[str]:
     yield "environment:"
     yield f"  min: [{destination.x(0.0)}, {destination.y(0.0)}]"
     yield f"  max: [{high[0]}, {high[1]}]"
-    # What is outside the environment is out of bounds there, so the border needs no boxes.
+    # Robots of db-CBS cannot leave the environment, so the border needs no boxes.
     boxes = [
         box
         for box in solid_boxes(world, destination, height=1.0, floor=False)

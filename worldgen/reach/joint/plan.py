@@ -18,7 +18,7 @@ __all__ = ["PlanResult", "find_plan"]
 # turns; twice the number of robots is enough, and more than forty only cost time.
 _MOST_ORDERS = 40
 _MOST_ONE = 2_000_000  # states of one robot
-_MOST_EXHAUST = 1_500_000  # joint states: about 2 s and 100 MB for two robots
+_MOST_EXHAUST = 300_000  # joint states: about 3 s for two robots in a narrow place
 _FEW = 3  # robots whose joint states are searched one by one
 _MOST_LACAM = 30_000  # joint states for more of them
 _QUICK_EXHAUST = 30_000  # for a search that is not thorough: some tens of milliseconds
@@ -50,7 +50,7 @@ def find_plan(question: JointQuestion, *, thorough: bool = True) -> PlanResult:
     many.
 
     Args:
-        question: What is to be planned.
+        question: Robots, nodes and ticks.
         thorough: Whether to search long; a generator has other places to try instead.
     """
     described, held = question.described()

@@ -25,7 +25,7 @@ def make_joint_witness(question: JointQuestion, nodes: Ints) -> JointWitness | N
     """Return the witness of a plan; None if the last legs to the targets are in each other's way.
 
     Args:
-        question: What was planned.
+        question: Robots, nodes and ticks.
         nodes: (ticks + 1, robots) int64, the plan.
     """
     moments = _places(question, nodes)
