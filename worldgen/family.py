@@ -97,7 +97,7 @@ class Family:
 
     Args:
         name: The world's noun, as on the command line.
-        version: Must be raised whenever some seed yields another world than before.
+        version: Must be raised whenever some seed yields a different world than before.
         build: ``build(rng, **params) -> World``, all parameters keyword-only with defaults.
         changes: Whether its worlds change with time, so that no other family can change them.
         constants: Further definition of its worlds, such as the text of a recipe; it is stored with
@@ -287,7 +287,7 @@ class Family:
         """Return the parameters as stored in files, with defaults filled in.
 
         Raises:
-            InvalidParameter: If a name is unknown, or a value has another type than the default or
+            InvalidParameter: If a name is unknown, or a value has a different type than the default, or
                 is out of bounds.
         """
         known = {parameter.name: parameter for parameter in self.parameters}

@@ -263,7 +263,7 @@ class Parameter:
         as Python's.
 
         Raises:
-            InvalidParameter: If it has another type than the default, is out of bounds, or isn't
+            InvalidParameter: If it has a different type from the default, is out of bounds, or isn't
                 one of the choices.
         """
         # None may stand for the family's choice, or be the default.

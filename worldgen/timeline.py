@@ -70,7 +70,7 @@ class Timeline(HoldsFrozen):
         ):
             raise InvalidWorld(
                 "wrong-shape",
-                "timeline: times, ix, iy and states must be one-dimensional and of one length",
+                "timeline: times, ix, iy and states must be one-dimensional and of equal length",
             )
         if not np.isfinite(self.times).all() or (self.times < 0).any():
             raise InvalidWorld(

@@ -26,7 +26,7 @@ from worldgen.world import Certificate, Pose, Provenance, Value, World
 
 __all__ = ["VERSION", "FindConfig", "NearestWorld", "OutcomeSearch", "draw"]
 
-# Raise this whenever equal seeds find another world than before.
+# Raise this whenever equal seeds find a different world than before.
 VERSION = 1
 
 # Layouts drawn in a unit before it climbs.

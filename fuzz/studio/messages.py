@@ -158,7 +158,7 @@ class _Events(msgspec.Struct):
         if len({len(column) for column in columns}) != 1 or len(self.times) > _MOST_EVENTS:
             raise InvalidParameter(
                 "wrong-count",
-                "the message's events are not columns of one length up to {most}",
+                "the message's events are not columns of equal length up to {most}",
                 most=_MOST_EVENTS,
             )
         kinds = (np.float64, np.int64, np.int64, np.uint8)

@@ -89,7 +89,7 @@ class Trajectory:
         """
         if not (times.ndim == x.ndim == y.ndim == 1 and len(times) == len(x) == len(y)):
             return -1, Message(
-                "wrong-shape", "trajectory: times, x and y must be flat arrays of one length"
+                "wrong-shape", "trajectory: times, x and y must be flat arrays of equal length"
             )
         if len(times) < 2:
             return -1, Message(

@@ -399,7 +399,7 @@ void wg_squares_free(WgSquares *squares);
 // Several robots on one lattice of nodes, in ticks: in each tick every robot waits or takes one of eight steps, all at
 // the same speed. All arrays must outlive a search.
 //
-// Robots with equal radii are of one class. Two robots are clear of each other in a tick if the segment that one makes
+// Robots with equal radii are of the same class. Two robots are clear of each other in a tick if the segment that one makes
 // relative to the other keeps away from the origin: the squared distance, in nodes, times the squared length of that
 // segment (0, 1, 2, 4, 5 or 8) is at least a whole number. limits[(a classes + b) 9 + length squared] is that number
 // for two classes, with 1 for the ends.

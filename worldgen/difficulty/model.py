@@ -2,7 +2,7 @@
 
 The model is a weighted sum of a few metrics, each as ``v / (v + scale)``, which maps it to 0 to 1
 without a logarithm. The sum ``s`` becomes ``(1 + s / (1 + |s|)) / 2``, which is monotone and needs
-only division. No weight has another sign than :data:`worldgen.difficulty.METRICS` states, so a
+only division. Each weight has the sign that :data:`worldgen.difficulty.METRICS` states, so a
 metric that makes a world harder never lowers its difficulty.
 
 ``python -m benchmarks.difficulty`` fits scales and weights and prints them;

@@ -229,7 +229,7 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
                 if entry.compress_type not in _METHODS:
                     message = Message(
                         "unsupported",
-                        "is compressed by another method than deflate",
+                        "is compressed by a method other than deflate",
                         "pack it again with that",
                     )
                     raise FormatError.of(message, source=f"{source}/{entry.filename}")

@@ -28,7 +28,7 @@ __all__ = [
     "parse_point",
 ]
 
-# Raise this whenever some file becomes another world than before.
+# Raise this whenever some file becomes a different world than before.
 VERSION = 2
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 

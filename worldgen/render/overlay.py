@@ -150,7 +150,7 @@ class Trail:
             raise InvalidParameter(
                 "wrong-shape",
                 "trail: x has shape {x_shape}, y has {y_shape}",
-                "give two flat arrays of one length",
+                "give two flat arrays of equal length",
                 x_shape=self.x.shape,
                 y_shape=self.y.shape,
             )

@@ -20,7 +20,7 @@ def entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) -
         families: Where to find unregistered families, as ``./file.py:name``.
 
     Raises:
-        InvalidParameter: If a family is unknown or has another version than in the manifest, or a
+        InvalidParameter: If a family is unknown or has a different version than in the manifest, or a
             parameter does not exist.
     """
     places = {FAMILIES.get(place).name: place for place in families}

@@ -163,7 +163,7 @@ class SetFolder:
         if data and not same and not force:
             raise OutputError(
                 "other-content",
-                "{file} has other content than the set's",
+                "{file} has different content from the set's",
                 "move it away, or give --force",
                 at_terminal=True,
                 file=file,
@@ -179,7 +179,7 @@ class SetFolder:
             if other and other != data:
                 raise OutputError(
                     "other-content",
-                    "{file} has other content than the set's",
+                    "{file} has different content from the set's",
                     "move it away, or give --force",
                     at_terminal=True,
                     file=file,

@@ -1,7 +1,7 @@
 """Who is in charge of the thesis's robot, and what it then does.
 
 A state machine without any geometry. :func:`select_behaviour` lets somebody take control; the
-caller then sets the new target heading if collide has just come in, and looks whether the robot
+caller then sets the new target heading if collide has just come in, and checks whether the robot
 already points there. :func:`run_behaviour` lets the one in charge act, and says what the wheels do.
 
 The arbiter is missing in the thesis's listing and rebuilt from its prose. In reading A0 whoever

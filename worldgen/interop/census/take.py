@@ -29,7 +29,7 @@ from worldgen.world import Cut, Provenance, Value, World
 
 __all__ = ["VERSION", "Census", "CensusCase", "CensusOptions", "once", "take_census"]
 
-# Raise this whenever a seed draws other pairs than before.
+# Raise this whenever a seed draws different pairs than before.
 VERSION = 1
 
 

@@ -425,7 +425,7 @@ def read_problems(path: Path) -> Problems:
 
     Raises:
         FormatError: If a line isn't a problem, has a cell outside its map, or is for another map or
-            another size than the first.
+            a different size from the first.
     """
     # Limit the file's size and the number of its problems.
     source = str(path)
