@@ -88,16 +88,44 @@ def crowd(rng, most=8):
     return fleet_world(walls, *robots)
 
 
+def at_times(times, values, wanted):
+    """Return a piecewise linear quantity just before and just after some times.
+
+    Both differ where a robot steps aside in no time: then a time comes twice.
+
+    Args:
+        times: (n,) never falling.
+        values: (n, 2) at these times.
+        wanted: (m,) times.
+    """
+    sides = []
+    for side in ("left", "right"):
+        found = np.stack([np.interp(wanted, times, values[:, k]) for k in (0, 1)], axis=1)
+        index = np.searchsorted(times, wanted, side=side) - (side == "right")
+        exact = (index < len(times)) & (times[np.clip(index, 0, len(times) - 1)] == wanted)
+        found[exact] = values[index[exact]]
+        sides.append(found)
+    return sides
+
+
+def nearest_to_origin(begin, end):
+    """Return how near the segments from ``begin`` to ``end``, (n, 2) each, get to the origin."""
+    way = end - begin
+    length_sq = (way * way).sum(axis=1)
+    share = -(begin * way).sum(axis=1) / np.where(length_sq > 0.0, length_sq, 1.0)
+    place = begin + np.clip(share, 0.0, 1.0)[:, None] * way
+    return np.hypot(place[:, 0], place[:, 1])
+
+
 def closest(one, other):
     """Return the least distance of two robots' centres in a run, m, from their traces."""
-    own = np.maximum(one.path_step - 1 + one.path_share, 0.0)
-    theirs = np.maximum(other.path_step - 1 + other.path_share, 0.0)
-    times = np.union1d(own, theirs)
-    x = np.interp(times, own, one.path_x) - np.interp(times, theirs, other.path_x)
-    y = np.interp(times, own, one.path_y) - np.interp(times, theirs, other.path_y)
-    dx = np.diff(x)
-    dy = np.diff(y)
-    length_sq = np.where((dx == 0.0) & (dy == 0.0), 1.0, dx * dx + dy * dy)
-    share = np.clip(-(x[:-1] * dx + y[:-1] * dy) / length_sq, 0.0, 1.0)
-    between = np.hypot(x[:-1] + share * dx, y[:-1] + share * dy)
-    return float(min(between.min(initial=np.inf), np.hypot(x, y).min()))
+    times = []
+    places = []
+    for trace in (one, other):
+        times.append(np.maximum(trace.path_step - 1 + trace.path_share, 0.0))
+        places.append(np.column_stack([trace.path_x, trace.path_y]))
+    both = np.union1d(*times)
+    before = at_times(times[0], places[0], both)[0] - at_times(times[1], places[1], both)[0]
+    after = at_times(times[0], places[0], both)[1] - at_times(times[1], places[1], both)[1]
+    between = nearest_to_origin(after[:-1], before[1:])
+    return float(min(between.min(initial=np.inf), nearest_to_origin(before, after).min()))

@@ -12,8 +12,8 @@
 // Phases that a move of robots near each other may have. Whoever still has somewhere to go then waits for the next step.
 enum { WG_MOST_PHASES = 12 };
 
-// The corners that one move may add to a robot's path: one for each phase, a wait, and a coarser lattice.
-enum { WG_FLEET_CORNERS = WG_MOST_PHASES + 2 };
+// The corners that one move may add to a robot's path: two for each phase, a wait, and a coarser lattice.
+enum { WG_FLEET_CORNERS = 2 * WG_MOST_PHASES + 2 };
 
 // Up to this many robots, all pairs are looked at; from there on, a grid is faster.
 enum { WG_FEW_ROBOTS = 12 };
@@ -30,6 +30,7 @@ struct WgMover {
     WgNormal touch;      // away from what it touches in this phase
     int64_t touching;    // how many things those are
     int64_t contacts;    // phases of this move in which it touched something
+    int64_t since;       // time in the step of its last corner, 2^-32 steps
     int64_t candidate;   // which lattice point near the wanted one `goal` is
     int64_t cluster;     // index of the first robot of its cluster, once found
     int64_t next;        // index of the next robot of its cluster; -1

@@ -243,14 +243,25 @@ static double first_contact(const WgFleet *fleet, WgCluster cluster)
     return first;
 }
 
-// Moves the robots of a cluster to their goals, which takes until a time in the step.
-static void go_to_goals(WgFleet *fleet, WgCluster cluster, int64_t step, double time)
+// A time in the step, 2^-32 steps.
+static int64_t whole_time(double time)
+{
+    return wg_floor(time * 0x1p32 + 0.5);
+}
+
+// Moves the robots of a cluster to their goals, from a time in the step to another.
+static void go_to_goals(WgFleet *fleet, WgCluster cluster, int64_t step, double begin, double end)
 {
     for (int64_t k = cluster.first; k >= 0; k = fleet->movers[k].next) {
         WgMover *mover = &fleet->movers[k];
         if (!is_at_goal(mover)) {
             WgEpisode *member = member_of(fleet, k);
-            wg_add_corner(&member->robot, mover->goal.x, mover->goal.y, wg_floor(time * 0x1p32 + 0.5));
+            // If it stood before, its path says until when: others moved meanwhile.
+            if (mover->since < whole_time(begin)) {
+                wg_add_corner(&member->robot, mover->place.x, mover->place.y, whole_time(begin));
+            }
+            mover->since = whole_time(end);
+            wg_add_corner(&member->robot, mover->goal.x, mover->goal.y, mover->since);
             wg_arrive_closely(member->arena, member->settings, step, mover->goal.x, mover->goal.y, &member->robot);
         }
     }
@@ -326,19 +337,23 @@ static void sweep(WgFleet *fleet, WgCluster cluster, int64_t step, WgSpan span)
 {
     double now = (double)span.from / (double)WG_STEP_TIME;
     double end = (double)span.until / (double)WG_STEP_TIME;
+    for (int64_t k = cluster.first; k >= 0; k = fleet->movers[k].next) {
+        fleet->movers[k].since = span.from;
+    }
     for (int64_t phase = 0; phase < WG_MOST_PHASES; phase++) {
         for (int64_t k = cluster.first; k >= 0; k = fleet->movers[k].next) {
             fleet->movers[k].touching = 0;
         }
         if (find_goals(fleet, cluster, 1.0, false)) {
-            go_to_goals(fleet, cluster, step, end);
+            go_to_goals(fleet, cluster, step, now, end);
             return;
         }
         double share = first_contact(fleet, cluster);
         note_blocks(fleet, cluster, step, share);
         find_goals(fleet, cluster, share, true);
-        now += (end - now) * share;
-        go_to_goals(fleet, cluster, step, now);
+        double until = now + (end - now) * share;
+        go_to_goals(fleet, cluster, step, now, until);
+        now = until;
         for (int64_t k = cluster.first; k >= 0; k = fleet->movers[k].next) {
             WgMover *mover = &fleet->movers[k];
             slide(mover, share, member_of(fleet, k)->settings->wall_friction);
@@ -418,7 +433,7 @@ static void jump(WgFleet *fleet, WgCluster cluster, int64_t step)
             collide(fleet, &pairs[k]);
         }
     }
-    go_to_goals(fleet, cluster, step, 1.0);
+    go_to_goals(fleet, cluster, step, 0.0, 1.0);
     for (int64_t k = cluster.first; k >= 0; k = movers[k].next) {
         movers[k].normal = movers[k].touching > 0 ? movers[k].touch : (WgNormal){0.0, 0.0};
     }
