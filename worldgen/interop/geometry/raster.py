@@ -6,18 +6,19 @@ A cell is solid if a shape reaches into it, so a path found here also exists the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.domain import MAX_SIDE
-from worldgen.errors import InvalidWorld
+from worldgen.domain import CELL_SIZES, MAX_SIDE
+from worldgen.errors import FormatError, InvalidWorld
+from worldgen.interop.foreign_map import MAX_CELLS
 from worldgen.interop.geometry.boxes import merged_boxes
 
-__all__ = ["Raster", "RasterBox", "RasterDisc", "natural_cell_size"]
+__all__ = ["Raster", "RasterBox", "RasterDisc", "natural_cell_size", "painted"]
 
 # Depth, cells, up to which a shape only touches a cell, because its coordinates were rounded.
 _TOUCH = 1e-6
@@ -199,3 +200,49 @@ def _common(a: Fraction, b: Fraction) -> Fraction:
         math.gcd(a.numerator * b.denominator, b.numerator * a.denominator),
         a.denominator * b.denominator,
     )
+
+
+def painted(
+    extent: tuple[Fraction, Fraction],
+    cell_size: Fraction,
+    paint: Callable[[Raster], None],
+    source: str,
+) -> Raster:
+    """Return a grid of this size after ``paint`` has put a file's shapes into it.
+
+    Args:
+        extent: Width and height of the world, m.
+        cell_size: Side of a cell, m.
+        paint: Paints the shapes.
+        source: Name of the file, for messages.
+
+    Raises:
+        FormatError: If the cells are too small, too large or too many.
+    """
+    if not CELL_SIZES[0] <= cell_size <= CELL_SIZES[1]:
+        raise FormatError(
+            "out-of-range",
+            "cells of {cell_size:g} m",
+            "give {low:g} to {high:g} m",
+            cell_size=float(cell_size),
+            low=CELL_SIZES[0],
+            high=CELL_SIZES[1],
+            source=source,
+        )
+    width, height = (math.ceil(side / cell_size) for side in extent)
+    if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
+        raise FormatError(
+            "wrong-size",
+            "the world takes {width} x {height} cells of {cell_size:g} m",
+            "give a larger cell_size",
+            width=width,
+            height=height,
+            cell_size=float(cell_size),
+            source=source,
+        )
+    raster = Raster(width, height, cell_size)
+    try:
+        paint(raster)
+    except InvalidWorld as error:
+        raise FormatError.of(error.message, source=source) from error
+    return raster

@@ -18,11 +18,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.domain import CELL_SIZES, MAX_SIDE
-from worldgen.errors import FormatError, InvalidWorld, Message
-from worldgen.interop.foreign_map import MAX_CELLS, ForeignMap, digest, read_bounded
+from worldgen.errors import FormatError, Message
+from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
 from worldgen.interop.format import Destination, decimal_text
-from worldgen.interop.geometry.raster import Raster, RasterBox, RasterDisc, natural_cell_size
+from worldgen.interop.geometry.raster import RasterBox, RasterDisc, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml
 from worldgen.lattice import exact
@@ -425,25 +424,7 @@ def _shifted(box: RasterBox, left: Fraction, low: Fraction) -> RasterBox:
 def _cells(
     scene: _GazeboScene, frame: _Frame, *, inner: bool
 ) -> tuple[npt.NDArray[np.bool_], list[str]]:
-    # Check the size of the grid.
     size = frame.cell_size
-    width = math.ceil(frame.width / size)
-    height = math.ceil(frame.height / size)
-    if (
-        not CELL_SIZES[0] <= size <= CELL_SIZES[1]
-        or max(width, height) > MAX_SIDE
-        or width * height > MAX_CELLS
-    ):
-        message = Message(
-            "wrong-size",
-            "the world takes {width} x {height} cells of {cell_size:g} m",
-            "give another cell_size",
-            width=width,
-            height=height,
-            cell_size=float(size),
-        )
-        raise FormatError.of(message, source=scene.source)
-    raster = Raster(width, height, size)
     # Paint all shapes, from the grid's corner.
     corner = np.array([frame.left, frame.low], np.float64)
     placed = Shapes(
@@ -454,10 +435,7 @@ def _cells(
         ],
         [polygon - corner for polygon in scene.shapes.polygons],
     )
-    try:
-        placed.paint(raster)
-    except InvalidWorld as error:
-        raise FormatError.of(error.message, source=scene.source) from error
+    raster = painted((frame.width, frame.height), size, placed.paint, scene.source)
     # Solid cells are either completely covered, or at least touched.
     if inner:
         return raster.full, [

@@ -14,11 +14,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.domain import CELL_SIZES, MAX_SIDE
-from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message
+from worldgen.errors import FormatError, InvalidParameter, Message
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import MAX_CELLS, ForeignMap, digest, read_bounded
-from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size
+from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
+from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.grey_image import read_grey_image
 from worldgen.interop.readers.sibling_file import sibling_file
@@ -320,38 +319,10 @@ def _add_parts(
 
 def _cells(scene: _IrsimScene, wanted: float, source: str) -> tuple[npt.NDArray[np.bool_], float]:
     """Return the walls, and the side of a cell, m."""
-    # Check the size of the grid.
     size = _cell_size(scene, wanted)
-    if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
-        raise FormatError(
-            "out-of-range",
-            "cells of {cell_size:g} m",
-            "give {low:g} to {high:g} m",
-            cell_size=float(size),
-            low=CELL_SIZES[0],
-            high=CELL_SIZES[1],
-            source=source,
-        )
-    across = scene.width / size
-    along = scene.height / size
-    width = math.ceil(across)
-    height = math.ceil(along)
-    if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
-        message = Message(
-            "wrong-size",
-            "the world takes {width} x {height} cells of {cell_size:g} m",
-            "give a larger cell_size",
-            width=width,
-            height=height,
-            cell_size=float(size),
-        )
-        raise FormatError.of(message, source=source)
-    # Paint the walls.
-    raster = Raster(width, height, size)
-    try:
-        _paint(raster, scene, size)
-    except InvalidWorld as error:
-        raise FormatError.of(error.message, source=source) from error
+    raster = painted(
+        (scene.width, scene.height), size, lambda raster: _paint(raster, scene, size), source
+    )
     if raster.partly:
         scene.notes.append(
             f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m "

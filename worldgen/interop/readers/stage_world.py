@@ -15,11 +15,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.domain import CELL_SIZES, MAX_SIDE
-from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message
-from worldgen.interop.foreign_map import MAX_CELLS, ForeignMap, digest, read_bounded
+from worldgen.errors import FormatError, InvalidParameter, Message
+from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
 from worldgen.interop.geometry.degrees import radians
-from worldgen.interop.geometry.raster import Raster
+from worldgen.interop.geometry.raster import painted
 from worldgen.interop.readers.grey_image import read_grey_image
 from worldgen.interop.readers.sibling_file import sibling_file
 from worldgen.interop.readers.stage_file import Entity, read_stage_file
@@ -235,35 +234,13 @@ def _cells(
 ) -> tuple[npt.NDArray[np.bool_], float]:
     """Return the walls, and the side of a cell, m."""
     size = Fraction(repr(wanted)) if wanted else min(plan.across, plan.along)
-    if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
-        message = Message(
-            "out-of-range",
-            "a pixel is {cell_size:g} m; {low:g} to {high:g} m are read",
-            "correct the size",
-            cell_size=float(size),
-            low=CELL_SIZES[0],
-            high=CELL_SIZES[1],
-        )
-        raise FormatError.of(message, source=source)
-    height, width = (
-        math.ceil(count * side / size)
-        for count, side in zip(plan.solid.shape, (plan.along, plan.across), strict=True)
+    rows, columns = plan.solid.shape
+    raster = painted(
+        (columns * plan.across, rows * plan.along),
+        size,
+        lambda raster: raster.picture(plan.solid, plan.across, plan.along),
+        source,
     )
-    if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
-        message = Message(
-            "wrong-size",
-            "the world takes {width} x {height} cells of {cell_size:g} m",
-            "give a larger cell_size",
-            width=width,
-            height=height,
-            cell_size=float(size),
-        )
-        raise FormatError.of(message, source=source)
-    raster = Raster(width, height, size)
-    try:
-        raster.picture(plan.solid, plan.across, plan.along)
-    except InvalidWorld as error:
-        raise FormatError.of(error.message, source=source) from error
     if raster.partly:
         notes.append(
             f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m "
