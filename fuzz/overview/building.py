@@ -41,7 +41,7 @@ _EFFORT = 0.15
 _MOST_CELLS = 2_000_000
 
 # Share of the time that goes to natural worlds; the rest explains.
-_NATURAL_TIME = 0.7
+_NATURAL_TIME = 0.6
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from fuzz.campaign.store import MEMORY, OVERVIEW_FILE
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.comparison import RegressionView
 from fuzz.overview.natural import NaturalRuns
+from fuzz.triage.cause import Severity
 from worldgen.errors import FormatError
 from worldgen.files.whole import read_text, write_bytes
 
@@ -131,6 +132,8 @@ _FILE = re.compile(rf"({re.escape(MEMORY)}/failures/)?[^/\\]+\.grid")
 
 def _checked_cause(value: object) -> dict[str, Any]:
     cause: dict[str, Any] = _checked(value, _CAUSE)
+    if cause["severity"] not in {severity.word for severity in Severity}:
+        raise _FormError(f"{cause['severity']!r} is not a severity")
     for name in ("file", "smallest"):
         if cause[name] and not _FILE.fullmatch(cause[name]):
             raise _FormError(f"{cause[name]!r} is not a file of the campaign")

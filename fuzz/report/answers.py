@@ -15,6 +15,7 @@ from fuzz.overview.building import explained
 from fuzz.overview.causes import CauseTotals, causes_of
 from fuzz.overview.clearest import clearest
 from fuzz.overview.overview import read_overview
+from fuzz.triage.cause import Severity
 from fuzz.triage.diagnosis import cause_of
 from worldgen.errors import WorldgenError
 
@@ -89,7 +90,15 @@ def answers_for(entries: Sequence[CorpusEntry], campaigns: Sequence[Summary]) ->
         key = (entry.facts.controller, entry.facts.motion)
         if key not in told:
             others.setdefault(key, []).append(entry)
-    return [*answers, *(_of_entries(*key, found) for key, found in sorted(others.items()))]
+    answers += [_of_entries(*key, found) for key, found in sorted(others.items())]
+    return sorted(answers, key=_worst)
+
+
+def _worst(answer: Answer) -> int:
+    """Return the severity of the worst cause, so that the worst controller comes first."""
+    words = [severity.word for severity in Severity]
+    found = [words.index(str(cause["severity"])) for cause in answer.causes[:1]]
+    return found[0] if found else len(words)
 
 
 def entry_of(path: Path) -> CorpusEntry | None:

@@ -273,3 +273,39 @@ def test_a_narrow_window_needs_no_scrolling_sideways(browser, address):
         for place in PLACES:
             open_place(page, address, place)
             assert page.evaluate("document.documentElement.scrollWidth") <= 400, place
+
+
+def test_the_first_screen_answers_without_scrolling(page):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    first = page.locator(".answer").first
+    for part in (".headline", ".cause .name", ".cause p", ".command code", ".pictures canvas"):
+        box = first.locator(part).first.bounding_box()
+        assert box["y"] + box["height"] <= 800, part
+    assert "goes through walls" in first.locator(".headline").inner_text()
+    painted = first.locator(".pictures canvas").first.evaluate(
+        "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
+    )
+    assert painted > 8
+
+
+def test_a_cause_leads_to_its_clearest_failure_with_the_reason_and_a_test(page):
+    link = page.locator(".cause .name").first
+    name = link.inner_text()
+    link.click()
+    page.locator("#stage").wait_for()
+    assert page.locator(".words b").first.inner_text() == name
+    page.get_by_text("Test to paste").click()
+    assert "def test_" in page.locator("pre.test").inner_text()
+
+
+def test_on_paper_every_small_picture_is_drawn(page):
+    page.emulate_media(media="print")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    blank = page.evaluate(
+        """[...document.querySelectorAll('.card canvas')].filter((canvas) => {
+          const context = canvas.getContext('2d');
+          return !context.getImageData(0, 0, canvas.width, canvas.height).data.some(Boolean);
+        }).length"""
+    )
+    # The one world whose controller is missing is drawn, too: without its path.
+    assert blank == 0 and not page.locator("nav").is_visible()

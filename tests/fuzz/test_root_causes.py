@@ -22,6 +22,7 @@ from fuzz.triage.judging import failure_of
 from fuzz.triage.proofs import certified
 from sim import Command, simulate
 from sim.scenario import Scenario
+from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import Pose, Target, World
 from worldgen.errors import FormatError
@@ -256,3 +257,40 @@ def test_the_table_of_natural_worlds_names_what_was_never_tried():
     table = NaturalRuns().table()
     assert table["share"] is None and json.loads(json.dumps(table)) == table
     assert table["clearances"]["less than 1.1"] == {"worlds": 0, "arrived": 0}
+
+
+def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
+    options = ("fuzz", "--controller", "turn-right", "--motion", "endpoint", "--no-shrink", "--units", 1,
+               "--examples", 4, "--workers", 1, "--seed", 1, "--out")  # fmt: skip
+    text = worldgen(*options, tmp_path / "text")
+    lines = text.out.splitlines()
+    assert text.code == 1 and len(lines) <= 15
+    assert lines[0].startswith("turn-right under endpoint: ")
+    assert "natural world" in lines[1] and "(95 %: " in lines[1]
+    assert any("worldgen replay" in line for line in lines)
+
+    answer = json.loads(worldgen(*options, tmp_path / "json", "--json").out)
+    assert answer["causes"][0]["cause"] in lines[2] and answer["failures"]
+    assert {kind for cause in answer["causes"] for kind in cause["classes"]} >= set(answer["met"])
+    assert (tmp_path / "json" / answer["causes"][0]["file"]).is_file()
+    assert read_overview(tmp_path / "json")["natural"] == answer["natural"]
+
+
+def test_each_class_has_its_page_only_if_asked_for(tmp_path):
+    options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
+               "--examples", 4, "--workers", 1, "--seed", 1, "--out")  # fmt: skip
+    brief = worldgen(*options, tmp_path / "brief").out
+    verbose = worldgen(*options, tmp_path / "verbose", "--verbose").out
+    assert "S start" not in brief and "S start" in verbose and "strategy" in verbose
+    assert "bounces-between-walls" in verbose
+
+
+def test_a_campaign_in_the_same_folder_is_compared_with_the_last_one(tmp_path):
+    options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
+               "--examples", 4, "--workers", 1, "--seed", 1, "--out", tmp_path / "out", "--json")  # fmt: skip
+    first = json.loads(worldgen(*options).out)
+    second = json.loads(worldgen(*options, "--force").out)
+    assert first["comparison"] is None and second["comparison"]["against"] == "last campaign"
+    kinds = sorted(one["class"] for one in first["failures"] + first["hazards"])
+    assert second["comparison"]["classes"] == {"new": [], "still": kinds, "fixed": []}
+    assert {cause["state"] for cause in second["causes"]} == {"still"}
