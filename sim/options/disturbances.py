@@ -122,7 +122,7 @@ def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> str:
     A push at a time moves the robot along a clear path, so in a static world it can drive back and
     take the witness from there. A robot that turns and changes its speed instantly, and is faster
     than a drift, can drive the witness against it. A place that pushes is harmless if the witness
-    stays out of its cell. Nothing else is certain.
+    stays out of its cell. In all other cases arrival is uncertain.
 
     Args:
         world: The world, with its certificate.

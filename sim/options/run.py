@@ -95,8 +95,7 @@ class RunOptions:
         seed: Seed of the run's random numbers.
         thesis: Options of the motion model ``stepped``.
         robot: Dynamics and sensors under the other motion models.
-        task: What the robot is to do: reach the ``target``, or ``cover`` every cell whose centre it
-            can reach.
+        task: Reach the ``target``, or ``cover`` every cell whose centre the robot can reach.
 
     Raises:
         InvalidParameter: If a value is out of range or of the wrong type.

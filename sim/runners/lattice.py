@@ -134,7 +134,7 @@ class LatticeRun:
         if np.count_nonzero(wanted) < 2:
             raise InvalidWorld(
                 "nothing-to-cover",
-                "the robot can reach only the centre of its own cell, so there is nothing to cover",
+                "the robot can reach the centre of no second cell, so there is nothing to cover",
                 "take a larger world or a smaller robot",
             )
         return wanted
