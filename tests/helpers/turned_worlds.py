@@ -5,25 +5,38 @@ from dataclasses import replace
 import numpy as np
 
 from fuzz.oracles import worlds
-from worldgen.world import Pose, Target, Witness, World
+from worldgen.world import JointWitness, Pose, Robot, Target, Witness, World
 
 __all__ = ["mirrored", "scaled", "turned"]
 
 
 def mirrored(world: World) -> World:
     """Left and right swapped."""
-    wide, proof = world.width * world.cell_size, world.certificate
-    assert isinstance(proof, Witness)
-    witness = replace(proof, x=np.array([_across(wide, x) for x in proof.x]))
-    return replace(worlds.mirrored(world), certificate=witness)
+    wide = world.width * world.cell_size
+
+    def mirror(path: Witness) -> Witness:
+        return replace(path, x=np.array([_across(wide, x) for x in path.x]))
+
+    return replace(worlds.mirrored(world), certificate=_each(world, mirror))
 
 
 def turned(world: World) -> World:
     """Turned by a quarter, counter-clockwise."""
-    high, proof = world.height * world.cell_size, world.certificate
+    high = world.height * world.cell_size
+
+    def turn(path: Witness) -> Witness:
+        return replace(path, x=np.array([_across(high, y) for y in path.y]), y=path.x)
+
+    return replace(worlds.turned(world), certificate=_each(world, turn))
+
+
+def _each(world, change):
+    """The certificate with every path changed."""
+    proof = world.certificate
+    if isinstance(proof, JointWitness):
+        return JointWitness(tuple(map(change, proof.paths)))
     assert isinstance(proof, Witness)
-    witness = replace(proof, x=np.array([_across(high, y) for y in proof.y]), y=proof.x)
-    return replace(worlds.turned(world), certificate=witness)
+    return change(proof)
 
 
 def _across(side: float, value: float) -> float:
@@ -32,19 +45,29 @@ def _across(side: float, value: float) -> float:
 
 def scaled(world: World, by: float) -> World:
     """Every length times a number; times too, at the same speed."""
-    proof, start, target = world.certificate, world.start, world.target
-    assert isinstance(proof, Witness)
 
     def times(values):
         return np.round(np.asarray(values) * by, 12)
 
+    def scale(path: Witness) -> Witness:
+        return Witness(times(path.times), times(path.x), times(path.y), path.clearance * by)
+
+    def larger(robot: Robot) -> Robot:
+        start, target = robot.start, robot.target
+        return Robot(
+            Pose(float(times(start.x)), float(times(start.y)), start.heading),
+            Target(*(float(times(value)) for value in (target.x, target.y, target.radius))),
+            round(robot.radius * by, 12),
+            robot.speed,
+        )
+
+    first, *others = map(larger, world.robots)
     return replace(
         world,
         cell_size=round(world.cell_size * by, 12),
-        robot_radius=round(world.robot_radius * by, 12),
-        start=Pose(float(times(start.x)), float(times(start.y)), start.heading),
-        target=Target(*(float(times(value)) for value in (target.x, target.y, target.radius))),
-        certificate=Witness(
-            times(proof.times), times(proof.x), times(proof.y), proof.clearance * by
-        ),
+        robot_radius=first.radius,
+        start=first.start,
+        target=first.target,
+        certificate=_each(world, scale),
+        others=tuple(others),
     )
