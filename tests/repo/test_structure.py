@@ -1,6 +1,7 @@
 """Limits that keep the sources easy to live in; ruff holds those on lines, statements and parameters."""
 
 import ast
+import functools
 from collections import Counter, defaultdict
 from pathlib import Path
 
@@ -17,9 +18,14 @@ MORE_SIBLINGS = {"worldgen/interop/formats": 30}
 TEMPLATES = ("sim/examples/",)
 
 _sources = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
-_each_source = pytest.mark.parametrize(
-    "path", _sources, ids=[str(path.relative_to(ROOT)) for path in _sources]
-)
+
+
+@functools.cache
+def _trees() -> dict[str, ast.AST]:
+    """Return the syntax tree of each source, by the file's name."""
+    return {
+        path.relative_to(ROOT).as_posix(): ast.parse(path.read_text("utf-8")) for path in _sources
+    }
 
 
 def _names(node: ast.AST) -> set[str]:
@@ -41,9 +47,9 @@ def packed_assignments(tree: ast.AST) -> list[int]:
     ]
 
 
-@_each_source
-def test_a_statement_makes_one_assignment(path):
-    assert packed_assignments(ast.parse(path.read_text("utf-8"))) == []
+def test_a_statement_makes_one_assignment():
+    packed = [f"{name}:{line}" for name in _trees() for line in packed_assignments(_trees()[name])]
+    assert packed == []
 
 
 @pytest.mark.parametrize(
@@ -56,10 +62,9 @@ def test_packed_assignments_are_found_and_swaps_are_not(source, lines):
 
 def test_a_class_name_has_one_meaning():
     places = defaultdict(list)
-    for path in _sources:
-        name = path.relative_to(ROOT).as_posix()
+    for name, tree in _trees().items():
         if not name.startswith(TEMPLATES):
-            for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            for node in ast.walk(tree):
                 if isinstance(node, ast.ClassDef):
                     places[node.name].append(f"{name}:{node.lineno}")
     assert {name: found for name, found in places.items() if len(found) > 1} == {}
