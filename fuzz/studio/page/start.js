@@ -3,6 +3,7 @@
 import { byId, el, keyButton, say, shortName } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
 import { makeCampaign } from "#studio/campaign/campaign.js";
+import { exampleButtons } from "#studio/draw/examples.js";
 import { Ended, makeConnection, shareToken, takeToken } from "#studio/shared/connection.js";
 import { findDraft, keepDraft, lendDraft, openedBefore, reclaimDraft, takeOver } from "#studio/shared/drafts.js";
 import { makeDraw } from "#studio/draw/draw.js";
@@ -14,7 +15,9 @@ import { Model, emptyWorld, worldOf } from "#studio/draw/model.js";
 import { makePlay } from "#studio/play/play.js";
 import { listenToBoard } from "#studio/draw/pointer.js";
 import { makeProver } from "#studio/draw/proof.js";
+import { linkTo, readLink } from "#studio/shared/links.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
+import { makeTour } from "#studio/shared/tour.js";
 
 const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"], campaign: ["Campaign", "3"] };
 const SIDE = 40; // cells of the initial world
@@ -33,13 +36,14 @@ const studio = {
   campaign: null,
   askWidest: () => prove.widest(),
   say: (words) => say(words),
-  page: () => (Object.hasOwn(PAGES, location.hash.slice(1)) ? location.hash.slice(1) : "draw"),
+  page: () => (Object.hasOwn(PAGES, readLink(location.hash).page) ? readLink(location.hash).page : "draw"),
   go: (page) => {
     location.hash = page;
     route(); // now, because the next action may need the page, and the browser reports the change later
   },
   show,
   showName,
+  showLink,
   undo: () => studio.draw.cancel() || step("Undone", studio.model.undo()), // cancels the current stroke first
   redo: () => studio.draw.cancel() || step("Redone", studio.model.redo()),
   save,
@@ -50,6 +54,7 @@ let scheduled = 0;
 let keeping = 0;
 /** @type {Map<string, string>} */
 const codeFiles = new Map(); // digest of each file of the user's code
+let followed = false; // whether the link that the page was opened with has been followed
 let refused = false; // whether the server refused the last attempt to save
 
 // Redraws everything after changes, at most once per frame.
@@ -83,6 +88,38 @@ function setWidest(widest) {
   studio.draw.refresh();
 }
 
+// Keeps the address a link to what the page shows.
+function showLink() {
+  if (!followed) return; // the link that the page was opened with is still to be followed
+  const page = studio.page();
+  const shows = page === "campaign" ? studio.campaign.link() : { world: studio.model.world.name, ...(page === "play" ? studio.play.link() : {}) };
+  const link = linkTo(page, shows);
+  if (link !== location.hash) history.replaceState(null, "", `${location.pathname}${link}`);
+}
+
+// Shows what a link names: the world with its robots, or the failure in its folder.
+async function followLink() {
+  const { page, shows } = readLink(location.hash);
+  followed = true;
+  if (page === "campaign") {
+    studio.campaign.follow(shows);
+    return;
+  }
+  if (page === "play") studio.play.follow(shows);
+  if (!shows.world || shows.world === studio.model.world.name) {
+    if (page === "play") studio.play.run();
+    return;
+  }
+  try {
+    await openFile(studio, { name: shows.world, world: /\.grid(\.gz)?$/.test(shows.world) });
+    if (page === "play") studio.play.follow(shows); // a failure's file brings its own robot, a link with robots theirs
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    if (error instanceof Refused) notice(error.message);
+  }
+  if (page === "play") studio.play.run();
+}
+
 // Shows the subject of the current page: the drawn world, or the folder whose failures are shown.
 function showName() {
   const { unsaved, past, future, world } = studio.model;
@@ -90,6 +127,7 @@ function showName() {
     const [folder, doing] = studio.campaign.name();
     byId("name").replaceChildren(folder, doing ? el("span", { class: "quiet" }, ` · ${doing}`) : "");
     document.title = `${doing === "running" ? "▶ " : ""}${folder} - worldgen studio`;
+    showLink();
     return;
   }
   byId("name").replaceChildren(
@@ -97,6 +135,7 @@ function showName() {
     unsaved ? el("span", { class: "quiet" }, " · changed") : "",
   );
   document.title = `${unsaved ? "• " : ""}${world.name || "new world"} - worldgen studio`;
+  showLink();
   byId("undo").disabled = past.length === 0;
   byId("redo").disabled = future.length === 0;
 }
@@ -179,8 +218,11 @@ async function begun(begins) {
     const offered = await hello(told);
     told.push(...unusable(offered.controllers));
     studio.offered = sameIfEqual(studio.offered, stillOffered(studio.offered, offered));
-    const file = openedBefore() || begins.file;
+    const linked = readLink(location.hash).shows.world;
+    const file = linked ? "" : openedBefore() || begins.file;
     const untouched = () => studio.model.past.length === 0; // nothing has been dropped on the page meanwhile
+    if (first && (untouched() || studio.page() === "campaign")) await followLink();
+    followed = true;
     if (first && file && untouched())
       await openFile(studio, { name: file, world: /\.grid(\.gz)?$/.test(file) }, untouched);
   } catch (error) {
@@ -267,6 +309,16 @@ function selectNumbers() {
   });
 }
 
+// Makes the menu for those who are here for the first time: three worlds, and the tour.
+function startMenu(tour) {
+  const close = () => (menu.open = false);
+  const take = el("button", { type: "button", id: "take-tour", onclick: () => (close(), tour.begin()) }, "Tour of a minute");
+  const list = el("div", { class: "menu" }, el("b", {}, "Example worlds"), exampleButtons(studio, (words) => (close(), say(words))), take);
+  const menu = el("details", { class: "save start-menu", id: "start-menu" }, el("summary", { class: "button" }, "Start here"), list);
+  menu.addEventListener("keydown", ({ key }) => key === "Escape" && close());
+  return menu;
+}
+
 function begin() {
   takeToken();
   byId("skip").addEventListener("click", toContent);
@@ -278,6 +330,9 @@ function begin() {
     el("button", { type: "button", id: "theme", "aria-keyshortcuts": "d" }),
     keyButton(["Keys ", el("kbd", {}, "?")], "Keys", "?", showKeys),
   );
+  const tour = makeTour(studio);
+  document.body.append(tour.element);
+  byId("tools").prepend(startMenu(tour));
   studio.draw = makeDraw(byId("draw"), studio);
   studio.play = makePlay(byId("play"), studio);
   studio.campaign = makeCampaign(byId("campaign"), studio);
@@ -290,7 +345,11 @@ function begin() {
   });
   listen(studio);
   takeDrops();
-  addEventListener("hashchange", route);
+  addEventListener("hashchange", () => {
+    const { shows } = readLink(location.hash);
+    if (followed && Object.keys(shows).length > 0) followLink(); // another link was put into the address
+    route();
+  });
   addEventListener("beforeunload", (event) => {
     if (!keepDraft(studio.model)) event.preventDefault(); // too large to be kept, so the browser asks the user
   });

@@ -291,6 +291,8 @@ interface Studio {
   go(page: string): void;
   show(answer: OpenedMessage, name: string, label: string): void;
   showName(): void;
+  /** Keeps the address a link to what the page shows. */
+  showLink(): void;
   undo(): void;
   redo(): void;
   save(): Promise<void>;

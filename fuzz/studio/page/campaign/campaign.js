@@ -59,6 +59,8 @@ export function makeCampaign(section, studio) {
     begin: () => begin(campaign),
     refresh: () => refresh(campaign),
     name: () => nameOf(campaign),
+    link: () => ({ folder: campaign.folder, failure: campaign.wanted || campaign.failure.name() }),
+    follow: (shows) => follow(campaign, shows),
     edited: (files) => edited(campaign, files),
     redraw: () => (campaign.wall.redraw(), campaign.failure.redraw()),
   };
@@ -129,6 +131,14 @@ async function list(campaign) {
   campaign.form.refresh();
   showFolders(campaign);
   return answer.faults.map(refusalWords).join(" ");
+}
+
+// Chooses the folder that a link names, and its failure once the folder has been read.
+function follow(campaign, { folder, failure }) {
+  campaign.wanted = failure ?? null;
+  if (folder === undefined) return;
+  campaign.folder = folder;
+  keep(campaign.studio.folder, CHOSEN, folder);
 }
 
 function showFolders({ parts, folder, folders, states }) {
@@ -227,6 +237,9 @@ async function reloadWall(campaign, stamp = campaign.stamp) {
     if (folder !== campaign.folder) return;
     campaign.read = stamp;
     campaign.wall.show(answer);
+    const wanted = answer.failures.find(({ name }) => name === campaign.wanted);
+    if (wanted) campaign.wall.choose(wanted);
+    campaign.wanted = null;
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     if (error instanceof Refused) campaign.wall.refuse(error.message);
@@ -297,6 +310,7 @@ function edited(campaign, files) {
 function select(campaign, failure) {
   openPanel(campaign, "failure");
   campaign.failure.show(failure);
+  campaign.studio.showLink();
 }
 
 function refresh(campaign) {

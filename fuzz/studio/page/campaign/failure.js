@@ -15,8 +15,9 @@ const OTHER_RUN = "This is not the run that was found: the controller's code has
  */
 export function makeFailurePanel(campaign) {
   const element = el("div", { id: "failure-panel" }, el("p", { class: "quiet" }, "Choose a picture."));
+  /** @type {any} */
   const panel = { campaign, element, failure: null, look: null, canvas: null };
-  return { element, show: (failure) => show(panel, failure), follow: (failures) => follow(panel, failures), redraw: () => redraw(panel), forget: (which) => panel.failure && which(panel.failure) && show(panel, panel.failure) };
+  return { element, name: () => panel.failure?.name ?? "", show: (failure) => show(panel, failure), follow: (failures) => follow(panel, failures), redraw: () => redraw(panel), forget: (which) => panel.failure && which(panel.failure) && show(panel, panel.failure) };
 }
 
 function redraw({ canvas, look }) {

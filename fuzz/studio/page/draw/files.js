@@ -1,6 +1,7 @@
 // The files of the opened folder: open, save, import, export.
 
 import { el, grouped, plural } from "#player/dom.js";
+import { exampleButtons } from "#studio/draw/examples.js";
 import { Ended } from "#studio/shared/connection.js";
 import { makeExport } from "#studio/draw/export_form.js";
 import { labelled } from "#studio/shared/fields.js";
@@ -164,6 +165,10 @@ function showList(studio, files) {
   parts.found.querySelector("ul").replaceChildren(...items(found));
   parts.found.hidden = found.length === 0;
   if (own.length === 0 && found.length > 0) parts.found.open = true;
+  if (files.files.length === 0) {
+    const told = el("p", { role: "status" });
+    parts.list.append(el("li", { class: "quiet" }, "No world is in this folder yet. Save the drawing, drop a map on the page, or begin with an example:", el("div", { class: "actions" }, exampleButtons(studio, (words) => (told.textContent = words))), told));
+  }
   if (shown.length === 0 && files.files.length > 0)
     parts.list.append(el("li", { class: "quiet" }, `None of ${plural(files.files.length, "file")} matches.`));
 }

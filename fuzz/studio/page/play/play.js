@@ -37,7 +37,7 @@ export function makePlay(section, studio) {
   parts.stage = el("div", { class: "stage" }, parts.canvas);
   parts.beside = el("button", { type: "button", id: "beside", hidden: true, "aria-pressed": "false", onclick: () => toggleBeside(play) }, "Compare with the original, before shrinking");
   /** @type {any} */
-  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, isEdited: false, cut: false, way: false, runs: [], world: null, message: null, looked: 0, version: -1, under: null, asked: 0 };
+  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, isEdited: false, wantedStep: null, cut: false, way: false, runs: [], world: null, message: null, looked: 0, version: -1, under: null, asked: 0 };
   play.code = makeCodeNote(studio, () => run(play, true));
   play.robots = makeRobots(studio, () => run(play, true), play.code.setting);
   section.replaceChildren(
@@ -58,6 +58,8 @@ export function makePlay(section, studio) {
       play.robots.refresh();
     },
     edited: (files) => edited(play, files),
+    link: () => linkOf(play),
+    follow: (shows) => follow(play, shows),
     prefer: (failure) => {
       play.robots.prefer(failure);
       askBefore(play);
@@ -84,8 +86,23 @@ function played({ message, runs, looked }) {
 // Opens the page: changes since the last run are run immediately.
 function begin(play) {
   play.robots.refresh();
-  if (play.version !== play.studio.model.version || play.isEdited) run(play);
+  const { version } = play.studio.model;
+  if (play.under === version && !play.isEdited) return; // it is running
+  if (play.version !== version || play.isEdited) run(play);
   else if (play.player) play.player.draw();
+}
+
+// Returns what a link to the shown run names; nothing before the first run.
+function linkOf({ message }) {
+  if (!message) return {};
+  const { controllers, motion, seed } = message;
+  return { robots: controllers.join(","), motion, seed: seed || null };
+}
+
+// Takes the robots that a link names, and their step.
+function follow(play, { robots, motion, seed, step }) {
+  play.wantedStep = step === undefined ? null : Number(step);
+  if (robots) play.robots.follow({ robots: robots.split(","), motion, seed: Number(seed ?? 0) });
 }
 
 // Takes note of edited files: results of the code as it was are marked as outdated, and run again.
@@ -142,6 +159,9 @@ function finish(play) {
   const { parts, runs, player } = play;
   parts.said.textContent = "";
   play.code.ran();
+  play.studio.showLink();
+  if (Number.isFinite(play.wantedStep) && player) player.go(play.wantedStep);
+  play.wantedStep = null;
   if (runs.some((one) => one.run)) return;
   // An earlier picture would show code that does not run any more.
   player?.play(false);

@@ -73,6 +73,7 @@ export function makeRobots(studio, run, more) {
     message: () => messageFor(robots),
     prefer: (failure) => prefer(robots, failure),
     forget: () => forget(robots),
+    follow: (wanted) => follow(robots, wanted),
   };
 }
 
@@ -388,6 +389,22 @@ function prefer(robots, failure) {
   showNumbers(robots);
   showOptions(robots);
   showChanges(robots);
+}
+
+// Takes the robots, the motion model and the seed that a link names, as far as they are offered.
+function follow(robots, { robots: names, motion, seed }) {
+  const { state, studio } = robots;
+  refresh(robots);
+  if (!studio.offered) return;
+  forget(robots);
+  if (motion !== state.motion && studio.offered.motions.some(({ name }) => name === motion)) setMotion(robots, motion);
+  const offered = new Set(offeredTo(robots).map(({ name }) => name));
+  const known = names.filter((name) => offered.has(name) || offered.has(name.split("+")[0])).slice(0, studio.limits.robots);
+  if (known.length > 0) state.chosen = known;
+  for (const name of known) if (!offered.has(name) && !state.own.includes(name)) state.own.push(name);
+  if (Number.isSafeInteger(seed) && seed >= 0) state.seed = seed;
+  showNumbers(robots);
+  showList(robots);
 }
 
 // Drops the failure's seed and steps when another world is opened, unless the user has changed them.

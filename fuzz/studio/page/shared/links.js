@@ -1,0 +1,23 @@
+// Links to what a page shows: a world, a run in it, a folder of failures, one failure. They need this browser's access.
+
+/**
+ * Returns the page of a link and what is to be shown on it.
+ * @param {string} hash - Of the address, such as "#play?world=trap.grid&robots=bug1"
+ * @returns {{page: string, shows: Record<string, string>}}
+ */
+export function readLink(hash) {
+  const [page, , shows = ""] = hash.slice(1).split(/(\?)(.*)/s);
+  return { page, shows: Object.fromEntries(new URLSearchParams(shows)) };
+}
+
+/**
+ * Returns a link; what is empty or unknown is left out.
+ * @param {string} page
+ * @param {Record<string, string | number | null | undefined>} shows
+ * @returns {string}
+ */
+export function linkTo(page, shows) {
+  const given = Object.entries(shows).filter(([, value]) => value !== "" && value !== null && value !== undefined);
+  const words = new URLSearchParams(given.map(([name, value]) => [name, String(value)])).toString();
+  return words ? `#${page}?${words.replaceAll("%2F", "/").replaceAll("%2C", ",").replaceAll("%3A", ":")}` : `#${page}`;
+}

@@ -1,0 +1,44 @@
+"""The first minute, and links to what a page shows."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import opened
+
+CORPORA = Path(__file__).parents[2] / "corpora"
+
+
+@pytest.mark.gate
+def test_an_example_and_the_tour_are_there_to_begin_with_and_links_lead_to_run_and_failure(
+    browser, tmp_path
+):
+    (tmp_path / "found").mkdir()
+    shutil.copy(CORPORA / "thesis/config-05.grid", tmp_path)
+    shutil.copy(CORPORA / "thesis-faults/thesis-1-loop-104.grid", tmp_path / "found")
+    with studio_of(tmp_path) as gate, opened(browser, gate) as page:
+        base = page.url.partition("#")[0]
+        page.locator("#start-menu summary").click()
+        page.locator("#take-tour").click()
+        page.locator("#tour-next", has_text="Next").click()
+        page.locator("#proof.toured").wait_for()
+        page.keyboard.press("Escape")
+        assert page.locator(".tour").is_hidden()
+
+        page.goto(f"{base}#campaign?folder=found&failure=found/thesis-1-loop-104.grid")
+        page.locator("#failure-cause b").wait_for()
+        page.goto(
+            f"{base}#play?world=config-05.grid&robots=thesis-1,thesis-2&motion=stepped&step=500"
+        )
+        page.locator(".result").nth(1).wait_for()
+        page.locator("#readout", has_text="step 500 of").wait_for()
+        assert page.url.endswith(
+            "#play?world=config-05.grid&robots=thesis-1,thesis-2&motion=stepped"
+        )
+
+        page.locator("#start-menu summary").click()
+        page.locator("[data-example=fire]").first.click()
+        page.locator("#board-time").wait_for()
+        assert page.complaints == []
