@@ -77,6 +77,10 @@ class Failure:
     def write(self, path: Path, *, force: bool = False) -> None:
         """Write the failure's file.
 
+        Args:
+            path: The file; its folder must exist.
+            force: Overwrite an existing file.
+
         Raises:
             OutputError: If it cannot be written, or if it exists and ``force`` is not set.
         """

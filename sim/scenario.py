@@ -108,11 +108,19 @@ class Scenario:
         return replace(self.run, steps=steps)
 
     def with_run(self, **changes: Any) -> Scenario:
-        """Return the same scenario with other values for some fields of its run options."""
+        """Return the same scenario with other values for some fields of its run options.
+
+        Args:
+            **changes: New values of fields of :class:`RunOptions`, by name.
+        """
         return replace(self, run=replace(self.run, **changes))
 
     def with_option(self, name: str, value: Value) -> Scenario:
         """Return the same scenario with another value for one option of its motion model.
+
+        Args:
+            name: The option's name, such as ``slip``.
+            value: Its new value, in the option's unit.
 
         Raises:
             InvalidParameter: If the motion model has no such option, or the value is out of range.

@@ -123,7 +123,12 @@ class Timeline(HoldsFrozen):
         return Timeline(self.times[kept], self.ix[kept], self.iy[kept], self.states[kept])
 
     def is_within(self, width: int, height: int) -> bool:
-        """Return True if every event is about a cell of a grid with this many columns and rows."""
+        """Return True if every event is about a cell of the grid.
+
+        Args:
+            width: Columns of the grid.
+            height: Rows of the grid.
+        """
         columns = (self.ix >= 0) & (self.ix < width)
         rows = (self.iy >= 0) & (self.iy < height)
         return bool((columns & rows).all())
@@ -133,7 +138,12 @@ class Timeline(HoldsFrozen):
     ) -> npt.NDArray[np.bool_]:
         """Mark the cells of a grid that some event puts into one of ``states``.
 
-        Without states, all changing cells are marked.
+        Args:
+            *states: New states to look for; all if none are given.
+            shape: Rows and columns of the grid.
+
+        Returns:
+            (rows, columns) bool.
         """
         chosen = np.isin(self.states, states) if states else np.ones(len(self), np.bool_)
         marked = np.zeros(shape, np.bool_)

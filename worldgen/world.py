@@ -67,7 +67,13 @@ class Pose:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """The disc that the robot's centre must enter: centre and radius in m."""
+    """The disc that the robot's centre must enter.
+
+    Args:
+        x: The centre's x, m.
+        y: The centre's y, m.
+        radius: Radius, m.
+    """
 
     x: float
     y: float

@@ -23,7 +23,8 @@ class CampaignConfig(SearchOptions):
 
     Together with a unit's number and the search state, it determines the unit's result. With a
     database, the result depends on that folder, too. The units of an epoch know what earlier epochs
-    found, except the one just before.
+    found, except the one just before. ``examples``, ``oracles`` and the other fields that are not
+    listed here are described in :class:`SearchOptions`.
 
     Args:
         scenario: Controller, motion model and options; each draw has its own seed and time step.

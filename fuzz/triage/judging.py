@@ -31,7 +31,14 @@ __all__ = ["Replay", "failure_of", "oracle_of", "replay", "violation_in"]
 
 @dataclass(frozen=True)
 class Replay:
-    """The result of replaying a failure."""
+    """The result of replaying a failure.
+
+    Args:
+        verdict: Verdict of the new run.
+        confirmed: True if the new run equals the recorded one.
+        reason: The difference, if it is not confirmed; else empty.
+        episode: The new run; ``None`` if there was none.
+    """
 
     verdict: str
     confirmed: bool

@@ -71,7 +71,31 @@ class Neighbour(NamedTuple):
 
 
 class Observation(NamedTuple):
-    """A controller's input after each step; units and frames as in ``worldgen_controller.h``."""
+    """A controller's input after each step.
+
+    Angles are counter-clockwise in rad, and headings are relative to the world's +x.
+
+    Args:
+        bump: True if a wall or another robot stopped or bent the last move.
+        bump_bearing: Direction of that contact relative to the robot's heading, rad.
+        signal: Strength of the target's signal, 0 to 1.
+        signal_heading: Heading to the neighbouring cell with the strongest signal, rad.
+        heading: The robot's heading, rad.
+        x: The robot's x, m.
+        y: The robot's y, m.
+        target_heading: Heading to the target, rad.
+        target_distance: Distance to the target's centre, m.
+        random: A random number in [0, 1); the same until the controller reports its use.
+        time_step: Duration of a step, s.
+        top_speed: The robot's speed limit, m/s.
+        radius: The robot's radius, m.
+        time: Time since the start, s; nan unless the controller declares this sense.
+        odometry_x: x according to the wheels, m.
+        odometry_y: y according to the wheels, m.
+        odometry_heading: Heading according to the wheels, rad.
+        beams: Distance to the nearest wall or robot along each range beam, m.
+        neighbours: Other robots within range, the nearest first.
+    """
 
     bump: bool
     bump_bearing: float

@@ -23,7 +23,7 @@ def decide(
     """Decide whether a disc can get from the start to the target; all discs, if there are several.
 
     Args:
-        world: The world; its own certificate is not looked at.
+        world: The world; its own certificate is ignored.
         radius: Radius of the disc, m; the robot's, or each robot's, if omitted.
         margin: s. The witness of a world that changes also holds when the robot first waits at the
             start for any time up to this long, and then does everything so much later.
@@ -33,8 +33,8 @@ def decide(
         cut: Whether the proof is wanted if it is a cut, too.
 
     Raises:
-        InvalidParameter: If the radius is not a finite number above 0, or the margin not one from 0
-            on.
+        InvalidParameter: If the radius is not a finite number above 0, or the margin is negative or
+            not finite.
     """
     if not world.others:
         return prove.decide(world, radius=radius, margin=margin, certificate=certificate, cut=cut)

@@ -76,7 +76,14 @@ def pieces(world: World) -> Iterator[bytes]:
 
 
 def world_digest(world: World) -> str:
-    """Return the world's id: SHA-256 in hex of its canonical bytes without provenance and failure."""
+    """Return the world's id.
+
+    Args:
+        world: The world.
+
+    Returns:
+        SHA-256 of its canonical bytes without provenance and failure, in hex.
+    """
     digest = hashlib.sha256()
     for piece in pieces(replace(world, provenance=None, failure=None)):
         digest.update(piece)
