@@ -32,6 +32,8 @@ struct WgMover {
     int64_t contacts;    // phases of this move in which it touched something
     int64_t since;       // time in the step of its last corner, 2^-32 steps
     int64_t candidate;   // which lattice point near the wanted one `goal` is
+    int64_t column;      // of its cell in the grid of robots
+    int64_t row;
     int64_t cluster;     // index of the first robot of its cluster, once found
     int64_t next;        // index of the next robot of its cluster; -1
     bool is_active;      // it has not parked, nor ended the run
@@ -86,12 +88,12 @@ void wg_ready_senses(WgFleet *fleet);
 // Finds the robots around a robot, the nearest first, for its beams and its neighbours.
 void wg_sense_others(WgFleet *fleet, int64_t robot);
 
-// Puts the robots of a fleet into the buckets of a grid that are `width` lattice units wide.
+// Puts the robots of a fleet into a grid whose cells are `width` lattice units wide.
 void wg_fill_buckets(WgFleet *fleet, int64_t width);
 
-// The first robot in the bucket around a robot's place that is the `which`th of nine; -1 if there is none, or if another
-// of the nine is the same bucket. The others follow in WgNear.chain.
-int64_t wg_bucket_around(const WgFleet *fleet, int64_t robot, int64_t width, int64_t which);
+// The first robot in a cell of that grid, and the next one in the same cell as a robot; -1 if there is none.
+int64_t wg_first_in(const WgFleet *fleet, int64_t column, int64_t row);
+int64_t wg_next_in(const WgFleet *fleet, int64_t robot);
 
 // Moves all robots for a step by their displacements, with the events that fall into it each at its time.
 void wg_move_fleet(WgFleet *fleet, int64_t step, const WgVector *by);

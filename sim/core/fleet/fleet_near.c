@@ -60,42 +60,55 @@ void wg_fill_buckets(WgFleet *fleet, int64_t width)
         near->heads[k] = -1;
     }
     for (int64_t k = 0; k < fleet->count; k++) {
-        const WgPlace *place = &fleet->movers[k].place;
-        int64_t own = bucket_of(near, wg_floor_div(place->x, width), wg_floor_div(place->y, width));
+        WgMover *mover = &fleet->movers[k];
+        mover->column = wg_floor_div(mover->place.x, width);
+        mover->row = wg_floor_div(mover->place.y, width);
+        int64_t own = bucket_of(near, mover->column, mover->row);
         near->chain[k] = near->heads[own];
         near->heads[own] = k;
     }
 }
 
-int64_t wg_bucket_around(const WgFleet *fleet, int64_t robot, int64_t width, int64_t which)
+// The robot, or the next one of its bucket, that is in a cell: several cells may share a bucket.
+static int64_t one_in(const WgFleet *fleet, int64_t robot, int64_t column, int64_t row)
 {
-    const WgNear *near = fleet->near;
-    int64_t column = wg_floor_div(fleet->movers[robot].place.x, width);
-    int64_t row = wg_floor_div(fleet->movers[robot].place.y, width);
-    int64_t around = bucket_of(near, column + which % 3 - 1, row + which / 3 - 1);
-    for (int64_t before = 0; before < which; before++) {
-        if (bucket_of(near, column + before % 3 - 1, row + before / 3 - 1) == around) {
-            return -1;
-        }
+    while (robot >= 0 && (fleet->movers[robot].column != column || fleet->movers[robot].row != row)) {
+        robot = fleet->near->chain[robot];
     }
-    return near->heads[around];
+    return robot;
 }
 
-// Looks at the robots in the nine buckets around each one.
+int64_t wg_first_in(const WgFleet *fleet, int64_t column, int64_t row)
+{
+    return one_in(fleet, fleet->near->heads[bucket_of(fleet->near, column, row)], column, row);
+}
+
+int64_t wg_next_in(const WgFleet *fleet, int64_t robot)
+{
+    const WgMover *mover = &fleet->movers[robot];
+    return one_in(fleet, fleet->near->chain[robot], mover->column, mover->row);
+}
+
+// Looks at the robots in the cell of each one, and in four of the eight around it: of two cells next to each other, one
+// sees the other.
 static void look_around(WgFleet *fleet)
 {
+    static const int64_t OTHER_CELLS[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
     int64_t furthest = 1;
     for (int64_t k = 0; k < fleet->count; k++) {
         furthest = wg_most(furthest, fleet->movers[k].far);
     }
     wg_fill_buckets(fleet, 2 * furthest);
     for (int64_t k = 0; k < fleet->count; k++) {
-        for (int64_t which = 0; which < 9; which++) {
-            int64_t other = wg_bucket_around(fleet, k, 2 * furthest, which);
-            for (; other >= 0; other = fleet->near->chain[other]) {
-                if (other < k) {
-                    look_at(fleet, k, other);
-                }
+        for (int64_t other = wg_next_in(fleet, k); other >= 0; other = wg_next_in(fleet, other)) {
+            look_at(fleet, k, other);
+        }
+        for (int which = 0; which < 4; which++) {
+            int64_t column = fleet->movers[k].column + OTHER_CELLS[which][0];
+            int64_t row = fleet->movers[k].row + OTHER_CELLS[which][1];
+            int64_t other = wg_first_in(fleet, column, row);
+            for (; other >= 0; other = wg_next_in(fleet, other)) {
+                look_at(fleet, k, other);
             }
         }
     }

@@ -87,9 +87,10 @@ void wg_sense_others(WgFleet *fleet, int64_t robot)
             add_other(fleet, robot, other);
         }
     } else {
+        const WgMover *mover = &fleet->movers[robot];
         for (int64_t which = 0; which < 9; which++) {
-            int64_t other = wg_bucket_around(fleet, robot, width_of(fleet), which);
-            for (; other >= 0; other = fleet->near->chain[other]) {
+            int64_t other = wg_first_in(fleet, mover->column + which % 3 - 1, mover->row + which / 3 - 1);
+            for (; other >= 0; other = wg_next_in(fleet, other)) {
                 add_other(fleet, robot, other);
             }
         }

@@ -1,0 +1,173 @@
+"""Measure the cost of several robots: steps per second and robot, for 10 and 100 of them.
+
+``python -m benchmarks.fleets`` prints a table; ``--json`` prints one object, with the ratio of the
+costs per robot. All numbers are from one run, in processor time; the best of all rounds counts.
+
+The halls have the same density: a robot of 0.07 m radius for each square metre, which drives at
+1 m/s to the place of another one. A step is 15 ms. The peer is pyrvo, van den Berg's RVO2 for
+Python, if it is installed: it steps the same robots without walls, verdict or exact contact, and
+its own step is all that is measured.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import importlib.util
+import json
+import math
+import time
+from collections.abc import Callable
+
+import click
+
+from sim._core import lib
+from sim.controllers import CONTROLLERS
+from sim.fleet import FleetRun
+from sim.fleet.core_calls import CoreFleet, driver_in_core
+from sim.options.run import options_of
+from sim.runners.core_calls import CoreEpisode
+from sim.runners.lattice import LatticeRun
+from worldgen.random_streams import RandomStream
+from worldgen.world import Pose, Robot, Target, World
+
+__all__ = ["hall_of", "measure"]
+
+CONTROLLER_NAMES = ("naive", "right-hand", "orca", "turn-right")
+COUNTS = (1, 10, 100)
+STEPS = 300
+STEP = 0.015
+RADIUS = 0.07
+SPEED = 1.0
+# Distance between two places, m.
+APART = 1.0
+
+
+def hall_of(count: int) -> World:
+    """Return a hall with so many robots, each of which wants to the place of another one."""
+    side = math.ceil(math.sqrt(count))
+    cells = round(side * APART / 0.1)
+    rng = RandomStream(count)
+    spots = [((k % side + 0.5) * APART, (k // side + 0.5) * APART) for k in range(count)]
+    order = list(range(count))
+    rng.shuffle(order)
+    robots = [
+        Robot(
+            Pose(*(round(value, 3) for value in spots[k]), rng.uniform(-3.0, 3.0)),
+            Target(*(round(value + 0.2, 3) for value in spots[order[k]]), 0.05),
+            RADIUS,
+            SPEED,
+        )
+        for k in range(count)
+    ]
+    first, *others = robots
+    return World(
+        [[False] * cells] * cells,
+        first.start,
+        first.target,
+        robot_radius=RADIUS,
+        robot_speed=SPEED,
+        others=tuple(others),
+    )
+
+
+def _ours(name: str, count: int) -> Callable[[], tuple[float, float]]:
+    world = hall_of(count)
+    options = options_of(world, {"steps": STEPS})
+    run = FleetRun(world, [CONTROLLERS.get(name)] * count, [options] * count)
+
+    def once() -> tuple[float, float]:
+        drivers = [driver_in_core(one) for one in run.runs]
+        fleet = CoreFleet(run.runs, drivers, STEPS, lib.WG_SEEK_LOOP)
+        begin = time.process_time()
+        fleet.run_to_the_end()
+        seconds = time.process_time() - begin
+        return sum(int(member.report.steps) for member in fleet.members), seconds
+
+    return once
+
+
+def _alone(name: str) -> Callable[[], tuple[float, float]]:
+    """Return the same robot and controller in a run for one robot."""
+    world = hall_of(1)
+    options = options_of(world, {"steps": STEPS})
+    run = LatticeRun(world, CONTROLLERS.get(name), options)
+    run.settings.steps = STEPS
+    run.settings.find_loop = lib.WG_SEEK_LOOP
+
+    def once() -> tuple[float, float]:
+        episode = CoreEpisode(run.arena(), run.settings, driver_in_core(run))
+        begin = time.process_time()
+        episode.run_to_the_end()
+        return int(episode.report.steps), time.process_time() - begin
+
+    return once
+
+
+def _pyrvo(count: int) -> Callable[[], tuple[float, float]]:
+    pyrvo = importlib.import_module("pyrvo")
+    world = hall_of(count)
+
+    def once() -> tuple[float, float]:
+        simulator = pyrvo.RVOSimulator(STEP, 2.0, 8, 2.0, 2.0, RADIUS, SPEED)
+        for robot in world.robots:
+            agent = simulator.add_agent((robot.start.x, robot.start.y))
+            dx = robot.target.x - robot.start.x
+            dy = robot.target.y - robot.start.y
+            far = max(math.hypot(dx, dy), 1e-9)
+            simulator.set_agent_pref_velocity(agent, (dx / far * SPEED, dy / far * SPEED))
+        begin = time.process_time()
+        for _ in range(STEPS):
+            simulator.do_step()
+        return STEPS * count, time.process_time() - begin
+
+    return once
+
+
+def measure(rounds: int = 5) -> dict[str, dict[str, float]]:
+    """Return steps per second and robot, by case and by number of robots.
+
+    ``ratio`` is the cost per robot of 100 robots, as a multiple of that of 10.
+    """
+    cases = {name: {count: _ours(name, count) for count in COUNTS} for name in CONTROLLER_NAMES}
+    if importlib.util.find_spec("pyrvo") is not None:
+        cases["pyrvo"] = {count: _pyrvo(count) for count in COUNTS}
+    cases |= {f"{name}, alone": {1: _alone(name)} for name in CONTROLLER_NAMES}
+    best: dict[str, dict[int, float]] = {name: dict.fromkeys(cases[name], 0.0) for name in cases}
+    for _ in range(rounds):
+        for name, counts in cases.items():
+            for count, once in counts.items():
+                steps, seconds = once()
+                best[name][count] = max(best[name][count], steps / max(seconds, 1e-9))
+    return {
+        name: {
+            **{str(count): rate for count, rate in rates.items()},
+            **({"ratio": rates[10] / rates[100]} if 100 in rates else {}),
+        }
+        for name, rates in best.items()
+    }
+
+
+def main() -> None:
+    """Print the table, or one JSON object."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fleets", description=__doc__)
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--rounds", type=int, default=5)
+    given = parser.parse_args()
+    found = measure(given.rounds)
+    if given.json:
+        click.echo(json.dumps({"rates": found}))
+        return
+    click.echo(
+        "robots' steps a second".ljust(24) + "".join(f"{n:>14}" for n in COUNTS) + "   100:10"
+    )
+    for name, rates in found.items():
+        columns = "".join(f"{rates[str(n)]:>14,.0f}" for n in COUNTS if str(n) in rates)
+        ratio = f"{rates['ratio']:>9.2f}" if "ratio" in rates else ""
+        click.echo(f"{name:<24}{columns}{ratio}")
+    if "pyrvo" not in found:
+        click.echo("not measured: pyrvo is not installed")
+
+
+if __name__ == "__main__":
+    main()
