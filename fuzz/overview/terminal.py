@@ -134,7 +134,9 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         return f"{click.style(found, fg='green', bold=True)}; {searched}"
     who = click.style(shown(headline.who), bold=True)
     worst = overview.causes[0].cause.severity
-    failed = click.style(worst.phrase, fg=_COLOURS[worst], bold=True)
+    # It never arrives in the failures, but that is not what it does in general.
+    words = "does not always arrive" if worst == Severity.NEVER_ARRIVES else worst.phrase
+    failed = click.style(words, fg=_COLOURS[worst], bold=True)
     classes = counted(headline.classes, "class", "classes")
     return f"{who}: {failed}; {counted(len(own), 'cause')}, {classes} of failures, {searched}"
 

@@ -75,7 +75,7 @@ function answerPart(answer, find, several) {
 }
 
 function verdictPart(worst, answer) {
-  const words = worst ? PHRASES[worst.severity] : "No failure found";
+  const words = worst ? headline(worst, answer.natural) : "No failure found";
   return el(
     "div",
     {},
@@ -86,6 +86,12 @@ function verdictPart(worst, answer) {
     ),
     answer.natural && answer.natural.worlds ? ratePart(answer.natural) : null,
   );
+}
+
+function headline(worst, natural) {
+  if (worst.severity !== "never-arrives" || !natural || !natural.worlds || natural.share >= 0.5)
+    return PHRASES[worst.severity];
+  return natural.arrived === 0 ? "It does not arrive" : "It mostly does not arrive";
 }
 
 // How often it arrives in natural worlds, as a sentence and as a bar with the interval.
