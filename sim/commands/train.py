@@ -28,7 +28,7 @@ EXAMPLES = (
     "--controller",
     default="q-learner",
     show_default=True,
-    help="A controller that learns: q-learner, behaviours+by=learning:..., or learned:FILE to go on.",
+    help="A controller that learns: q-learner, behaviours+by=learning:..., or learned:FILE to continue.",
 )
 @click.option("--episodes", default=200, show_default=True, help="Runs to learn from.")
 @click.option("--steps", default=2000, show_default=True, help="Budget of each of them, in steps.")
@@ -38,10 +38,10 @@ EXAMPLES = (
     show_default=True,
     help="Thousandths of the decisions that are drawn at first; they fall to none.",
 )
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of what is drawn.")
 @click.option(
-    "--out", required=True, type=click.Path(path_type=Path), help="File for what it learned."
+    "--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random choices."
 )
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Output file.")
 @click.option(
     "--curve",
     type=click.Path(path_type=Path),
@@ -117,7 +117,7 @@ def _worlds_in(path: Path) -> list[Path]:
 
 
 def _first_name(name: str) -> str:
-    """Return the name of the controller that first learned, if this one goes on from a file."""
+    """Return the name of the controller that first learned, if this one continues from a file."""
     from sim.controllers.learning import is_learned_name, learned_file, read_learned
 
     return read_learned(learned_file(name)).controller if is_learned_name(name) else name

@@ -1,7 +1,6 @@
-"""What a controller has learned, kept between runs in a file.
+"""Keep the numbers that a controller has learned in a file, between runs.
 
-``learned:./taught.json`` is a controller: the one that was trained, with what it had learned then.
-It starts every run with that, and learns on from there.
+``learned:./taught.json`` is a controller: the trained one. It starts every run with these numbers and keeps learning.
 """
 
 from __future__ import annotations
@@ -86,7 +85,7 @@ class Episodes(NamedTuple):
 
 
 class Learned(NamedTuple):
-    """A file of what was learned.
+    """Contents of such a file.
 
     Args:
         controller: Name of the controller that learned it.
@@ -100,7 +99,7 @@ class Learned(NamedTuple):
 
 
 def is_learned_name(name: str) -> bool:
-    """Return True if a controller's name refers to a file of what was learned."""
+    """Return True if a controller's name refers to a file of learned numbers."""
     return name.startswith(_PREFIX)
 
 
@@ -123,7 +122,7 @@ def learned_text(learned: Learned) -> str:
 
 
 def read_learned(path: Path) -> Learned:
-    """Read a file of what was learned.
+    """Read a file of learned numbers.
 
     Raises:
         InvalidParameter: If the file does not exist or holds anything else.
@@ -209,11 +208,11 @@ def learning_of(controller: Controller, name: str) -> tuple[CompiledController, 
 def with_numbers(
     controller: Controller, numbers: tuple[float, ...], name: str
 ) -> CompiledController:
-    """Return a controller that starts with what was learned.
+    """Return a controller that starts with learned numbers.
 
     Args:
         controller: One that learns.
-        numbers: What it learned.
+        numbers: The learned numbers.
         name: Its name from now on.
 
     Raises:

@@ -19,10 +19,15 @@ from tests.reference.sim.controllers import dynamic_window, potential_field, thr
 from tests.reference.sim.library import ACTS
 
 STEPS = 150
-SLOW = {"mapper": 15, "tangent-bug": 40}  # steps of what takes long in plain Python
+SLOW = {
+    "mapper": 15,
+    "signal-mapper": 15,
+    "tangent-bug": 40,
+}  # steps of what takes long in plain Python
 LIBRARY = (
-    "bug1", "bug2", "dynamic-window", "mapper", "mapper-small", "potential-field", "q-learner", "q-learning",
-    "random-walk", "tangent-bug", "three-layer", "turn-left", "turn-random", "turn-right", "vfh",
+    "bug1", "bug2", "dynamic-window", "mapper", "mapper-small", "odometry-bug", "potential-field", "q-learner",
+    "q-learning", "random-walk", "signal-mapper", "signal-three-layer",
+    "tangent-bug", "three-layer", "turn-left", "turn-random", "turn-right", "vfh",
     "wall-left", "wall-right",
 )  # fmt: skip
 RAISED = (IndexError, ZeroDivisionError)
@@ -49,8 +54,12 @@ def observations(beams, seed, steps):
                 rng.choice([0.03, 0.07, 0.2]),
             )
         seen[0] = rng.random() < 0.4
+        seen[2] = 0.0 if rng.random() < 0.2 else rng.uniform(0.001, 1.0)
         seen[5:7] += rng.normal(0.0, 0.02, 2)
         seen[9] = rng.random()
+        seen[14:17] = rng.normal(0.0, 0.03, 3)
+        seen[14:16] += seen[5:7]
+        seen[16] += seen[4]
         yield seen.copy()
 
 

@@ -1,4 +1,4 @@
-"""What a controller that arbitrates among behaviours says of itself: its parts, and who acts."""
+"""How a controller arbitrates among behaviours: its parts, and which of them acts."""
 
 from __future__ import annotations
 

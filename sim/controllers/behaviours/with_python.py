@@ -95,8 +95,8 @@ class _Calls(NamedTuple):
 
     Args:
         behaviours: WgBehaviour[].
-        now: What the calls share.
-        held: What must stay alive as long.
+        now: State that the calls share.
+        held: Objects that must stay alive as long.
     """
 
     behaviours: Any

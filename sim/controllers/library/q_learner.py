@@ -1,14 +1,14 @@
-"""A Q-learning robot that goes on learning while it drives.
+"""A Q-learning robot that keeps learning while it drives.
 
 It starts with the table of ``q-learning``. After each decision it moves the value of the turn that
-it took by a quarter towards what came of it: a reward for coming nearer, a penalty for a wall, and
+it took by a quarter towards the result: a reward for coming nearer, a penalty for a wall, and
 the value of the best turn in the situation that it got into. A turn that fails often enough falls
 behind another, so the robot tries something else by itself.
 
 The memory is bounded: 768 situations times six values of 16 bits, in 1,536 numbers. All values are
 whole numbers that come to rest, so a run in which nothing new is learned any more repeats its
-complete state. A proved ``loop`` is therefore a statement about the learner, too: the table comes
-back as well, so it never learns its way out.
+complete state. A proved ``loop`` is therefore a statement about the learner, too: the table repeats
+as well, so it never learns its way out.
 
 ``worldgen train`` lets it practise with some of its decisions drawn, and keeps its table.
 
@@ -40,7 +40,7 @@ Floats = npt.NDArray[np.float64]
 ffi: Any = _ffi
 lib: Any = _lib
 
-# Reward for arriving, in thousandths; as that of the table that it starts with.
+# Reward for arriving, in thousandths; the same as in the training of its first table.
 _ARRIVED = 30_000.0
 
 _SIZE = size_of("WgQLearnerMemory")

@@ -21,7 +21,7 @@ extern const WgBehaviour wg_home;
 extern const WgBehaviour wg_swerve;
 extern const WgBehaviour wg_wander;
 
-// What `options` of collide says of the turn: the thesis's numbers of its rules.
+// Turns of collide, in its first option: the thesis's numbers for its rules.
 enum { WG_TURN_RIGHT = 1, WG_TURN_LEFT = 2, WG_TURN_RANDOM = 3 };
 
 #endif

@@ -71,7 +71,7 @@ static void begin_escape(const WgSituation *now)
     }
 }
 
-// Turns, then drives at the speed before the collision as long as its counter says.
+// Turns, then drives at the speed before the collision until its counter runs out.
 static int64_t escape_on(const WgSituation *now)
 {
     int64_t done = 0;

@@ -13,6 +13,7 @@ void wg_dynamic_window_tuned_act(const WgObservation *seen, double *memory, WgCo
 void wg_mapper_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_naive_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_orca_act(const WgObservation *seen, double *memory, WgCommand *command);
+void wg_odometry_bug_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_potential_field_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_potential_field_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_q_learner_act(const WgObservation *seen, double *memory, WgCommand *command);
@@ -20,6 +21,8 @@ void wg_q_learning_act(const WgObservation *seen, double *memory, WgCommand *com
 void wg_q_learning_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_random_walk_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_right_hand_act(const WgObservation *seen, double *memory, WgCommand *command);
+void wg_signal_mapper_act(const WgObservation *seen, double *memory, WgCommand *command);
+void wg_signal_three_layer_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_tangent_bug_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_three_layer_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_three_layer_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);

@@ -1,5 +1,4 @@
-// A Q-learning robot that goes on learning while it drives: what came of a decision changes the value of the turn that it
-// took. All values are whole numbers, so a run that repeats itself repeats its table too, and a loop can be proved.
+// A Q-learning robot that keeps learning while it drives: each result changes the value of the turn that led to it. All values are whole numbers, so a run that repeats itself repeats its table too, and a loop can be proved.
 //
 // Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College, Cambridge (1989);
 // Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992), equation 1. Coming nearer is
@@ -17,8 +16,8 @@ enum {
     DECISION = -200,     // reward of any decision, so that a shorter path is better
     BUMP = -1000,        // reward of touching a wall
     PER_MM = 5,          // reward for coming a millimetre nearer
-    DISCOUNT = 98,       // hundredths of the value of what comes after a decision
-    LEARNT = 4,          // a value moves by one part in so many of what it was wrong by
+    DISCOUNT = 98,       // hundredths of the value of the next situation
+    LEARNT = 4,          // a value moves by one part in so many of its error
     OFFSET = 32768,      // what a stored value is above the value
     IN_A_NUMBER = 3,     // values in each number of the memory
     BITS = 16,           // of a value
@@ -101,7 +100,7 @@ void wg_q_learner_act(const WgObservation *seen, double *memory, WgCommand *comm
             return;
         }
 
-        // What came of the decision before.
+        // Learn from the previous decision.
         int64_t situation = wg_q_situation(seen, &own->state);
         int64_t far = wg_floor(seen->target_distance * 1000.0 + 0.5);
         if (own->situation >= 0.0) {

@@ -243,6 +243,22 @@ typedef struct WgQTunedMemory {
     double best[768];  // the turn to take in each situation: its index among the six turns
 } WgQTunedMemory;
 
+// Estimates of a controller that does not know its place or the target's. Behind it is the memory of the controller that
+// drives by it.
+typedef struct WgReckoning {
+    double known;       // 1 once the target's place has been estimated
+    double x;           // m: where the robot takes itself to be
+    double y;
+    double target_x;    // m: where it takes the target to be
+    double target_y;
+    double odometry_x;  // m: the odometry of the step before; with distances, the place where `far` was measured
+    double odometry_y;
+    double far;         // m: distance to the target there
+    double cell;        // m: distance at which the signal has fallen to a half; 0: unknown
+    double search;      // directions in which it has searched for a signal
+    double turned;      // rad: its heading after the step before, less that of the odometry
+} WgReckoning;
+
 typedef struct WgQLearnerMemory {
     WgQMemory state;
     double situation;     // of the last decision; -1: there was none

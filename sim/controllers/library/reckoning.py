@@ -1,0 +1,131 @@
+"""Controllers that estimate where they are, or where the target is.
+
+``odometry-bug`` is Bug2 by odometry: it is told once where the target is, and from then on
+knows its own place and heading by its wheels alone. With ``odometry_noise`` its world turns and
+drifts away from the real one, and it ends where it takes the target to be.
+
+``signal-mapper`` is the mapper in the same position but for a compass, and it corrects itself: the
+strength of the signal tells how far away the target is, and it moves its estimated place by a fifth of what that
+distance is wrong. The target pulls its map back into place from whichever side it looks.
+
+``signal-three-layer`` knows its own place, but of the target nothing but the signal. Two strengths,
+measured 0.25 m apart, leave two places where the source can be; the direction of the strongest
+signal tells which. Where no signal comes it searches. It takes the signal to fall to a half within
+a cell of 0.1 m, as in the families' worlds; :func:`signal_three_layer_robot` takes another length.
+
+Sources: Johann Borenstein, H. R. Everett and Liqiang Feng, "Where am I? Sensors and methods for
+    mobile robot positioning", University of Michigan (1996), chapters 1 and 6. How they drive is
+    that of ``bug2``, ``mapper`` and ``three-layer``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers.base import CompiledController
+from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
+from sim.controllers.library import bug2, mapper, three_layer
+from sim.controllers.memory_view import MemoryField, MemoryMap
+from worldgen.parameters import check_positive
+
+__all__ = ["odometry_bug", "signal_mapper", "signal_three_layer", "signal_three_layer_robot"]
+
+Floats = npt.NDArray[np.float64]
+
+SIZE = size_of("WgReckoning")
+CELL = place("WgReckoning", "cell")
+KNOWN = place("WgReckoning", "known")
+X = place("WgReckoning", "x")
+TARGET_X = place("WgReckoning", "target_x")
+
+# Fall of the signal in the families' worlds, m.
+_CELL = 0.1
+_ODOMETRY = ("odometry_x", "odometry_y", "odometry_heading")
+
+
+def _senses(
+    controller: CompiledController, less: tuple[str, ...], more: tuple[str, ...]
+) -> tuple[str, ...]:
+    return (*(sense for sense in controller.senses if sense not in less), *more)
+
+
+def _reckoning(
+    name: str,
+    driven: CompiledController,
+    senses: tuple[str, ...],
+    *,
+    cell: float = 0.0,
+    shows_itself: bool,
+) -> CompiledController:
+    """Return a controller that estimates, and then drives as another does."""
+    read = driven.memory_map
+
+    def shown_map(memory: Floats) -> MemoryMap:
+        """Return the other's map, and what is estimated, in m."""
+        shown = MemoryMap() if read is None else read(memory[SIZE:])
+        places = dict(shown.places)
+        if memory[KNOWN] != 0.0:
+            places["target, estimated"] = (float(memory[TARGET_X]), float(memory[TARGET_X + 1]))
+            if shows_itself:
+                places["itself, estimated"] = (float(memory[X]), float(memory[X + 1]))
+        return replace(shown, places=places)
+
+    return replace(
+        driven,
+        name=name,
+        act=CoreAct(name),
+        memory=(*memory_at_reset(SIZE, {CELL: cell}), *driven.memory),
+        senses=senses,
+        memory_fields=tuple(
+            MemoryField(one.name, one.place + SIZE, one.words, one.least)
+            for one in driven.memory_fields
+        ),
+        memory_map=shown_map,
+        memory_map_on=(
+            KNOWN,
+            X,
+            X + 1,
+            TARGET_X,
+            TARGET_X + 1,
+            *(at + SIZE for at in driven.memory_map_on),
+        ),
+    )
+
+
+odometry_bug = _reckoning(
+    "odometry-bug",
+    bug2.bug2,
+    _senses(bug2.bug2, ("x", "y", "heading"), _ODOMETRY),
+    shows_itself=True,
+)
+signal_mapper = _reckoning(
+    "signal-mapper",
+    mapper.mapper,
+    _senses(mapper.mapper, ("x", "y"), (*_ODOMETRY, "signal")),
+    shows_itself=True,
+)
+
+
+def signal_three_layer_robot(
+    cell: float = _CELL, name: str = "signal-three-layer"
+) -> CompiledController:
+    """Return a three-layer controller that knows the target by its signal alone.
+
+    Args:
+        cell: Distance at which the signal has fallen to a half: the side of the world's cells, m.
+        name: Name in messages and files.
+
+    Raises:
+        InvalidParameter: If the distance is not above 0.
+    """
+    check_positive("cell", cell, "m")
+    driven = three_layer.three_layer
+    senses = _senses(driven, ("target_heading", "target_distance"), ("signal", "signal_heading"))
+    made = _reckoning("signal-three-layer", driven, senses, cell=cell, shows_itself=False)
+    return replace(made, name=name)
+
+
+signal_three_layer = signal_three_layer_robot()

@@ -1,0 +1,186 @@
+// Controllers that do not know where they are, or where the target is, but estimate it: from the wheels, and from how strong
+// the signal is. Each estimates first and then drives as a controller of the library, which gets what was estimated in place
+// of what the simulator knows.
+//
+// Sources: position from the wheels is odometry as in Johann Borenstein, H. R. Everett and Liqiang Feng, "Where am I?
+// Sensors and methods for mobile robot positioning", University of Michigan (1996), chapter 1; a place from the distances
+// to a known one is trilateration, chapter 6 there.
+
+#include "directions.h"
+#include "library.h"
+
+static const double GAIN = 0.2;      // share of a wrong distance by which a place is corrected in a step
+static const double GATE = 0.3;      // m: a distance that is wrong by more is not believed
+static const double BASE = 0.25;     // m: distance between the two places of a bearing from two distances
+static const double SEARCH = 3.0;    // m: how far a robot drives that has never received a signal, before it turns
+static const double THERE = 0.15;    // m: nearer to the end of that path it turns
+
+enum { SEARCHES = 8 };  // directions of a search before they repeat, three eighths of a turn apart
+
+// Distance to the source, m, by the strength of its signal: 1 / (1 + squared distance in cells).
+static double distance_by_signal(double signal, double cell)
+{
+    return cell * sqrt(wg_higher(0.0, 1.0 / signal - 1.0));
+}
+
+// Puts a place of the target into an observation.
+static void show_target(WgObservation *seen, double x, double y)
+{
+    double dx = x - seen->x;
+    double dy = y - seen->y;
+    seen->target_heading = wg_angle_of(dx, dy);
+    seen->target_distance = sqrt(dx * dx + dy * dy);
+}
+
+// Returns the observation of a robot that trusts its odometry, and notes in the first step where the target is.
+static WgObservation by_odometry(const WgObservation *seen, WgReckoning *own)
+{
+    WgObservation estimated = *seen;
+    if (own->known == 0.0) {
+        own->known = 1.0;
+        own->x = seen->odometry_x;
+        own->y = seen->odometry_y;
+        own->target_x = seen->odometry_x + seen->target_distance * wg_cos(seen->target_heading);
+        own->target_y = seen->odometry_y + seen->target_distance * wg_sin(seen->target_heading);
+        double cells = distance_by_signal(seen->signal, 1.0);
+        own->cell = seen->signal > 0.0 && cells > 0.0 ? seen->target_distance / cells : 0.0;
+    } else {
+        // Rotate the measured displacement by the error of the heading when the step began.
+        double dx = seen->odometry_x - own->odometry_x;
+        double dy = seen->odometry_y - own->odometry_y;
+        own->x += wg_cos(own->turned) * dx - wg_sin(own->turned) * dy;
+        own->y += wg_sin(own->turned) * dx + wg_cos(own->turned) * dy;
+    }
+    own->odometry_x = seen->odometry_x;
+    own->odometry_y = seen->odometry_y;
+    estimated.x = own->x;
+    estimated.y = own->y;
+    estimated.heading = wg_wrap(seen->odometry_heading + own->turned);
+    return estimated;
+}
+
+void wg_odometry_bug_act(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    WgReckoning *own = (WgReckoning *)memory;
+    WgObservation estimated = by_odometry(seen, own);
+    show_target(&estimated, own->target_x, own->target_y);
+    wg_bug2_act(&estimated, (double *)(own + 1), command);
+}
+
+// Moves the estimated place towards or away from the target until their distance is the one that the signal tells.
+static void correct_by_signal(const WgObservation *seen, WgReckoning *own)
+{
+    double dx = own->target_x - own->x;
+    double dy = own->target_y - own->y;
+    double far = sqrt(dx * dx + dy * dy);
+    if (seen->signal <= 0.0 || own->cell <= 0.0 || far <= 0.0) {
+        return;
+    }
+    double wrong = distance_by_signal(seen->signal, own->cell) - far;
+    if (fabs(wrong) > GATE) {
+        return;
+    }
+    own->x -= GAIN * wrong * dx / far;
+    own->y -= GAIN * wrong * dy / far;
+}
+
+void wg_signal_mapper_act(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    WgReckoning *own = (WgReckoning *)memory;
+    WgObservation estimated = by_odometry(seen, own);
+
+    // Its heading comes from a compass, not from the wheels.
+    own->turned = wg_wrap(seen->heading - seen->odometry_heading);
+    estimated.heading = seen->heading;
+    correct_by_signal(seen, own);
+    estimated.x = own->x;
+    estimated.y = own->y;
+    show_target(&estimated, own->target_x, own->target_y);
+    wg_mapper_act(&estimated, (double *)(own + 1), command);
+}
+
+// Estimates the target from two distances to it, measured BASE apart: of the two places that have both, the one that the
+// signal points to more nearly.
+static void cross_distances(const WgObservation *seen, WgReckoning *own, double far)
+{
+    double dx = seen->x - own->odometry_x;
+    double dy = seen->y - own->odometry_y;
+    double base = sqrt(dx * dx + dy * dy);
+    double along = (own->far * own->far - far * far + base * base) / (2.0 * base);
+    double across = sqrt(wg_higher(0.0, own->far * own->far - along * along));
+    double best = INFINITY;
+    for (int side = -1; side <= 1; side += 2) {
+        double x = own->odometry_x + (along * dx - (double)side * across * dy) / base;
+        double y = own->odometry_y + (along * dy + (double)side * across * dx) / base;
+        double off = fabs(wg_wrap(wg_angle_of(x - seen->x, y - seen->y) - seen->signal_heading));
+        if (off < best) {
+            best = off;
+            own->target_x = x;
+            own->target_y = y;
+        }
+    }
+}
+
+static void remember_distance(const WgObservation *seen, WgReckoning *own, double far)
+{
+    own->odometry_x = seen->x;
+    own->odometry_y = seen->y;
+    own->far = far;
+}
+
+// Where a robot drives that has never received a signal: straight on, then somewhere else.
+static void search(const WgObservation *seen, WgReckoning *own)
+{
+    bool begins = own->search == 0.0;
+    double left = wg_distance(seen->x, seen->y, own->target_x, own->target_y);
+    if (!begins && left > THERE) {
+        return;
+    }
+    double direction = 0.375 * WG_WHOLE_TURN * own->search;
+    own->search = own->search >= SEARCHES ? 1.0 : own->search + 1.0;
+    own->target_x = seen->x + SEARCH * wg_cos(direction);
+    own->target_y = seen->y + SEARCH * wg_sin(direction);
+}
+
+// Estimates where the target is; without a signal it stays where it was.
+static void locate_target(const WgObservation *seen, WgReckoning *own)
+{
+    if (seen->signal <= 0.0) {
+        if (own->known == 0.0) {
+            search(seen, own);
+        }
+        return;
+    }
+    double far = distance_by_signal(seen->signal, own->cell);
+    if (own->known == 0.0) {
+        own->known = 1.0;
+        own->target_x = seen->x + far * wg_cos(seen->signal_heading);
+        own->target_y = seen->y + far * wg_sin(seen->signal_heading);
+        remember_distance(seen, own, far);
+    } else if (wg_distance(seen->x, seen->y, own->odometry_x, own->odometry_y) > BASE) {
+        cross_distances(seen, own, far);
+        remember_distance(seen, own, far);
+    }
+}
+
+// The map's column or row of a place, within the map.
+static double map_cell(double place, double corner, double pitch)
+{
+    enum { SIDE = sizeof((WgThreeLayerMemory *)0)->right / sizeof(double) };
+    int64_t cell = wg_floor((place - corner) / pitch);
+    return (double)wg_least(wg_most(cell, 0), SIDE - 1);
+}
+
+void wg_signal_three_layer_act(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    WgReckoning *own = (WgReckoning *)memory;
+    WgThreeLayerMemory *layers = (WgThreeLayerMemory *)(own + 1);
+    WgObservation estimated = *seen;
+    locate_target(seen, own);
+    show_target(&estimated, own->target_x, own->target_y);
+    if (layers->laid != 0.0) {
+        layers->target_x = map_cell(own->target_x, layers->corner_x, layers->pitch);
+        layers->target_y = map_cell(own->target_y, layers->corner_y, layers->pitch);
+    }
+    wg_three_layer_act(&estimated, (double *)layers, command);
+}
