@@ -197,6 +197,12 @@ def irsim(files):
     return Plan(shapely.GeometryCollection(shapes), tuple(document["robot"][0]["state"][:2]))
 
 
+def dbcbs(files):
+    top = yaml.safe_load(next(iter(files.values())))
+    boxes = [[*box["center"], *box["size"]] for box in top["environment"]["obstacles"]]
+    return Plan(rectangles(boxes), tuple(top["robots"][0]["start"][:2]))
+
+
 def picture(data):
     return np.asarray(Image.open(io.BytesIO(data)).convert("L"))
 
@@ -247,7 +253,8 @@ def tiled(files):
 
 PLANS = {
     "3mf": threemf,
-    "barn": barn, "geojson": geojson, "glb": glb, "irsim": irsim, "irsim+walls=image": irsim, "mjcf": mjcf, "obj": obj,
+    "barn": barn, "dbcbs": dbcbs,
+    "geojson": geojson, "glb": glb, "irsim": irsim, "irsim+walls=image": irsim, "mjcf": mjcf, "obj": obj,
     "ply": ply, "ros": ros, "sdf": sdf, "stage": stage, "stl": stl, "svg": svg, "tiled": tiled,
     "usd": usd, "wkt": wkt,
 }  # fmt: skip

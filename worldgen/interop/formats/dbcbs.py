@@ -188,12 +188,8 @@ def _lines(world: World, destination: Destination) -> Iterator[str]:
     yield "environment:"
     yield f"  min: [{destination.x(0.0)}, {destination.y(0.0)}]"
     yield f"  max: [{high[0]}, {high[1]}]"
-    # Robots of db-CBS cannot leave the environment, so the border needs no boxes.
-    boxes = [
-        box
-        for box in solid_boxes(world, destination, height=1.0, floor=False)
-        if not box.name.startswith("border")
-    ]
+    # The environment bounds only the centres of robots, so an open border gets boxes too.
+    boxes = solid_boxes(world, destination, height=1.0, floor=False)
     yield "  obstacles:" if boxes else "  obstacles: []"
     for box in boxes:
         middle = ", ".join(decimal_text(value) for value in box.centre[:2])
