@@ -12,12 +12,19 @@ from fuzz.player.memory import drawn_memory
 from fuzz.player.streams import bits, numbers
 from sim.controllers.base import Controller
 from sim.episode import Episode
-from sim.evidence import BudgetEvidence, BurnedEvidence, LoopEvidence, WallEvidence
+from sim.evidence import (
+    BudgetEvidence,
+    BurnedEvidence,
+    JointLoopEvidence,
+    LoopEvidence,
+    WallEvidence,
+)
+from sim.fleet import FleetEpisode
 from sim.trace import BEHAVIOURS, Trace
 from sim.verdict import Verdict
 from worldgen.lattice import TURN, UNIT
 
-__all__ = ["MOST_STEPS", "SHARE", "drawn_run"]
+__all__ = ["COLOURS", "MOST_STEPS", "SHARE", "drawn_robots", "drawn_run"]
 
 Ints = npt.NDArray[np.int64]
 
@@ -25,6 +32,9 @@ Ints = npt.NDArray[np.int64]
 # every third, and so on.
 MOST_STEPS = 4_000
 SHARE = 256  # parts of a step, for the time at which a corner is reached
+
+COLOURS = 6  # robot colours of the page; more robots begin again with the first
+_FEWEST_STEPS = 400  # of each robot's run, however many there are
 
 _BREACHES = {
     Verdict.TUNNEL: ("Breach", "goes through this wall"),
@@ -80,6 +90,40 @@ def drawn_run(
         "loop": loop,
         "marks": marks,
     }
+
+
+def drawn_robots(
+    shown: Episode,
+    cell_size: float,
+    judged: Episode | None = None,
+    *,
+    most: int = MOST_STEPS,
+    controller: Controller | None = None,
+) -> dict[str, Any]:
+    """Return what the player draws of a run: one robot, or the first one with others next to it.
+
+    Args:
+        shown: The run, of one robot or of several.
+        cell_size: Size of a cell, m.
+        judged: As for :func:`drawn_run`.
+        most: As for :func:`drawn_run`; several robots share it.
+        controller: As for :func:`drawn_run`.
+
+    Returns:
+        ``run``; with several robots also ``colour`` and ``number`` of the first one, and
+        ``others``, each with ``run``, ``colour``, ``number`` and ``radius`` in cells.
+    """
+    if not isinstance(shown, FleetEpisode):
+        return {"run": drawn_run(shown, cell_size, judged, most=most, controller=controller)}
+    share = max(most // len(shown.robots), _FEWEST_STEPS)
+    drawn: list[dict[str, Any]] = []
+    for number, robot in enumerate(shown.robots, start=1):
+        run = drawn_run(robot, cell_size, most=share, controller=controller)
+        if run is not None:
+            drawn.append(
+                {"run": run, "colour": f"robot-{(number - 1) % COLOURS}", "number": number}
+            )
+    return {**drawn[0], "others": drawn[1:]} if drawn else {"run": None}
 
 
 def _columns(
@@ -144,7 +188,8 @@ def _span_of_interest(
 
 def _loop(episode: Episode) -> list[int] | None:
     evidence = episode.evidence
-    return [evidence.entry, evidence.period] if isinstance(evidence, LoopEvidence) else None
+    is_loop = isinstance(evidence, LoopEvidence | JointLoopEvidence)
+    return [evidence.entry, evidence.period] if is_loop else None
 
 
 def _marks(episode: Episode) -> list[dict[str, Any]]:
@@ -152,6 +197,8 @@ def _marks(episode: Episode) -> list[dict[str, Any]]:
     match episode.evidence:
         case LoopEvidence(entry=entry):
             return [_mark(entry, "entry", "Entry", "the loop is entered")]
+        case JointLoopEvidence(entry=entry):
+            return [_mark(entry, "entry", "Entry", "the joint state comes back from here on")]
         case WallEvidence() as wall:
             found = []
             # The move that let the robot into the wall comes before the breach itself.

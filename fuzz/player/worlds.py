@@ -8,7 +8,7 @@ import numpy as np
 
 from fuzz.player.streams import bits, numbers
 from worldgen.lattice import UNIT
-from worldgen.world import Cut, Witness, World
+from worldgen.world import Cut, JointWitness, Witness, World
 
 __all__ = ["MOST_CELLS", "drawn_certificate", "drawn_world"]
 
@@ -21,7 +21,9 @@ def drawn_world(world: World) -> dict[str, Any] | None:
     Returns:
         ``cells`` as bits, row by row from the lowest y; ``start`` (x, y in cells, heading in rad)
         and ``target`` (x, y, radius in cells); ``events`` in columns, with times rounded to ms;
-        ``witness`` in columns, ms and lattice units; ``cut``, a chain of cells.
+        ``witness`` in columns, ms and lattice units; ``cut``, a chain of cells. ``start``,
+        ``target``, ``radius`` and ``witness`` are about the first robot; ``others`` has the same
+        for each of the others.
     """
     if world.width * world.height > MOST_CELLS:
         return None
@@ -44,21 +46,46 @@ def drawn_world(world: World) -> dict[str, Any] | None:
         if world.is_dynamic
         else None,
         **drawn_certificate(world),
+        "others": _others(world),
+    }
+
+
+def _others(world: World) -> list[dict[str, Any]]:
+    """Return start, target, radius and witness of the robots after the first."""
+    side = world.cell_size
+    proof = world.certificate
+    found = []
+    for number, robot in enumerate(world.others, start=1):
+        start = robot.start
+        target = robot.target
+        path = proof.paths[number] if isinstance(proof, JointWitness) else None
+        found.append(
+            {
+                "start": [start.x / side, start.y / side, start.heading],
+                "target": [target.x / side, target.y / side, target.radius / side],
+                "radius": robot.radius / side,
+                "witness": None if path is None else _columns(path, side),
+            }
+        )
+    return found
+
+
+def _columns(path: Witness, side: float) -> dict[str, Any]:
+    """Return a witness in columns, ms and lattice units."""
+    return {
+        "ms": numbers(np.rint(path.times * 1000.0)),
+        "x": numbers(np.rint(path.x / side * UNIT)),
+        "y": numbers(np.rint(path.y / side * UNIT)),
     }
 
 
 def drawn_certificate(world: World) -> dict[str, Any]:
     """Return a world's witness in columns, ms and lattice units, or its cut, or nothing."""
     proof = world.certificate
+    if isinstance(proof, JointWitness):
+        return {"witness": _columns(proof.paths[0], world.cell_size)}
     if isinstance(proof, Witness):
-        across, up = (np.rint(values / world.cell_size * UNIT) for values in (proof.x, proof.y))
-        return {
-            "witness": {
-                "ms": numbers(np.rint(proof.times * 1000.0)),
-                "x": numbers(across),
-                "y": numbers(up),
-            }
-        }
+        return {"witness": _columns(proof, world.cell_size)}
     if isinstance(proof, Cut):
         return {"cut": proof.cells.tolist()}
     return {}

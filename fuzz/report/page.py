@@ -11,7 +11,7 @@ from typing import Any
 
 from fuzz.campaign.store import Summary
 from fuzz.corpus import CorpusEntry
-from fuzz.player import drawn_run, drawn_world, one_file, sensors_of
+from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
 from fuzz.player.sources import modules
 from fuzz.report.answers import answers_for, entry_of
 from fuzz.report.gather import ReplayedFailure, ReportSubject, gather, look_at
@@ -136,10 +136,11 @@ def _drawn(seen: ReplayedFailure) -> dict[str, Any]:
     """Return a world with its run and its file."""
     failure = seen.failure
     world = seen.failure.world
-    run = sensors = None
+    run: dict[str, Any] = {"run": None}
+    sensors = None
     if seen.shown is not None:
         controller = CONTROLLERS.get(failure.record.controller)
-        run = drawn_run(seen.shown, world.cell_size, seen.replay.episode, controller=controller)
+        run = drawn_robots(seen.shown, world.cell_size, seen.replay.episode, controller=controller)
         sensors = sensors_of(controller, failure.options, world.cell_size)
     return {
         "name": seen.name,
@@ -149,7 +150,7 @@ def _drawn(seen: ReplayedFailure) -> dict[str, Any]:
         "events": len(world.timeline),
         "kind": failure.bucket,
         "world": drawn_world(failure.stored),
-        "run": run,
+        **run,
         "sensors": sensors,
     }
 

@@ -18,7 +18,7 @@ from typing import Any
 from fuzz.campaign.store import MEMORY
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
-from fuzz.player import drawn_run, drawn_world, replay_page, sensors_of
+from fuzz.player import drawn_robots, drawn_world, replay_page, sensors_of
 from fuzz.player.streams import numbers
 from fuzz.player.worlds import drawn_certificate
 from fuzz.studio.campaigns.answers import CampaignAnswers
@@ -109,7 +109,7 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
             "before": {
                 "words": f"{found.verdict}{words}",
                 "world": drawn_world(found.stored),
-                "run": drawn_run(episode, side, most=_KEPT_STEPS, controller=who),
+                **drawn_robots(episode, side, most=_KEPT_STEPS, controller=who),
                 "sensors": sensors_of(who, found.options, side),
             }
         }
@@ -336,6 +336,7 @@ def _seen(driven: _Driven) -> dict[str, Any]:
     """Return a run as the player takes it."""
     episode = driven.episode
     side = driven.world.cell_size
+    drawn = drawn_robots(episode, side, most=_KEPT_STEPS, controller=driven.controller)
     return {
         "name": driven.name,
         "verdict": episode.verdict,
@@ -346,7 +347,8 @@ def _seen(driven: _Driven) -> dict[str, Any]:
         "path": episode.path_length,
         "collisions": episode.collisions,
         "digest": episode.trace_digest,
-        "run": drawn_run(episode, side, most=_KEPT_STEPS, controller=driven.controller),
+        "run": drawn["run"],
+        "others": drawn.get("others", []),
         "sensors": sensors_of(driven.controller, driven.options, side),
     }
 

@@ -14,7 +14,7 @@ from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.corpus.names import name_of
 from fuzz.describe import describe_seeds
 from fuzz.failure import Failure, regardless_of_walls
-from fuzz.player import drawn_run, drawn_world, sensors_of
+from fuzz.player import drawn_robots, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
 from fuzz.studio.folder import KNOWN, MOST_FAILURES
 from fuzz.studio.messages import field as part_of
@@ -168,7 +168,7 @@ class WallAnswers(Opened):
             shown = simulate(world, who, regardless_of_walls(options), record=True)
             words += f": reached a walled-off target in step {shown.steps}"
         return {
-            "run": drawn_run(shown, world.cell_size, judged, controller=controller),
+            **drawn_robots(shown, world.cell_size, judged, controller=controller),
             "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + failure.violation.in_words,
             "cause": cause_of_run(world, judged).value,

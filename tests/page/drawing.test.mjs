@@ -153,7 +153,7 @@ test("of several robots the numbers are beside them and along their paths, none 
   drawNumbers(pen, scene);
   const written = pen.context.of("fillText").map(({ given, fillStyle }) => ({ text: given[0], at: given.slice(1), fillStyle }));
   for (const [number, colour] of [[1, "robot-0"], [2, "robot-1"]]) {
-    const own = written.filter(({ text }) => text === number);
+    const own = written.filter(({ text }) => text === String(number));
     assert.ok(own.length > 1 && own.every(({ fillStyle }) => fillStyle === colour));
   }
   for (const [k, one] of written.entries())

@@ -6,9 +6,11 @@ import { element, press, type } from "./stand_in.mjs";
 import { makeCampaign } from "#report/charts.js";
 import { makeOverview } from "#report/overview.js";
 
+const CAUSES = { loop: "circles-a-wall", tunnel: "steps-over-a-wall", stalled: "wanders" };
+
 function failure(id, verdict, solid, more = {}) {
   const now = { size: "9 x 3", solid, events: 0, run: { steps: 10 * solid, loop: null }, world: null };
-  return { id, verdict, kind: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, cells: 27, size: "9 x 3", met: 1, confirmed: true, now, ...more };
+  return { id, verdict, kind: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, cells: 27, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], now, ...more };
 }
 
 const FAILURES = [failure("one", "loop", 20), failure("two", "tunnel", 8, { met: 30 }), failure("three", "tunnel", 12, { kind: "tunnel-b", controller: "bug1" }), failure("four", "stalled", 9, { confirmed: false })];
@@ -25,7 +27,9 @@ const set = (words, value) => type(list.querySelectorAll(".field").find((one) =>
 const find = (words) => type(list.querySelector("#find"), words);
 const headings = () => list.querySelectorAll("h2").map((one) => one.textContent);
 
-test("failures are in groups by verdict, each with how many it has", () => {
+test("failures are in groups by cause, each with how many it has", () => {
+  assert.deepEqual(headings(), ["circles a wall 1", "wanders 1", "steps over a wall 2"]);
+  set("Group by", "verdict");
   assert.deepEqual(headings(), ["loop 1", "stalled 1", "tunnel 2"]);
   set("Group by", "controller");
   assert.deepEqual(headings(), ["turn-right under swept 3", "bug1 under swept 1"]);
@@ -59,7 +63,7 @@ test("cards are ordered as is asked for", () => {
 
 test("a card says what it is, and that it was not confirmed here", () => {
   const [card] = list.querySelectorAll(".card").filter((one) => one.id === "card-four");
-  assert.match(card.textContent, /stalled-a9 x 3, 9 solid90 stepsmet 1×turn-right, sweptnot confirmed here/);
+  assert.match(card.textContent, /stalled-a9 x 3, 9 solid90 stepsmet 1×turn-right, sweptas found, not shrunknot confirmed here/);
   assert.equal(card.getAttribute("href"), "#four");
 });
 

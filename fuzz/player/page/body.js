@@ -42,11 +42,11 @@ export function drawRobot(pen, world, pose, scene) {
  * @param {RunScene} scene
  * @param {OtherRobot} other
  */
-export function drawOther(pen, scene, { run, colour }) {
+export function drawOther(pen, scene, { run, colour, number }) {
   const step = (scene.step * scene.run.dt) / run.dt;
   const pose = poseAt(run, stepWithin(run, step)),
     strong = pen.colours[colour],
-    radius = bodyRadius(pen, scene.world);
+    radius = Math.max(scene.world.others?.[number - 2]?.radius ?? scene.world.radius, 3 / pen.scale);
   if (scene.show.trail) {
     drawOtherTrail(pen, run, strong, rowAt(run, Math.min(step, run.steps)) + 1, step <= run.steps ? pose : null);
   }

@@ -59,7 +59,12 @@ export function opened(thing, open) {
  */
 export function openWorld(world) {
   return opened(world, () => {
-    const witness = world.witness;
+    const path = (witness) =>
+      witness && {
+        ms: numbersOf(witness.ms),
+        x: numbersOf(witness.x).map((value) => value / UNIT),
+        y: numbersOf(witness.y).map((value) => value / UNIT),
+      };
     return {
       cells: bitsOf(world.cells ?? "", world.width * world.height),
       events: world.events && {
@@ -68,11 +73,8 @@ export function openWorld(world) {
         iy: numbersOf(world.events.iy),
         state: numbersOf(world.events.state),
       },
-      witness: witness && {
-        ms: numbersOf(witness.ms),
-        x: numbersOf(witness.x).map((value) => value / UNIT),
-        y: numbersOf(witness.y).map((value) => value / UNIT),
-      },
+      witness: path(world.witness),
+      others: (world.others ?? []).map((other) => path(other.witness)), // witnesses of the other robots
       now: null, // cells at some time, and how many events are in them
       done: 0,
     };

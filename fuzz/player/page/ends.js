@@ -1,16 +1,31 @@
-// The start and the target.
+// The starts and the targets.
 
-import { disc, ring, stroke } from "#player/pen.js";
+import { drawNumber } from "#player/numbers.js";
+import { disc, ring, robotColour, stroke } from "#player/pen.js";
 
 /**
  * @param {Pen} pen
  * @param {SceneWorld} world
  */
 export function drawTarget(pen, world) {
-  const [x, y, radius] = world.target;
-  const shown = Math.max(radius, 4 / pen.scale);
-  disc(pen, x, y, shown, pen.colours.target);
-  ring(pen, x, y, shown + 2.5 / pen.scale, pen.colours.target, 1.5);
+  for (const { target, colour, number } of endsOf(world)) {
+    const [x, y, radius] = target;
+    const shown = Math.max(radius, 4 / pen.scale),
+      strong = pen.colours[colour ?? "target"];
+    disc(pen, x, y, shown, strong);
+    ring(pen, x, y, shown + 2.5 / pen.scale, strong, 1.5);
+    if (number) drawNumber(pen, { number, colour }, pen.px(x + shown) + 5, pen.py(y + shown));
+  }
+}
+
+/**
+ * Returns start and target of each robot, with its colour and number if there are several.
+ * @param {SceneWorld} world
+ */
+function endsOf(world) {
+  const { start, target, radius, others } = world;
+  if (!others?.length) return [{ start, target, radius, colour: null, number: null }];
+  return [{ start, target, radius }, ...others].map((ends, k) => ({ ...ends, colour: robotColour(k), number: k + 1 }));
 }
 
 /**
@@ -19,11 +34,14 @@ export function drawTarget(pen, world) {
  */
 export function drawStart(pen, world) {
   const { context, px, py, colours } = pen;
-  const [x, y, heading] = world.start;
-  const shown = Math.max(world.radius * 0.35, 4 / pen.scale);
-  ring(pen, x, y, shown, colours.start, 2);
-  context.beginPath();
-  context.moveTo(px(x), py(y));
-  context.lineTo(px(x + Math.cos(heading) * shown * 1.8), py(y + Math.sin(heading) * shown * 1.8));
-  stroke(pen, colours.start, 2);
+  for (const { start, radius, colour } of endsOf(world)) {
+    const [x, y, heading] = start;
+    const shown = Math.max(radius * 0.35, 4 / pen.scale),
+      strong = colours[colour ?? "start"];
+    ring(pen, x, y, shown, strong, 2);
+    context.beginPath();
+    context.moveTo(px(x), py(y));
+    context.lineTo(px(x + Math.cos(heading) * shown * 1.8), py(y + Math.sin(heading) * shown * 1.8));
+    stroke(pen, strong, 2);
+  }
 }

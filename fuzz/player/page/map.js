@@ -66,13 +66,15 @@ function drawRun(pen, scene, cells) {
 /**
  * Draws a small picture: the whole path, and the robot where the run ends.
  * @param {HTMLCanvasElement} canvas
- * @param {Pick<DrawnFailure, "world" | "run" | "sensors">} drawn
+ * @param {Pick<DrawnFailure, "world" | "run" | "sensors" | "colour" | "number" | "others">} drawn
  */
 export function drawSmall(canvas, drawn) {
-  const { world, run, sensors } = drawn;
+  const { world } = drawn;
   if (!world) return;
   const show = { trail: true, signal: true, touched: false, sensors: false, witness: false };
-  drawScene(canvas, { world, run, sensors, show, whole: true, step: run ? run.steps : 0 });
+  const { run, sensors, colour, number, others } = drawn;
+  const last = Math.max(...[run, ...(others ?? []).map((other) => other.run)].map((one) => one?.steps ?? 0));
+  drawScene(canvas, { world, run, sensors, colour, number, others, show, whole: true, step: last });
 }
 
 /**

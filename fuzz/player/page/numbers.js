@@ -65,12 +65,19 @@ function drawAlong(pen, one, places) {
   pen.context.restore();
 }
 
-function drawNumber(pen, { number, colour }, across, down) {
+/**
+ * Draws a robot's number at a place in pixels.
+ * @param {Pen} pen
+ * @param {{number?: number | null, colour?: string | null}} robot
+ * @param {number} across
+ * @param {number} down
+ */
+export function drawNumber(pen, { number, colour }, across, down) {
   const { context, colours } = pen;
   context.font = "700 13px system-ui, sans-serif";
   context.lineWidth = 4;
   context.strokeStyle = colours.floor;
-  context.fillStyle = colours[colour];
-  context.strokeText(number, across, down);
-  context.fillText(number, across, down);
+  context.fillStyle = colours[colour ?? "robot-0"];
+  context.strokeText(String(number), across, down);
+  context.fillText(String(number), across, down);
 }

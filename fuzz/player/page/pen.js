@@ -172,3 +172,10 @@ export function ring(pen, x, y, radius, colour, width) {
   pen.context.arc(pen.px(x), pen.py(y), radius * pen.scale, 0, 2 * Math.PI);
   stroke(pen, colour, width);
 }
+
+/**
+ * Returns the colour of a robot in the palette, by its index.
+ * @param {number} index
+ * @returns {string}
+ */
+export const robotColour = (index) => `robot-${index % 6}`;

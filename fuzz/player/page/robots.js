@@ -3,6 +3,7 @@
 import { behaviourAt, poseAt, rowAt, stepWithin } from "#player/decode.js";
 import { breakable, el, grouped, shortName, verdictSign } from "#player/dom.js";
 import { memoryFacts } from "#player/memory.js";
+import { robotColour } from "#player/pen.js";
 
 /**
  * Returns what the player draws with one robot in front of the others; colours follow the order of the list.
@@ -13,15 +14,17 @@ import { memoryFacts } from "#player/memory.js";
  */
 export function sceneOf(world, robots, number) {
   const front = robots[number];
+  // In a world of several robots, each entry has all of them.
+  if (front.others?.length)
+    return { world, run: front.run, sensors: front.sensors, colour: robotColour(0), number: 1, others: front.others };
   const alone = robots.filter((one) => one.run).length === 1;
-  const colour = (k) => `robot-${k % 6}`;
   return {
     world,
     run: front.run,
     sensors: front.sensors,
-    colour: alone ? null : colour(number),
+    colour: alone ? null : robotColour(number),
     number: alone ? null : number + 1,
-    others: robots.flatMap(({ run }, k) => (run && k !== number ? [{ run, colour: colour(k), number: k + 1 }] : [])),
+    others: robots.flatMap(({ run }, k) => (run && k !== number ? [{ run, colour: robotColour(k), number: k + 1 }] : [])),
   };
 }
 

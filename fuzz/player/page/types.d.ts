@@ -44,14 +44,26 @@ interface DrawnWorld {
   events: { ms: Packed; ix: Packed; iy: Packed; state: Packed } | null;
   witness?: { ms: Packed; x: Packed; y: Packed } | null;
   cut?: CellPlace[] | null;
+  /** The robots after the first. */
+  others?: OtherEnds[];
   /** Unpacked by the page; never sent by the server. */
   open?: OpenWorld;
+}
+
+interface OtherEnds {
+  start: Triple;
+  target: Triple;
+  /** In cells. */
+  radius: number;
+  witness: { ms: Packed; x: Packed; y: Packed } | null;
 }
 
 interface OpenWorld {
   cells: Uint8Array;
   events: { ms: Float64Array; ix: Float64Array; iy: Float64Array; state: Float64Array } | null | undefined;
   witness?: { ms: Float64Array; x: Float64Array; y: Float64Array } | null;
+  /** Witnesses of the robots after the first. */
+  others?: ({ ms: Float64Array; x: Float64Array; y: Float64Array } | null)[];
   /** Cells at some time, and the number of events that they include. */
   now?: Uint8Array | null;
   done: number;
@@ -148,6 +160,8 @@ interface Robot {
   digest: string;
   run: DrawnRun | null;
   sensors: Sensors | null;
+  /** The world's robots after the first, if it has several. */
+  others?: OtherRobot[];
   /** Why it did not run. */
   error?: string;
   /** Where its code has failed, the innermost last. */
@@ -173,6 +187,10 @@ interface DrawnFailure {
   world: DrawnWorld | null;
   run: DrawnRun | null;
   sensors: Sensors | null;
+  /** Of the first robot and of the others, if there are several. */
+  colour?: string | null;
+  number?: number | null;
+  others?: OtherRobot[];
 }
 
 interface ReportFailure {
