@@ -480,6 +480,9 @@ class CampaignSession:
         color = wants_color(sys.stdout)
         for line in overview_lines(self._overview, headline):
             click.echo(line, color=color)
+        if state.known:
+            times = counted(state.known.total(), "time")
+            click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {times}")
         verdicts = ", ".join(
             f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
         )

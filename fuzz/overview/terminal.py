@@ -72,7 +72,8 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
         lines.append(f"and {counted(more, 'more cause')}: {names}")
     if overview.comparison is not None:
         lines.append(shown(overview.comparison.describe()))
-    if overview.natural is not None and overview.natural.worlds:
+    # Known classes have a line of their own, and the report says what was tried.
+    if overview.natural is not None and overview.natural.worlds and not headline.is_known:
         lines.append(describe_coverage(overview.natural))
     if causes and headline.lasts:
         folder = shlex.quote(str(headline.folder))

@@ -54,7 +54,7 @@ class Straight:
 @pytest.fixture(scope="module")
 def failures(tmp_path_factory):
     folder = tmp_path_factory.mktemp("campaign") / "failures"
-    result = worldgen(*FUZZ, "--out", folder)
+    result = worldgen(*FUZZ, "--verbose", "--out", folder)
     assert result.code == 1
     return folder, result
 
