@@ -34,6 +34,11 @@ export function keyTable(rows) {
   return el("table", {}, el("tbody", {}, rows.map(row)));
 }
 
+/** @type {WeakSet<EventTarget>} */
+const clicked = new WeakSet(); // has the focus by a click; any key makes :focus-visible true, so that alone does not tell
+addEventListener("click", ({ detail }) => detail > 0 && document.activeElement && clicked.add(document.activeElement));
+addEventListener("focusout", ({ target }) => target && clicked.delete(target));
+
 /**
  * Returns true if the focused element needs a key itself, such as a text field, a slider or a button.
  * @param {HTMLElement} target
@@ -45,7 +50,7 @@ export function keepsKey(target, key) {
   if (target.matches("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(key);
   if (target.matches("input[type=radio]")) return /^( |Enter|Arrow)/.test(key);
   // After a click with the mouse Space is free for the clock; who has come by Tab presses the button with it.
-  if (key === " ") return target.matches("button, a, summary, input") && target.matches(":focus-visible");
+  if (key === " ") return target.matches("button, a, summary, input") && target.matches(":focus-visible") && !clicked.has(target);
   return key === "Enter" && target.matches("button, a, summary, input");
 }
 
