@@ -58,8 +58,8 @@ def boundary(
     """Find the radius, speed or heading at which failures begin.
 
     Runs the scenario at 65 values, from half to twice its own (headings: a whole turn; depths: 1 to
-    65 cells), and narrows each change down to two neighbouring values. What changes twice between
-    two values is not seen. Exit code 0 if the robot arrives at every value at which the target can
+    65 cells), and narrows each change down to two neighbouring values. Two changes between neighbouring
+    values go unnoticed. Exit code 0 if the robot arrives at every value at which the target can
     be reached, else 1.
     """
     from fuzz.boundary import AXES, BoundaryRuns, scan

@@ -22,14 +22,14 @@ EXAMPLES = (
 @click.option("--controller", help=f"{CONTROLLER_HELP} A failure names its own.")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
 @click.option(
-    "--most", type=click.IntRange(1, 10_000_000), help="States to look at [default: 100000]."
+    "--most", type=click.IntRange(1, 10_000_000), help="States to explore [default: 100000]."
 )
 @click.option(
     "--seeds",
     type=click.IntRange(1, 100_000),
     default=40,
     show_default=True,
-    help="To run if undecided.",
+    help="Seeds to run if undecided.",
 )
 @json_option
 def chance(
@@ -42,7 +42,7 @@ def chance(
 ) -> None:
     """Decide whether a random controller always, never or sometimes arrives.
 
-    Looks at every state that some draws lead to; if there are too many, counts the seeds that do
+    Explores every state that some random numbers lead to; if there are too many, counts the seeds that do
     not arrive. Exit code 0 if the robot arrives with probability one, or with every seed; 1 if not.
     """
     from fuzz.chance import MOST_STATES, chance_of, in_words, share_that_fails

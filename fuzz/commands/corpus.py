@@ -43,8 +43,8 @@ def _paths(command: F) -> F:
 def corpus() -> None:
     """List, compare, merge and prune folders of failures.
 
-    A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures are
-    of one class if controller, motion model and class are the same. docs/howto/keep-failures.md has the whole of
+    A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures count
+    as the same if controller, motion model and class are equal. docs/howto/keep-failures.md describes
     it.
     """
 
@@ -184,7 +184,7 @@ def merge(
 @_filters
 @json_option
 def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> None:
-    """Say which classes of failures are new, gone, met in a smaller or only in a larger world.
+    """Report which classes of failures are new, missing, met in a smaller or only in a larger world.
 
     Exit code 1 if NEW has a class that OLD has not, else 0: known failures do not fail a build.
     """

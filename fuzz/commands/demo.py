@@ -33,7 +33,7 @@ _EXAMPLES = 200
 def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) -> None:
     """Make a world, run a robot in it and find its failures, in one go.
 
-    Everything lands in one folder; each step says which command does it. Exit code 0.
+    Everything is written to one folder; each step prints its command. Exit code 0.
     """
     import os
 

@@ -78,7 +78,7 @@ EXAMPLES = (
 )
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
 @click.option(
-    "--out", type=click.Path(path_type=Path), required=True, help="Where the nearest world goes."
+    "--out", type=click.Path(path_type=Path), required=True, help="File for the nearest world."
 )
 @seed_option
 @json_option
@@ -108,11 +108,11 @@ def find(
 
     An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang,
     invalid-command), never (loop or stalled; with chance also timeout), or fails (anything but
-    reached). Behind reached, or loop, stand steps, or the period: reached@330, reached@300..400,
-    reached@<400, reached@4.95s, loop@104. Of a controller with chance, 19 of 20 seeds are to do so,
+    reached). Add steps to reached, or the period to loop: reached@330, reached@300..400,
+    reached@<400, reached@4.95s, loop@104. For a controller with chance, 19 of 20 seeds must do so,
     or their median time counts.
 
-    The target of what is written can be reached. Exit code 0 if every outcome is as requested, else 1.
+    The target of the written world can be reached. Exit code 0 if every outcome is as requested, else 1.
     Ctrl-C writes the nearest until then, exit code 130.
     """
     import os

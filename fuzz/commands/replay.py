@@ -25,7 +25,7 @@ __all__ = ["replay"]
     "--transcript",
     type=click.Path(path_type=Path),
     metavar="OUT",
-    help="Write what a program (cmd:) is sent in the one failure, to feed it to it in a debugger.",
+    help="Write the input of a program (cmd:) for a single failure, for use in a debugger.",
 )
 @output_options
 @json_option

@@ -25,7 +25,7 @@ def report(paths: tuple[Path, ...], out: Path, title: str, as_json: bool, force:
     """Show failures and their campaign in one HTML page.
 
     The page needs no network and no other file. Each failure is run again for it, so the
-    controllers that the files name are run. docs/howto/keep-failures.md has the whole of it.
+    controllers that the files name are run. docs/howto/keep-failures.md describes it.
     """
     from fuzz.report import write_report
     from worldgen.support.plain_text import counted

@@ -64,7 +64,7 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     "--snippet",
     "as_snippet",
     is_flag=True,
-    help="Print a test module that carries the shrunk world.",
+    help="Print a test module that contains the shrunk world.",
 )
 @click.option(
     "--passes", is_flag=True, is_eager=True, expose_value=False, callback=_list_passes,

@@ -22,8 +22,8 @@ EXAMPLES = (
     "--controller",
     "controllers",
     multiple=True,
-    help="A controller of your own that the page may run, such as ./mine.py:Robot; as often as you "
-    "like.",
+    help="A controller of your own that the page may run, such as ./mine.py:Robot; may be "
+    "repeated.",
 )
 @click.option(
     "--host",
@@ -43,8 +43,8 @@ def studio(
     """Draw worlds, run robots in them and watch, in your browser.
 
     PATH is a world's file, or a folder; only that folder, or the file's, can be read and written
-    from the page. The server answers this machine alone, and only the browser that opens the
-    address that is printed. docs/howto/studio.md has the whole of it.
+    from the page. The server answers only this machine, and only the browser that opens the
+    printed address. docs/howto/studio.md describes the page.
     """
     import importlib.util
     import ipaddress

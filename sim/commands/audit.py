@@ -28,13 +28,13 @@ PATH = click.Path(path_type=Path)
     default=1e-6,
     show_default=True,
     metavar="M",
-    help="Cut of the disc, m, left unreported.",
+    help="Depth of a cut, m, that is not reported.",
 )
 @click.option(
     "--slack",
     type=float,
     metavar="M",
-    help="How much further than its speed a step may be, m [default: cell / 256].",
+    help="How much longer than its speed allows a step may be, m [default: cell / 256].",
 )
 @click.option(
     "--straight",
@@ -61,8 +61,8 @@ def audit(
     """Check whether a trajectory from any simulator was possible.
 
     TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up); - is stdin. Reported
-    are walls that the centre went through (tunnel) or the disc cut into (overlap), ways outside the
-    grid, jumps faster than the robot, and touched fire; docs/howto/audit.md tells more. Exit code 0 if it
+    are walls that the centre went through (tunnel) or the disc cut into (overlap), paths outside the
+    grid, jumps faster than the robot, and touched fire; docs/howto/audit.md describes them. Exit code 0 if it
     was possible, 1 if not.
     """
     from sim.audit import audit as audit_trajectory

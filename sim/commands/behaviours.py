@@ -32,10 +32,10 @@ EXAMPLES = (
 @json_option
 @force_option
 def behaviours(controller: str | None, chart: Path | None, as_json: bool, force: bool) -> None:
-    """List behaviours, or say how a controller arbitrates among its own.
+    """List behaviours, or show how a controller arbitrates among its own.
 
-    Compose your own: --controller behaviours:avoid,follow,wander lists the one of the highest
-    priority first.
+    Compose your own: --controller behaviours:avoid,follow,wander starts with the highest
+    priority.
     """
     from sim.controllers import CONTROLLERS
     from sim.controllers.behaviours.chart import chart_svg

@@ -45,7 +45,7 @@ _TIME_FOR_NEVER = 300.0
     multiple=True,
     required=True,
     metavar="A,B,C",
-    help="What to compare; see above. May be repeated.",
+    help="Controllers to compare; see above. May be repeated.",
 )
 @click.option("--motion", help="Motion model [default: that of the published figures, else swept].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
@@ -71,10 +71,10 @@ _TIME_FOR_NEVER = 300.0
     help="Earlier figures [default: published.csv next to the worlds].",
 )
 @click.option(
-    "--csv", "table", type=PATH, metavar="OUT", help="Write one line a world and controller."
+    "--csv", "table", type=PATH, metavar="OUT", help="Write one line for each world and controller."
 )
 @click.option(
-    "--picture", type=PATH, metavar="OUT.png", help="Draw all worlds with every controller's way."
+    "--picture", type=PATH, metavar="OUT.png", help="Draw all worlds with every controller's path."
 )
 @json_option
 @force_option
@@ -94,7 +94,7 @@ def compare(
 ) -> None:
     """Run several controllers in many worlds and print one table.
 
-    PATH is a .grid file or a folder of them. Behind a controller's name, +option=value varies its
+    PATH is a .grid file or a folder of them. After a controller's name, +option=value varies its
     run, so that thesis-1,thesis-1+arbiter=A2 sets the old way against the new. A controller with
     chance runs with many seeds. docs/howto/compare.md describes table, CSV and JSON.
     """

@@ -66,13 +66,13 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     "--trace",
     type=OUT,
     metavar="OUT",
-    help="Write t,x,y,heading per step, as CSV; of a composition also the behaviour that acted.",
+    help="Write t,x,y,heading per step, as CSV; for a composition also the active behaviour.",
 )
 @click.option(
     "--transcript",
     type=OUT,
     metavar="OUT",
-    help="Write what a program (cmd:) is sent, to feed it to it in a debugger.",
+    help="Write the input of a program (cmd:), for use in a debugger.",
 )
 @json_option
 @force_option

@@ -36,7 +36,10 @@ EXAMPLES = (
     "--explore",
     default=300,
     show_default=True,
-    help="Thousandths of the decisions that are drawn at first; they fall to none.",
+    help="Thousandths of the decisions that are random at first; they fall to zero.",
+)
+@click.option(
+    "--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random numbers."
 )
 @click.option(
     "--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random choices."
@@ -62,7 +65,7 @@ def train(
     as_json: bool,
     force: bool,
 ) -> None:
-    """Let a controller that learns practise in worlds, and keep what it learned.
+    """Train a learning controller in worlds, and store what it learned.
 
     PATHS are worlds, or folders of them, such as the failures of a campaign.
     """

@@ -1,4 +1,4 @@
-"""Let a controller that learns practise in worlds, and keep what it learned.
+"""Train a learning controller in worlds, and store what it learned.
 
 Each episode is a run in one of the worlds, with some of the decisions drawn: many at first, none at
 the end. After every tenth of the episodes the controller is tried without drawing, in each world.
@@ -41,7 +41,7 @@ class TrainingOptions:
     Args:
         episodes: Runs to learn from.
         steps: Budget of each of them; a test has that of any run in the world.
-        explore: Thousandths of the decisions that are drawn at first; they fall to none.
+        explore: Thousandths of the decisions that are random at first; they fall to zero.
         seed: Of the worlds' order and of what is drawn.
 
     Raises:

@@ -46,7 +46,7 @@ json_option: Callable[[F], F] = click.option(
 seed_option: Callable[[F], F] = click.option(
     "--seed",
     type=click.IntRange(0, 2**64 - 1),
-    help="Seed of all chance, 64 bits; drawn and printed if left out.",
+    help="Seed of all random numbers, 64 bits; drawn and printed if left out.",
 )
 
 

@@ -16,9 +16,9 @@ COMMANDS: dict[str, dict[str, str]] = {
         "check-family": "Check that your own family keeps the promises of every family.",
     },
     "Run controllers": {
-        "behaviours": "List behaviours, or say how a controller arbitrates among its own.",
+        "behaviours": "List behaviours, or show how a controller arbitrates among its own.",
         "new-controller": "Write a working, commented controller to start from.",
-        "train": "Let a controller that learns practise in worlds, and keep what it learned.",
+        "train": "Train a learning controller in worlds, and store what it learned.",
         "run": "Run a controller in a world and report how it ends.",
         "compare": "Run several controllers in many worlds and print one table.",
         "studio": "Draw worlds, run robots in them and watch, in your browser.",

@@ -55,7 +55,7 @@ _LONGEST = 50
     type=click.IntRange(1, 100_000),
     default=1,
     show_default=True,
-    help="Per map that has many or none.",
+    help="Questions per map that has many problems or none.",
 )
 @click.option(
     "--clear-ends",
@@ -67,10 +67,14 @@ _LONGEST = 50
     type=click.IntRange(1),
     default=100,
     show_default=True,
-    help="Maps to take of a generator.",
+    help="Maps to take from a generator.",
 )
 @click.option(
-    "--option", "options", multiple=True, metavar="NAME=VALUE", help="Keyword for a generator."
+    "--option",
+    "options",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Keyword argument of the generator.",
 )
 @click.option(
     "--cell-size", type=float, help="Side of a cell, m, of maps without units.  [default: 0.1]"
@@ -78,14 +82,14 @@ _LONGEST = 50
 @click.option(
     "--unknown",
     type=click.Choice(["solid", "free"]),
-    help="What unknown ROS cells are.  [default: solid]",
+    help="Treat unknown ROS cells as this.  [default: solid]",
 )
 @click.option(
     "--csv",
     "table",
     type=PATH,
     metavar="OUT",
-    help="Write one line a map, start, target and radius.",
+    help="Write one line for each map, start, target and radius.",
 )
 @click.option(
     "--out",

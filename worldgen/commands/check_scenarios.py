@@ -27,10 +27,14 @@ PATH = click.Path(path_type=Path)
     type=click.IntRange(0, 2**64 - 1),
     default=0,
     show_default=True,
-    help="Which policy draws them.",
+    help="Seed of the draw.",
 )
 @click.option(
-    "--csv", "table", type=PATH, metavar="OUT", help="Write one line a scenario file and map."
+    "--csv",
+    "table",
+    type=PATH,
+    metavar="OUT",
+    help="Write one line for each scenario file and map.",
 )
 @json_option
 @force_option

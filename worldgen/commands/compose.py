@@ -35,7 +35,7 @@ EXAMPLES = (
     "\b\n  worldgen compose recipe.toml --seed 7 --out w.grid\n  worldgen compose recipe.toml "
     "--help\n"
     "  worldgen compose recipe.toml --count 20 --out worlds/\n\n"
-    "RECIPE --help lists the recipe's own parameters. docs/howto/compose.md says what a recipe is."
+    "RECIPE --help lists the recipe's own parameters. docs/howto/compose.md explains recipes."
 )
 
 

@@ -29,7 +29,7 @@ EXAMPLES = (
     "--to",
     "name",
     metavar="FORMAT[+OPTION=VALUE]",
-    help="What to write, as `worldgen formats` lists it; by the ending of --out if left out.",
+    help="Format to write, as `worldgen formats` lists it; by the ending of --out if left out.",
 )
 @click.option(
     "--out", "-o", type=click.Path(path_type=Path), required=True, help="The file to write."
@@ -38,17 +38,17 @@ EXAMPLES = (
     "--at",
     type=float,
     metavar="SECONDS",
-    help="Of a world that changes: its cells at this time.",
+    help="For a world that changes: its cells at this time.",
 )
 @click.option(
     "--origin",
     metavar="X,Y",
-    help="Where the grid's lower-left corner lies, m.  [default: as imported, or 0,0]",
+    help="Position of the grid's lower-left corner, m.  [default: as imported, or 0,0]",
 )
 @click.option(
     "--sidecar/--no-sidecar",
     default=True,
-    help="Keep what the format has no room for in a file next to it.",
+    help="Keep facts that the format cannot store in a file next to it.",
 )
 @click.option(
     "--noise/--no-noise",

@@ -30,7 +30,7 @@ EXAMPLES = (
     "--from",
     "name",
     metavar="FORMAT[+OPTION=VALUE]",
-    help="What PATH is, as `worldgen formats` lists it; recognised if left out.",
+    help="Format of PATH, as `worldgen formats` lists it; recognised if left out.",
 )
 @click.option(
     "--radius",
@@ -57,7 +57,7 @@ EXAMPLES = (
     type=click.IntRange(1, 1000),
     default=1,
     show_default=True,
-    help="Take so many problems of --scen, from --row on, as robots of one world.",
+    help="Take this many problems of --scen, from --row on, as robots of one world.",
 )
 @click.option(
     "--cell-size",
@@ -88,7 +88,7 @@ EXAMPLES = (
 @click.option(
     "--unknown",
     type=click.Choice(["solid", "free"]),
-    help="What unknown ROS cells are.  [default: solid]",
+    help="Treat unknown ROS cells as this.  [default: solid]",
 )
 @click.option(
     "--seed",

@@ -31,7 +31,7 @@ __all__ = ["measure"]
     type=click.Path(exists=True, path_type=Path),
 )
 @click.option(
-    "--csv", "as_csv", is_flag=True, help="Print comma-separated values, one line a world."
+    "--csv", "as_csv", is_flag=True, help="Print comma-separated values, one line for each world."
 )
 @json_option
 def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:

@@ -39,7 +39,7 @@ SHOWN = 20
     "--family",
     "families",
     multiple=True,
-    help="Where a family is that is not registered: ./mine.py:pillars.",
+    help="File of a family that is not registered: ./mine.py:pillars.",
 )
 @click.option(
     "--workers",

@@ -25,18 +25,18 @@ __all__ = ["verify", "verify_world"]
     "--radius",
     type=float,
     metavar="R",
-    help="Ask for a disc of this radius, m, instead of the robot's.",
+    help="Use a disc of this radius, m, instead of the robot's.",
 )
 @click.option(
     "--widest",
     is_flag=True,
-    help="Say too which is the largest disc that could get to the target at all.",
+    help="Also report the largest disc that could get to the target.",
 )
 @click.option(
     "--deadline",
     type=float,
     metavar="T",
-    help="Ask whether the robot can be there within T seconds.",
+    help="Require the robot to arrive within T seconds.",
 )
 @json_option
 def verify(
