@@ -67,7 +67,7 @@ _FAILURES_ALONE = (
     "boundary",
 )
 _FLOOR_SECONDS = (
-    # Wall seconds on two cores; anything found in as many CPU seconds is found by then.
+    # Wall seconds on two cores; a find within this many CPU seconds is also within this time.
     60.0
 )
 # Wall seconds; slow controllers may not be done by then.

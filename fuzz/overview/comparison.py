@@ -90,7 +90,7 @@ def compare(
         fixed=tuple(sorted(fixed.keys() - still.keys() - now.keys())),
         new_causes=_sorted(causes_now - causes_before),
         still_causes=_sorted(causes_now & causes_before),
-        # Without a run, nobody knows why an old failure failed that no longer does.
+        # Without a run, the cause of an old failure that is fixed remains unknown.
         fixed_causes=_sorted(causes_before - causes_now - {Cause.UNKNOWN}),
     )
 

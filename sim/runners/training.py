@@ -30,7 +30,7 @@ __all__ = ["Progress", "TrainingOptions", "train"]
 Floats = npt.NDArray[np.float64]
 Progress = Callable[[int], None]
 
-# How often a controller is tried during its training, besides before.
+# Number of trials during training, in addition to the one before it.
 _TESTS = 10
 
 
@@ -73,7 +73,7 @@ def train(
         scenario: Its name and the options of its runs.
         controller: The controller that it names.
         options: How it is trained.
-        progress: Is called after each episode with how many are done.
+        progress: Called after each episode with the number of finished episodes.
 
     Returns:
         What it learned, and its learning curve, which begins before the training.

@@ -93,7 +93,7 @@ def test_one_of_two_options_that_exclude_each_other_puts_the_configured_one_asid
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("[tool.worldgen.trap]\nsied = 1\n", "sied: no option is called so; known: "),
+        ("[tool.worldgen.trap]\nsied = 1\n", "sied: there is no such option; known: "),
         ("[tool.worldgen.trpa]\nseed = 1\n", "[tool.worldgen.trpa] is not a command; known: "),
         ("[tool.worldgen]\nseed = 1\n", "write it into a command's table"),
         ("[tool.worldgen.trap]\nseed = [1, 2]\n", "this option takes one value"),

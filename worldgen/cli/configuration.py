@@ -120,7 +120,7 @@ def _value_of(
     if option is None or option.name is None:
         raise InvalidParameter(
             "unknown-name",
-            "{where} {option}: no option is called so",
+            "{where} {option}: there is no such option",
             "known: {known!l}",
             where=where,
             option=key,

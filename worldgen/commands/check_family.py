@@ -45,7 +45,7 @@ def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: b
         if word not in known:
             raise InvalidParameter(
                 "unknown-name",
-                "except {name}: no check is called so",
+                "except {name}: there is no such check",
                 "known: {known!l}",
                 name=word,
                 known=known,

@@ -1,4 +1,4 @@
-"""Plain data about a robot's run, since pictures know no simulator."""
+"""Plain data about a robot's run, so that rendering does not depend on a simulator."""
 
 from __future__ import annotations
 

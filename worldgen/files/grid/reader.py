@@ -210,7 +210,11 @@ def _first_line_fault(file: _File) -> FormatError:
         message = Message("other-version", problem, came=text, magic=MAGIC, fleet=FLEET_MAGIC)
     else:
         message = Message(
-            "not-a-grid", "no .grid file: it begins with {came!q}", way_out, came=text, magic=MAGIC
+            "not-a-grid",
+            "not a .grid file: it begins with {came!q}",
+            way_out,
+            came=text,
+            magic=MAGIC,
         )
         return NotAGrid.of(message, line=1, source=file.source)
     return FormatError.of(message, line=1, source=file.source)

@@ -73,7 +73,7 @@ def make_rasters(
         blocked = world.walls[None]
         raster_of = np.zeros(1, np.int64)
     else:
-        # A span is felt from the tick in which it begins to the one in which it ends.
+        # A span counts from the tick in which it begins to the one in which it ends.
         first = np.maximum(-(-spans.begin // tick) - 1, 0)
         last = np.minimum(spans.end // tick, MOST_TICKS + 1)
         ticks = np.union1d(first, last + 1)

@@ -21,7 +21,7 @@ __all__ = ["FOREVER", "MARGIN", "ChangingWalls", "Spans"]
 
 # A tick after everything else.
 FOREVER = 2**60
-# Ticks by which a span begins earlier and ends later, so that decimals may round.
+# Ticks by which a span begins earlier and ends later, to allow for rounded decimals.
 MARGIN = 2
 # Ticks up to which a float stores an event's time to a fraction of a tick.
 _LAST = 2.0**50
