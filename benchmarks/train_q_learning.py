@@ -90,6 +90,7 @@ class Learner:
         turn = 0
         # Decide again at the end of a stretch, or at once after a bump.
         if wait <= 0.0 or observation.bump:
+            # The situation is a row of the table, and the choice a column.
             now = _situation(observation, memory)
             self._learn(now, observation)
             choice = self._choose(now)

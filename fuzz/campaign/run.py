@@ -115,7 +115,7 @@ class CampaignState:
         units: Units done and merged.
         cut: Additional units that must be done again, because they were cut short by the time limit
             or Ctrl-C, or came too early.
-        too_early: Those of them that were completed but knew too little, because an earlier unit
+        too_early: The part of ``cut`` that was completed with too little knowledge, because an earlier unit
             was cut short.
         until: One more than the highest number of any unit, complete or cut.
         worlds: Scenarios simulated.
@@ -601,7 +601,7 @@ class Campaign:
         return self._whole(kind for kind in self._candidates if kind not in self.state.best)
 
     def _slid_already(self) -> list[_ShrinkJob]:
-        """Return those of classes whose first world has slid, while others wait.
+        """Return the jobs of classes whose first world has slid, while others wait.
 
         They come before second worlds.
         """

@@ -55,7 +55,7 @@ typedef struct WgLook {
     int64_t around;  // solid cells that share an edge with the one that was hit; -1 if none was hit
 } WgLook;
 
-// The budget of runs without their own one, and how long they are watched after that.
+// The budget of runs that don't set one, and how long they are watched after that.
 typedef struct WgPatience {
     int64_t multiple; // of the time that the path takes at top speed
     int64_t fewest;

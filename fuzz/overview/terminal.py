@@ -35,7 +35,7 @@ _COLOURS = {
 
 @dataclass(frozen=True)
 class Headline:
-    """Who was tested, and where the answer is.
+    """The tested controller, and the folder with the results.
 
     Args:
         who: Controller and motion model: ``bug2 under swept``.

@@ -216,7 +216,7 @@ def with_numbers(
         name: Its name from now on.
 
     Raises:
-        InvalidParameter: If it does not learn, or learns another number of numbers, or a number
+        InvalidParameter: If it does not learn, or has a different number of learned values, or a number
             cannot be in its memory.
     """
     found, learning = learning_of(controller, name)

@@ -216,7 +216,7 @@ def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:
     Args:
         world: The world.
         regardless_of_time: Whether to avoid only cells that are solid forever. In a changing world
-            ``True`` then proves nothing either, but without such a path there is hardly another.
+            ``True`` then proves nothing either, but without such a path another is unlikely.
     """
     # Mark the cells to avoid.
     side = world.cell_size

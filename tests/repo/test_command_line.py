@@ -86,7 +86,7 @@ def test_a_fault_of_our_own_is_code_3_without_traceback(monkeypatch, tmp_path):
 
     monkeypatch.setattr("worldgen.files.grid.read_world", broken)
     result = worldgen("show", tmp_path / "w.grid")
-    assert result.code == 3 and "a fault of our own" in result.err and "Traceback" not in result.err
+    assert result.code == 3 and "a bug in worldgen" in result.err and "Traceback" not in result.err
 
 
 def test_a_full_disk_is_code_2_and_says_so():

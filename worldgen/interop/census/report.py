@@ -120,7 +120,7 @@ def as_text(census: Census) -> str:
     if census.options.pairs > 1:
         lines += [
             "",
-            "Intervals, 95 %, take the pairs on one map for independent, which they are not quite.",
+            "The 95 % intervals assume that pairs on one map are independent, which is not quite true.",
         ]
     for refused in census.refused[:_MOST_REFUSALS]:
         lines.append(f"refused: {refused.name}: {refused.reason}")
