@@ -136,7 +136,7 @@ def test_the_target_of_configuration_10_is_at_the_centre_and_few_collisions_lead
 
 def test_the_command_prints_both_tables_side_by_side():
     result = worldgen("compare", FOLDER, "--controllers", ",".join(ROBOTS), "--seeds", 20)
-    assert result.code == 0 and "motion stepped, as the published figures have it" in result.err
+    assert result.code == 0 and "motion stepped, as in the published figures" in result.err
     assert result.out.count("  published") == 10 and "8.355 (+0.000); 10.590 (-2.235)" in result.out
 
 
