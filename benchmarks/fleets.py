@@ -45,10 +45,12 @@ APART = 1.0
 
 def hall_of(count: int) -> World:
     """Return a hall with so many robots, each of which wants to the place of another one."""
+    # Places on a square lattice, so that the density is the same for any number of robots.
     side = math.ceil(math.sqrt(count))
     cells = round(side * APART / 0.1)
     rng = RandomStream(count)
     spots = [((k % side + 0.5) * APART, (k // side + 0.5) * APART) for k in range(count)]
+    # Each robot wants to where another one starts, so that many paths cross.
     order = list(range(count))
     rng.shuffle(order)
     robots = [
@@ -76,6 +78,7 @@ def _ours(name: str, count: int) -> Callable[[], tuple[float, float]]:
     options = options_of(world, {"steps": STEPS})
     run = FleetRun(world, [CONTROLLERS.get(name)] * count, [options] * count)
 
+    # Making the fleet is not part of what is timed.
     def once() -> tuple[float, float]:
         drivers = [driver_in_core(one) for one in run.runs]
         fleet = CoreFleet(run.runs, drivers, STEPS, lib.WG_SEEK_LOOP)

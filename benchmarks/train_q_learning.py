@@ -168,8 +168,7 @@ def as_c(table: npt.NDArray[np.int64]) -> str:
     pairs = zip(*[iter(situations)] * _ON_A_LINE, strict=True)
     lines = "\n".join(f"    {' '.join(pair)}" for pair in pairs)
     return (
-        "// The Q-learning robot's table; `python -m benchmarks.train_q_learning` has written "
-        "it.\n\n"
+        "// The Q-learning robot's table, written by `python -m benchmarks.train_q_learning`.\n\n"
         '#include "q_table.h"\n\n'
         f"const int16_t wg_q_table[WG_Q_SITUATIONS][WG_Q_TURNS] = {{\n{lines}\n}};\n"
     )

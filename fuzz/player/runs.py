@@ -188,8 +188,9 @@ def _span_of_interest(
 
 def _loop(episode: Episode) -> list[int] | None:
     evidence = episode.evidence
-    is_loop = isinstance(evidence, LoopEvidence | JointLoopEvidence)
-    return [evidence.entry, evidence.period] if is_loop else None
+    if isinstance(evidence, LoopEvidence | JointLoopEvidence):
+        return [evidence.entry, evidence.period]
+    return None
 
 
 def _marks(episode: Episode) -> list[dict[str, Any]]:

@@ -39,9 +39,6 @@ EXAMPLES = (
     help="Thousandths of the decisions that are random at first; they fall to zero.",
 )
 @click.option(
-    "--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random numbers."
-)
-@click.option(
     "--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random choices."
 )
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Output file.")

@@ -146,6 +146,7 @@ def read_learned(path: Path) -> Learned:
 @functools.lru_cache(maxsize=16)
 def _read(path: Path, _modified: int, _size: int) -> Learned:
     """Read a file again only if it has changed: a campaign asks for its controller in each run."""
+    # First whether this is a file of ours at all, and of a version that we know.
     try:
         read: Any = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError, RecursionError) as error:
@@ -154,6 +155,7 @@ def _read(path: Path, _modified: int, _size: int) -> Learned:
         raise _not_learned(path, f"it has no format {_FORMAT!r}")
     if read.get("version") != _VERSION:
         raise _not_learned(path, f"its version is not {_VERSION}")
+    # Then each part, because a file may have been edited by hand.
     controller = read.get("controller")
     numbers = read.get("numbers")
     curve = read.get("curve")

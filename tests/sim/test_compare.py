@@ -247,7 +247,7 @@ def test_a_published_table_beside_the_worlds_is_found_and_gives_the_motion_model
         "world,controller,motion,time\nempty,thesis-1,stepped,1.5\n"
     )
     result = worldgen("compare", folder, "--controllers", "thesis-1")
-    assert "motion stepped, as the published figures have it" in result.err
+    assert "motion stepped, as in the published figures" in result.err
     assert "1.500 (+" in result.out and "Against the published figures" in result.out
 
 

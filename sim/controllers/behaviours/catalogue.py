@@ -78,6 +78,7 @@ def options_of(behaviour: Behaviour) -> tuple[Parameter, ...]:
 def _accept(name: str, thing: Any) -> Behaviour:
     if isinstance(thing, Behaviour):
         return thing
+    # A class is made without arguments; both that and looking at it run the user's code.
     if isinstance(thing, type):
         with user_code(f"behaviour {name!r}: making it without arguments"):
             thing = thing()
@@ -94,6 +95,7 @@ def _accept(name: str, thing: Any) -> Behaviour:
             name=name,
             missing=" and no ".join(missing),
         )
+    # A class that declares no senses may read all that allow proofs, as a controller may.
     known.setdefault("senses", DEFAULT_SENSES)
     known.setdefault("needs", RobotOptions())
     return Behaviour(str(plain_name), thing.trigger, thing.action, **known)

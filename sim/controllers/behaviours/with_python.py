@@ -64,6 +64,7 @@ class ComposedController:
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """Let the arbiter choose a part, and return its command and the memory after it."""
+        # The core works on a copy of the memory, and calls back for the parts in Python.
         numbers = np.array(memory, np.float64)
         calls = _calls_of(self.others)
         calls.now.observation = observation
@@ -77,6 +78,7 @@ class ComposedController:
         command = ffi.new("WgCommand *")
         into = ffi.from_buffer("double[]", numbers, require_writable=True)
         lib.wg_compose(calls.behaviours, seen, into, command)
+        # An exception cannot pass through the core, so it is raised here.
         if calls.now.error is not None:
             raise calls.now.error
         used = command.used_random != 0.0
@@ -107,6 +109,7 @@ class _Calls(NamedTuple):
 @functools.lru_cache(maxsize=64)
 def _calls_of(others: tuple[Behaviour, ...]) -> _Calls:
     now = _Now()
+    # The core keeps addresses of names and callbacks, so they must stay alive as long as it does.
     behaviours = ffi.new("WgBehaviour[]", len(others))
     held: list[Any] = []
     for into, one in zip(behaviours, others, strict=True):

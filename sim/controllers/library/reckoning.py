@@ -61,6 +61,7 @@ def _reckoning(
     shows_itself: bool,
 ) -> CompiledController:
     """Return a controller that estimates, and then drives as another does."""
+    # The other's memory follows this one's, so all its places move up by its size.
     read = driven.memory_map
 
     def shown_map(memory: Floats) -> MemoryMap:
