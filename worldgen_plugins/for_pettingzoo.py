@@ -182,6 +182,7 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
         Returns:
             Observations, rewards, terminations, truncations and information by agent.
         """
+        # What rewards are measured against, before anything moves.
         asked = self.agents
         distances = dict(zip(self.possible_agents, self._distances(), strict=True))
         touched = [member.report.collisions for member in self._fleet.members]
@@ -209,6 +210,7 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
                 + reward["reached"] * bool(self.arrived[number])
                 + reward["burned"] * has_burned
             )
+        # An episode is cut off for all agents at once; those that are done had terminated.
         is_late = self._steps >= self._time_limit
         is_over = bool(self._fleet.c.over)
         truncations = {agent: (is_late or is_over) and not terminations[agent] for agent in asked}

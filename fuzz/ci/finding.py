@@ -103,6 +103,7 @@ class CiFinding:
             words = ""
             trail = None
             frames = describe_frames(failure.evidence)
+        # What a reader of the CI's log sees: the cause, what happened, and a picture that fits.
         cause = cause_of(failure)
         what = reason if state == "not confirmed" else f"{record.verdict}{words}"
         picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")

@@ -43,6 +43,7 @@ def failure_class(world: World, episode: Episode) -> str:
     verdict = episode.verdict
     trace = episode.trace
     evidence = episode.evidence
+    # Several robots: how they block each other, or what the robot did that ended the run.
     if isinstance(evidence, JointLoopEvidence):
         return _joined(verdict, standoff(evidence), _robots(len(evidence.waiting)))
     if isinstance(episode, FleetEpisode):

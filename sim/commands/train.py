@@ -75,6 +75,7 @@ def train(
     from worldgen.files.grid import read_world
     from worldgen.files.whole import check_output
 
+    # Refuse bad output and input before the work begins.
     check_output(out, force)
     if curve is not None:
         check_output(curve, force)
@@ -86,6 +87,7 @@ def train(
     if not files:
         raise click.UsageError(f"{paths[0]} holds no .grid file")
     worlds = [read_world(file) for file in files]
+    # Train, with the number of the episode in the progress line.
     options = TrainingOptions(episodes, steps, explore, seed)
     done = [0]
     with working(f"training {scenario.label()}") as work:
@@ -93,6 +95,7 @@ def train(
         learned = train_in(
             worlds, scenario, found, options, lambda count: done.__setitem__(0, count)
         )
+    # Write what was learned, and the curve.
     learned = learned._replace(controller=_first_name(scenario.controller))
     write_bytes(out, learned_text(learned).encode(), force=force)
     if as_json:

@@ -84,6 +84,7 @@ def train(
     found, learning = learning_of(controller, scenario.controller)
     if not worlds:
         raise InvalidParameter("no-worlds", "there is no world to train in", "name at least one")
+    # Separate streams, so that the worlds' order does not depend on how many seeds are drawn.
     order = RandomStream(options.seed).child("order of worlds")
     seeds = RandomStream(options.seed).child("episodes")
     learned = np.array(found.memory)[learning.places]
@@ -91,6 +92,7 @@ def train(
     curve = [_tested(worlds, scenario, found, learned, 0)]
     best_point = curve[0]
     due = _tests_after(options.episodes)
+    # Explore less and less. Keep the best of what was tested, because learning can also unlearn.
     for episode in range(options.episodes):
         left = options.episodes - 1 - episode
         explore = options.explore * left // max(options.episodes - 1, 1)

@@ -67,6 +67,7 @@ def crossing(
             least=street + 2 * arm + 2,
         )
 
+    # Where the streets cross; each arm is long enough for a robot.
     plan = rng.child("plan")
     x = plan.between(1 + arm, size - 1 - arm - street)
     y = plan.between(1 + arm, size - 1 - arm - street)
@@ -74,6 +75,7 @@ def crossing(
     walls[y : y + street, 1:-1] = False
     walls[1:-1, x : x + street] = False
 
+    # Each robot drives from one arm to the opposite one.
     west = (1, y, x - 1, y + street - 1)
     east = (x + street, y, size - 2, y + street - 1)
     south = (x, 1, x + street - 1, y - 1)

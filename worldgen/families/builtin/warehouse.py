@@ -74,6 +74,7 @@ def warehouse(
             size=size,
             least=2 * aisle + shelf_depth + 2,
         )
+    # Shelves that were left open are a few times as long as an aisle is wide.
     if shelf_length == CHOSEN:
         low, high = (min(most, aspect * aisle) for aspect in SHELF_ASPECTS)
         shelf_length = plan.between(low, high)

@@ -144,6 +144,7 @@ def _draw_ends(
             clear = flood(graph, np.array([node], np.int64))
     rows, columns = np.divmod(np.flatnonzero(clear), graph.stride)
     places = np.stack([columns, rows], axis=1)
+    # Draw all robots anew in each try, because the first ones may leave no room for the others.
     most = 0
     for _ in range(_TRIES):
         rooms = (_Room(places, radius), _Room(places, radius))

@@ -41,6 +41,7 @@ def decide_joint(
         cut: Whether it is wanted if it is a cut. Without it, nothing that shows that there is no
             witness is looked for, and the search for one is short.
     """
+    # First on half cells, then on finer ones, which take longer but find tighter plans.
     exhausted = 0
     for k in (2, _FINER) if cut else (2,):
         if k > 2 and world.walls.size > _MOST_FINE:
