@@ -91,7 +91,8 @@ def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World
             "{names!l}: name the family that has these parameters",
             names=list(fixed),
         )
-    return st.one_of(feature_worlds(), *(family_worlds(name) for name in FAMILIES.names()))
+    alone = [name for name in FAMILIES.names() if not FAMILIES.get(name).places_robots]
+    return st.one_of(feature_worlds(), *map(family_worlds, alone))
 
 
 def scenarios(

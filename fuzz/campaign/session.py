@@ -40,6 +40,7 @@ from fuzz.search.names import DATABASE, TIME_STEPS
 from fuzz.search.registry import check_strategy
 from fuzz.triage.hazards import hazard_words, is_hazard
 from fuzz.triage.proofs import certified
+from sim.fleet.assignment import is_numbered
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions
 from sim.runners.stopping import stopping_when
@@ -78,6 +79,13 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         InvalidParameter: If a name is unknown, or controller and motion model do not fit together.
         InvalidWorld: If the map has no room.
     """
+    if is_numbered(options.controller):
+        raise InvalidParameter(
+            "one-controller-for-all",
+            "--controller {controller!r} gives each robot its own",
+            "a campaign has one controller for all robots: --robots 2 --controller bug2",
+            controller=options.controller,
+        )
     usual = RunOptions.time_step
     fixed_map = None if options.world is None else read_world(options.world)
     scenario = Scenario.parse(

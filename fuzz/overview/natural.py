@@ -134,11 +134,11 @@ def natural_families(chosen: Sequence[str]) -> list[str]:
         chosen: Families and other strategies that the user asked for; empty for all families.
 
     Returns:
-        The chosen families, or all that come with worldgen or are installed. Empty if only
-        strategies were chosen that draw no family.
+        The chosen families, or all for one robot that come with worldgen or are installed. Empty
+        if only strategies were chosen that draw no family.
     """
     if not chosen:
-        return list(FAMILIES.names())
+        return [name for name in FAMILIES.names() if not FAMILIES.get(name).places_robots]
     names = set(FAMILIES.names())
     return [name for name in chosen if name in names or ":" in name or name.endswith(".toml")]
 

@@ -9,12 +9,17 @@ from typing import TypeVar
 from worldgen.errors import InvalidParameter
 from worldgen.support.plain_text import counted, quote
 
-__all__ = ["assigned", "controllers_in"]
+__all__ = ["assigned", "controllers_in", "is_numbered"]
 
 T = TypeVar("T")
 
 _NUMBERED = re.compile(r"\s*(?P<number>\d{1,9})=(?P<controller>.+)", re.DOTALL)
 _NEXT = re.compile(r",(?=\s*\d{1,9}=)")
+
+
+def is_numbered(text: str) -> bool:
+    """Return True if a text gives each robot its own controller, such as ``1=bug2,2=vfh``."""
+    return _NUMBERED.fullmatch(text) is not None
 
 
 def controllers_in(text: str, robots: int) -> list[str]:
@@ -26,8 +31,7 @@ def controllers_in(text: str, robots: int) -> list[str]:
     Raises:
         InvalidParameter: If robots and controllers do not fit each other.
     """
-    is_numbered = _NUMBERED.fullmatch(text) is not None
-    return assigned(_numbered_parts(text) if is_numbered else text, robots)
+    return assigned(_numbered_parts(text) if is_numbered(text) else text, robots)
 
 
 def _numbered_parts(text: str) -> dict[int, str]:
