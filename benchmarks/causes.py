@@ -3,7 +3,7 @@
 ``python -m benchmarks.causes`` runs a campaign, without shrinking, against each fault of
 :mod:`fuzz.faults` and takes every failure that shows the fault: with the verdict expected of it, in a
 world in which the controller without the fault arrives. It counts their causes, and prints the table
-of ``docs/reference/causes.md``; with ``--json`` one object.
+of ``docs/reference/verdicts.md``; with ``--json`` one object.
 
 *Completeness* of a fault is the share of its failures in its most frequent cause. *Purity* of a cause
 is the share of its failures that come from faults whose most frequent cause it is. Each fault weighs

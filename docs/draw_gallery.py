@@ -1,9 +1,9 @@
-"""Write ``docs/reference/gallery.md`` and its pictures.
+"""Write the gallery in ``docs/reference/families.md`` and its pictures.
 
 Run it as ``python docs/draw_gallery.py [FAMILY ...]``.
 
 A picture carries the ids of the worlds that it shows, and so does the page; a test makes the worlds
-by the page's commands and compares.
+by the page's commands and compares. The gallery is the page's last section.
 """
 
 from __future__ import annotations
@@ -24,21 +24,22 @@ from worldgen.render import Panel, Trail, draw_sheet
 from worldgen.world import JointWitness, Value, Witness, World
 
 DOCS = Path(__file__).parent
+PAGE = DOCS / "reference" / "families.md"
 FIRST, EACH = 1, 3  # seeds of every kind
 LOOK = {"columns": 6, "pixels": 150}  # panels across; 5 px for each cell of a world of 30
 LARGE = {"columns": 3, "pixels": 320}
 COLOURS = 48
 ID = 8  # hex digits of a world's id that the page and the picture name
 
-INTRO = f"""# Gallery
-
+START = "## Gallery\n"
+INTRO = f"""{START}
 Every family with every one of its words, each with seeds {FIRST} to {FIRST + EACH - 1}. The orange line is the witness:
 it proves that a disc of the robot's size gets from the start (green, with its heading) to the target (blue). Hatched
 cells burn, dotted outlines change. Where there are several robots, each has its own colour. Below each picture stand
 the commands that make its worlds, as sets ([sets.md](../howto/sets.md)), and the first {ID} hex digits of the worlds'
-ids. [families.md](families.md) says what the words mean.
+ids.
 
-`python docs/draw_gallery.py` makes this page and its pictures.
+`python docs/draw_gallery.py` makes this section and its pictures.
 """
 
 
@@ -190,8 +191,8 @@ def draw(family: str) -> bytes:
     return stream.getvalue()
 
 
-def page() -> str:
-    """Return the page; it relies on the ids in the pictures."""
+def section() -> str:
+    """Return the gallery; it relies on the ids in the pictures."""
     parts = [INTRO]
     for family, kinds in GALLERY.items():
         names = iter(shown(family))
@@ -200,7 +201,7 @@ def page() -> str:
             f"{' '.join(next(names) for _ in range(EACH))} |"
             for kind in kinds
         ]
-        parts.append(f"## {heading(family)}\n")
+        parts.append(f"### {heading(family)}\n")
         parts.append(
             f"![{family}: "
             f"{', '.join(kind.label for kind in kinds)}](../pictures/gallery-{family}.png)\n"
@@ -235,4 +236,5 @@ def shown(family: str) -> list[str]:
 if __name__ == "__main__":
     for name in sys.argv[1:] or GALLERY:
         picture_of(name).write_bytes(draw(name))
-    (DOCS / "reference" / "gallery.md").write_text(page(), encoding="utf-8")
+    before = PAGE.read_text(encoding="utf-8").split(START)[0]
+    PAGE.write_text(before + section(), encoding="utf-8")

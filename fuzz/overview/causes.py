@@ -46,7 +46,7 @@ class CauseTotals:
         return sum(self.verdicts.values())
 
     def table(self) -> dict[str, Any]:
-        """Return the form of this record in JSON; ``docs/reference/causes.md`` describes it."""
+        """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
         return {
             "cause": self.cause.value,
             "sentence": self.cause.sentence,

@@ -50,7 +50,7 @@ _PHRASES = {
 class Cause(StrEnum):
     """Why a robot fails.
 
-    Equal to its name in JSON and on the command line. ``docs/reference/causes.md`` describes how each
+    Equal to its name in JSON and on the command line. ``docs/reference/verdicts.md`` describes how each
     is recognised in the run.
     """
 

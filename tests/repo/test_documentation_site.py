@@ -9,6 +9,7 @@ import pytest
 
 from tests.repo.documented_commands import DOCS, GENERATED, ROOT
 
+MOST_PAGES = 30  # a reader who scans the contents still finds the right one
 SECTIONS = ("tutorials", "howto", "reference", "explanation")
 BUILD = (sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going")
 PAGES = [page for page in DOCS.rglob("*.md") if not page.is_relative_to(GENERATED)]
@@ -74,6 +75,10 @@ def test_the_site_asks_nothing_of_another_server(site):
     for file in site.rglob("*.html"):
         links = _Links(file.read_text(encoding="utf-8"))
         assert not [one for one in links.targets if one.endswith((".css", ".js")) and "//" in one]
+
+
+def test_the_site_has_few_enough_pages_to_find_one():
+    assert len(PAGES) <= MOST_PAGES, "add to a page that serves the same reader, or merge two"
 
 
 def test_every_page_is_in_one_of_the_four_sections():
