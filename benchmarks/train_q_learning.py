@@ -19,6 +19,7 @@ from sim import Command, Observation, _core
 from sim.controllers.base import Memory
 from sim.controllers.library.q_learning import AT_RESET, DRIVEN, NEEDS, SENSES, SITUATIONS, TURNS
 from sim.episode import prepare
+from sim.kernels import layout
 from sim.options.run import RunOptions
 from sim.verdict import Verdict
 from worldgen.random_streams import RandomStream
@@ -158,7 +159,7 @@ def _situation(observation: Observation, memory: Memory) -> int:
     """Return the number of the situation that the robot sees."""
     ffi: Any = _core.ffi
     beams = ffi.new("double[]", observation.beams)
-    seen = ffi.new("WgObservation *", (*observation[:-1], beams, len(beams)))
+    seen = ffi.new("WgObservation *", (*observation[: layout.OBS_SIZE], beams, len(beams)))
     return int(_core.lib.wg_q_situation(seen, ffi.new("WgQMemory *", memory)))
 
 

@@ -35,9 +35,9 @@ def test_time_on_the_board_keys_and_choices_that_stay(browser, gate):
         before = pixels(page)
         page.locator("#board-time").focus()
         page.keyboard.press("End")
-        assert page.locator(".time output").inner_text() != "0.0 s"
+        assert page.locator(".time-slider output").inner_text() != "0.0 s"
         assert pixels(page) != before
-        assert page.locator(".time .legend li:visible").first.inner_text() == "burns later"
+        assert page.locator(".time-slider .legend li:visible").first.inner_text() == "burns later"
 
         # An empty field is automatic, and a parameter without effect is not shown.
         page.get_by_role("tab", name="Generate").click()

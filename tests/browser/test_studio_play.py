@@ -159,7 +159,7 @@ def test_a_setting_out_of_its_bounds_is_marked_and_nothing_is_run_with_it(page):
     page.get_by_label("Sensor range").fill("20")
     page.get_by_role("button", name="Faults").click()
     page.keyboard.press("Control+Enter")
-    page.locator(".fault", has_text="36 to 1000").wait_for()
+    page.locator(".fault", has_text="36 to 1,000").wait_for()
     page.get_by_label("Sensor range").and_(page.locator(":focus")).wait_for()
     assert page.locator(".result", has_text="300 steps").count() == 0
     page.keyboard.press("Control+a")

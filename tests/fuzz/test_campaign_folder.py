@@ -141,7 +141,7 @@ def test_ctrl_c_leaves_a_campaign_that_goes_on_to_the_same_corpus(whole, tmp_pat
     wait_for(lambda: any(out.glob("*.grid")))
     process.send_signal(signal.SIGINT)
     err = process.communicate(timeout=180)[1]
-    assert process.returncode == 130 and f"worldgen fuzz --resume {out} goes on" in err
+    assert process.returncode == 130 and f"worldgen fuzz --resume {out} continues" in err
     assert worldgen("fuzz", "--resume", out, "--workers", 1, "--json").code == 1
     assert left_in(out) == left_in(whole)
 

@@ -304,7 +304,7 @@ def test_a_set_that_came_into_being_meanwhile_is_not_replaced(tmp_path, out):
 
 @pytest.mark.gate
 @pytest.mark.parametrize(
-    ("out", "way_out"), [("set", "without --force goes on"), ("set.zip", "set.zip is moved away")]
+    ("out", "way_out"), [("set", "without --force continues"), ("set.zip", "set.zip is moved away")]
 )
 def test_what_force_began_goes_on_as_the_message_says(whole, tmp_path, monkeypatch, out, way_out):
     place = tmp_path / out

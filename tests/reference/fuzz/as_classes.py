@@ -9,6 +9,7 @@ import numpy as np
 
 from fuzz.faults import FAULTS
 from sim import Command
+from sim.kernels import layout
 from tests.reference.fuzz import faults_by_sight, faults_by_touch
 from tests.reference.fuzz.planting import FAULTS as ACTS
 
@@ -33,7 +34,7 @@ class PlainFault:
         return FAULTS[self.name].memory
 
     def act(self, observation, memory):
-        seen = np.array((*observation[:-1], *observation.beams), float)
+        seen = np.array((*observation[: layout.OBS_SIZE], *observation.beams), float)
         kept = np.array(memory)
         command = np.zeros(3)
         ACTS[self.name](seen, kept, command)

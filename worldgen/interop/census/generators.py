@@ -32,6 +32,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value
 __all__ = ["GeneratedMaps", "generated_maps"]
 
 _END = object()
+_KINDS = {bool: "yes or no", int: "a whole number", float: "a number"}
 _TRUE = ("1", "true", "yes")
 _FALSE = ("0", "false", "no")
 
@@ -205,10 +206,10 @@ def _converted(
             else:
                 found[key] = type(default)(text) if isinstance(default, int | float) else text
         except ValueError as error:
-            kind = type(default).__name__
+            kind = _KINDS[type(default)]
             raise InvalidParameter(
                 "wrong-type",
-                "option {option}={text!r} is not a {kind}",
+                "option {option}={text!r} is not {kind}",
                 "give one like {default}",
                 option=key,
                 text=text[:40],

@@ -59,7 +59,7 @@ export function makeTime(draw) {
     swatch("shuts", "closes later"),
     swatch("frees", "opens later"),
   );
-  const element = el("div", { class: "time", hidden: true }, el("label", { class: "field" }, "Time", slider, readout), legend);
+  const element = el("div", { class: "time-slider", hidden: true }, el("label", { class: "field" }, "Time", slider, readout), legend);
   let sheet = null;
   return {
     element,
