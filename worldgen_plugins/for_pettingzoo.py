@@ -21,6 +21,7 @@ from sim._core import lib
 from sim.controllers.base import Neighbour
 from sim.fleet import FleetRun
 from sim.fleet.core_calls import CoreFleet
+from sim.options.run import MAX_STEPS, whole
 from sim.runners.core_calls import Driver, Workspace
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import lattice_to_metres
@@ -84,7 +85,7 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
     ) -> None:
         self._rules, self._supply = resolve(options)
         self.render_mode = check_render_mode(render_mode)
-        self._time_limit = time_limit
+        self._time_limit = whole("time_limit", time_limit, 1, MAX_STEPS)
         self._seed = 0
         self._episode = -1
         self._world = self._supply[0]
@@ -142,16 +143,17 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
         """
         # PettingZoo's own test passes an option that no environment knows, so others are ignored.
         known = {name: one for name, one in (options or {}).items() if name in SOURCES}
-        self._supply = self._supply.changed(known)
+        supply = self._supply.changed(known)
         if seed is not None or self._episode < 0:
             generator = gymnasium.utils.seeding.np_random(seed)[0]
             self._seed = seed_of(generator)
             self._episode = 0
         else:
             self._episode += 1
-        index = world_of_episode(self._seed, self._episode, len(self._supply))
-        self._world = self._supply[index]
-        self._check_robots()
+        world = supply[world_of_episode(self._seed, self._episode, len(supply))]
+        self._check_robots(world)
+        self._supply = supply
+        self._world = world
 
         # The robots stand still in the first step, after which they are asked for the first time.
         self._begin()
@@ -239,8 +241,8 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
     def close(self) -> None:
         """Free nothing: Python does."""
 
-    def _check_robots(self) -> None:
-        count = len(self._world.robots)
+    def _check_robots(self, world: World) -> None:
+        count = len(world.robots)
         if count != len(self.possible_agents):
             raise InvalidParameter(
                 "wrong-number-of-robots",

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from fuzz.boundary.axes import Axis, Subject
 from fuzz.triage.proofs import certified
 from sim.controllers import CONTROLLERS
-from sim.episode import prepare
+from sim.episode import Episode, prepare, simulate
 from sim.outcome import Outcome
 from sim.verdict import ARRIVALS
 from worldgen.errors import WorldgenError
@@ -43,7 +43,7 @@ class BoundaryRun:
     index: int
     value: float
     subject: Subject
-    outcome: Outcome
+    outcome: Outcome | Episode
 
     @property
     def arrives(self) -> bool:
@@ -100,7 +100,7 @@ class BoundaryRuns:
         return None if ran is None else BoundaryRun(index, value, *ran)
 
 
-def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome] | None:
+def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome | Episode] | None:
     """Run a scenario with the budget of a fresh proof that its target can be reached.
 
     Args:
@@ -116,8 +116,13 @@ def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome]
         if world is None:
             return None
         options = subject.scenario.options(world)
-        run = prepare(world, CONTROLLERS.get(subject.scenario.controller), options)
-        outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
+        controller = CONTROLLERS.get(subject.scenario.controller)
+        outcome: Outcome | Episode
+        if world.others:
+            outcome = simulate(world, controller, options)
+        else:
+            run = prepare(world, controller, options)
+            outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
     except WorldgenError:
         return None
     return replace(subject, world=world), outcome

@@ -13,6 +13,7 @@ import shapely
 from fuzz.evidence_checks._plain import (
     check_budget,
     first_new_cell_of_second_half,
+    places_gap,
     step_path,
     target_gap,
 )
@@ -60,7 +61,7 @@ def check_fleet(
         return wrong
     match evidence:
         case JointLoopEvidence():
-            return _check_joint_loop(world, traces, evidence, verdict)
+            return _check_joint_loop(world, traces, evidence, verdict, motion)
         case CollisionEvidence():
             return _check_collision(world, traces, evidence)
         case BudgetEvidence():
@@ -78,6 +79,7 @@ def _check_joint_loop(
     traces: Sequence[Trace],
     evidence: JointLoopEvidence,
     verdict: Verdict,
+    motion: Motion,
 ) -> str:
     """Check that all robots that wait repeat themselves in step, and that the others have parked.
 
@@ -86,6 +88,7 @@ def _check_joint_loop(
         traces: Each robot's recording; of one that waits, up to ``entry + 2 * period`` steps.
         evidence: The claim.
         verdict: ``deadlock``, ``livelock`` or ``starved``.
+        motion: The motion model.
     """
     entry = evidence.entry
     period = evidence.period
@@ -110,7 +113,7 @@ def _check_joint_loop(
     # All others do the same in two periods, at the same times.
     moving = []
     for number in evidence.waiting:
-        wrong = _check_period(world.alone(number), traces[number - 1], entry, period)
+        wrong = _check_period(world.alone(number), traces[number - 1], entry, period, motion)
         if wrong:
             return f"robot {number}: {wrong}"
         trace = traces[number - 1]
@@ -126,7 +129,7 @@ def _check_joint_loop(
     return "" if verdict == wanted else f"this is {wanted}, not {verdict}"
 
 
-def _check_period(world: World, trace: Trace, entry: int, period: int) -> str:
+def _check_period(world: World, trace: Trace, entry: int, period: int, motion: Motion) -> str:
     """Check that two whole periods of one robot are equal, and that it never arrives in them."""
     if not trace.complete:
         return "the controller has memory that it does not declare, so equal states prove nothing"
@@ -136,11 +139,16 @@ def _check_period(world: World, trace: Trace, entry: int, period: int) -> str:
     two = trace.states[entry + period : entry + 2 * period + 1]
     if not np.array_equal(one, two):
         return "the second period differs from the first"
-    first, last = np.searchsorted(trace.path_step, [entry + 1, entry + period + 1])
-    x = np.concatenate([trace.x[entry : entry + 1], trace.path_x[first:last]])
-    y = np.concatenate([trace.y[entry : entry + 1], trace.path_y[first:last]])
-    inside = target_gap(world, x, y) < -_LATTICE * world.cell_size
-    return "the loop passes through the target" if inside else ""
+    # `swept` looks for the target along the path; other models look only where a step ends.
+    gap = places_gap(
+        world, trace.x[entry : entry + period + 1], trace.y[entry : entry + period + 1]
+    )
+    if motion.name == "swept":
+        first, last = np.searchsorted(trace.path_step, [entry + 1, entry + period + 1])
+        x = np.concatenate([trace.x[entry : entry + 1], trace.path_x[first:last]])
+        y = np.concatenate([trace.y[entry : entry + 1], trace.path_y[first:last]])
+        gap = target_gap(world, x, y)
+    return "the loop passes through the target" if gap < -_LATTICE * world.cell_size else ""
 
 
 def _check_collision(world: World, traces: Sequence[Trace], evidence: CollisionEvidence) -> str:

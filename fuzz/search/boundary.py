@@ -21,6 +21,8 @@ from fuzz.boundary import (
 from fuzz.search.features import LAYOUT_BYTES, decode_world
 from fuzz.search.task import Task
 from fuzz.triage.proofs import certified
+from sim.episode import Episode
+from sim.outcome import Outcome
 from sim.runners.stopping import OutOfTime, check_time
 from worldgen.errors import GenerationFailed
 from worldgen.generation import generate
@@ -74,7 +76,11 @@ def _bring(task: Task, looks: BoundaryRuns, start: int, *, is_known: bool) -> No
         fails = found.fails.subject
         outcome = found.fails.outcome
         task.triage.enter(
-            fails.world, fails.scenario, outcome.verdict, outcome.cause, boundaries=[found.record()]
+            fails.world,
+            fails.scenario,
+            outcome.verdict,
+            _cause(outcome),
+            boundaries=[found.record()],
         )
     elif not is_known:
         _bring_whole(task, looks.seen_at(start))
@@ -85,7 +91,7 @@ def _bring_whole(task: Task, look: BoundaryRun | None) -> None:
     if look is not None and not look.arrives:
         subject = look.subject
         outcome = look.outcome
-        task.triage.enter(subject.world, subject.scenario, outcome.verdict, outcome.cause)
+        task.triage.enter(subject.world, subject.scenario, outcome.verdict, _cause(outcome))
 
 
 def _subject(task: Task, stream: RandomStream, known: list[Subject], axis: Axis) -> Subject | None:
@@ -104,3 +110,8 @@ def _subject(task: Task, stream: RandomStream, known: list[Subject], axis: Axis)
         return Subject(generate("trap", stream.below(2**32)), scenario)
     except GenerationFailed:
         return None
+
+
+def _cause(outcome: Outcome | Episode) -> str:
+    """Return the cause of a verdict, which only the outcome of one robot names."""
+    return outcome.cause if isinstance(outcome, Outcome) else ""

@@ -45,6 +45,7 @@ class _Controllers(Registry[Controller]):
         if is_learned_name(name):
             check_code(name)
             learned = read_learned(learned_file(name))
+            self._refuse_code(learned.controller, name)
             return with_numbers(self.get(learned.controller), learned.numbers, name)
         if is_library_name(name):
             if name not in self._loaded:
@@ -52,6 +53,23 @@ class _Controllers(Registry[Controller]):
                 self._loaded[name] = library_controller(name)
             return self._loaded[name]
         return super().get(name)
+
+    def _refuse_code(self, controller: str, name: str) -> None:
+        """Refuse a file of learned numbers that names code: reading data must run none.
+
+        Raises:
+            InvalidParameter: If the controller is neither registered nor made of registered parts.
+        """
+        is_composed = is_composition_name(controller)
+        parts = listed_names(controller) if is_composed else [controller]
+        if any(":" in part for part in parts):
+            raise InvalidParameter(
+                "learned-names-code",
+                "{name} holds numbers for {controller!r}, which is code, and a file runs none",
+                "load the numbers in the controller's own reset()",
+                name=name,
+                controller=controller,
+            )
 
     def source(self, name: str) -> Path | None:
         if is_learned_name(name):

@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import json
 import math
+import stat
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -105,7 +106,11 @@ def is_learned_name(name: str) -> bool:
 
 def learned_file(name: str) -> Path:
     """Return the file in a controller's name."""
-    return Path(name.removeprefix(_PREFIX)).expanduser()
+    path = Path(name.removeprefix(_PREFIX))
+    try:
+        return path.expanduser()
+    except RuntimeError:  # there is no such user; the name is then taken as it is
+        return path
 
 
 def learned_text(learned: Learned) -> str:
@@ -138,6 +143,9 @@ def read_learned(path: Path) -> Learned:
             path=str(path),
             reason=error.strerror or str(error),
         ) from error
+    # A device or a pipe may never end.
+    if not stat.S_ISREG(facts.st_mode):
+        raise _not_learned(path, "it is not a plain file")
     if facts.st_size > _MOST_BYTES:
         raise _not_learned(path, f"it has {facts.st_size} bytes")
     return _read(path, facts.st_mtime_ns, facts.st_size)

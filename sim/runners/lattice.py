@@ -46,7 +46,7 @@ from sim.runners.packing import disc_numbers, event_time, start_overlaps, target
 from sim.runners.python_loop import PythonLoop
 from sim.trace import Trace, Words
 from sim.verdict import Verdict
-from worldgen.errors import InvalidWorld
+from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import (
     TURN,
     UNIT,
@@ -91,12 +91,21 @@ class LatticeRun:
 
     Raises:
         InvalidWorld: If the start is not clear of walls.
-        InvalidParameter: If the controller does not compile.
+        InvalidParameter: If the world has several robots, or the controller does not compile.
     """
 
     def __init__(
         self, world: World, controller: Controller, options: RunOptions, *, lean: bool = False
     ) -> None:
+        # Without this, callers that know nothing of fleets would leave out all robots but one.
+        if world.others:
+            raise InvalidParameter(
+                "world-of-several-robots",
+                "this runs one robot, and the world has {robots}",
+                "take a world of one robot, or worldgen run",
+                at_terminal=True,
+                robots=len(world.robots),
+            )
         robot = robot_for(controller, options.robot)
         self.world = world
         self.controller = controller

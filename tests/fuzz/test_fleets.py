@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fuzz.boundary import Subject, run_subject
 from fuzz.evidence_checks import check_fleet
 from fuzz.failure import Failure
 from fuzz.oracles import Trial
@@ -24,6 +25,7 @@ from sim.motion import MOTIONS
 from sim.scenario import Scenario
 from sim.verdict import JOINT_LOOPS, Verdict
 from tests.helpers.command_line import worldgen
+from worldgen.files.grid import write_world
 from worldgen.world import JointWitness, Pose, Robot, Target, World
 
 STRAIGHT = Scenario.parse("tests.helpers.straight:Straight")
@@ -157,3 +159,17 @@ def test_a_strategy_for_one_robot_is_refused_with_several(tmp_path) -> None:
     )  # fmt: skip
     assert result.code == 2
     assert result.error.code == "strategy-for-one-robot"
+
+
+def test_a_question_about_one_robot_refuses_a_world_of_several(tmp_path) -> None:
+    path = tmp_path / "w.grid"
+    write_world(alley(), path)
+    result = worldgen("chance", path, "--controller", "naive")
+    assert result.code == 2
+    assert result.error.code == "world-of-several-robots"
+
+
+def test_a_boundary_is_about_all_robots() -> None:
+    ran = run_subject(Subject(alley(), STRAIGHT))
+    assert ran is not None
+    assert ran[1].verdict == Verdict.DEADLOCK

@@ -90,3 +90,5 @@ def test_worlds_with_another_number_of_robots_are_refused() -> None:
     env = FleetEnv(world=hall())
     with raises(InvalidParameter, "wrong-number-of-robots"):
         env.reset(options={"world": hall(robots=3)})
+    env.reset()  # as before
+    assert len(env.agents) == 2
