@@ -79,11 +79,13 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         InvalidParameter: If a name is unknown, or controller and motion model do not fit together.
         InvalidWorld: If the map has no room.
     """
+    # Read the controller with its options, and check that the strategies fit it.
     if is_numbered(options.controller):
         raise InvalidParameter(
             "one-controller-for-all",
-            "--controller {controller!r} gives each robot its own",
-            "a campaign has one controller for all robots: --robots 2 --controller bug2",
+            "{controller!r} gives each robot its own controller, and a campaign has one for all",
+            "write --robots 2 --controller bug2",
+            at_terminal=True,
             controller=options.controller,
         )
     usual = RunOptions.time_step
@@ -101,6 +103,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
     unsaid = options.time_step is None and scenario.run.time_step == usual
     if unsaid and MOTIONS.get(scenario.run.motion).name == "endpoint":
         time_steps = TIME_STEPS
+    # Read what varies; a quantity may be named once.
     varied = tuple(Variation.parse(text, scenario) for text in options.vary)
     names = [one.name for one in varied]
     if twice := {name for name in names if names.count(name) > 1}:
