@@ -169,7 +169,8 @@ def main() -> None:
     # Run every table, and print each as soon as it is done.
     names = given.controller or controllers()
     all_rows = dict[str, list[Row]]()
-    for title, worlds in tables(given.worlds, given.seed, given.family or FAMILIES.names()):
+    alone = [name for name in FAMILIES.names() if not FAMILIES.get(name).places_robots]
+    for title, worlds in tables(given.worlds, given.seed, given.family or alone):
         all_rows[title] = rows_of(worlds, names, given.steps)
         if not given.json:
             click.echo(_in_words(title, len(worlds), all_rows[title]))

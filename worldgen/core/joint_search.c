@@ -387,7 +387,9 @@ static int sorted_moves(const Lacam *search, int64_t robot, int moves[WG_MOVES])
     return count;
 }
 
-// Finds a move for a robot; those that it pushes get theirs before anybody else.
+// Finds a move for a robot; those that it pushes get theirs before anybody else. Each call assigns a robot, so the
+// recursion is never deeper than there are robots.
+// NOLINTNEXTLINE(misc-no-recursion)
 static bool push(Lacam *search, int64_t robot)
 {
     const WgJoint *joint = search->states.joint;

@@ -175,7 +175,7 @@ WgStatus wg_fleet_new(const WgFleetSettings *settings, const WgArena *const *are
     fleet->settings = settings;
     fleet->count = count;
     fleet->most_blocks = 8 * count;
-    fleet->members = array(&is_made, count, sizeof *fleet->members);
+    fleet->members = (WgEpisode **)array(&is_made, count, sizeof *fleet->members);
     fleet->moved = array(&is_made, count, sizeof *fleet->moved);
     fleet->blocks = array(&is_made, fleet->most_blocks, sizeof *fleet->blocks);
     fleet->movers = array(&is_made, count, sizeof *fleet->movers);
@@ -211,7 +211,7 @@ void wg_fleet_free(WgFleet *fleet)
     free(fleet->search.prints);
     free(fleet->search.known);
     free(fleet->search.log);
-    free(fleet->members);
+    free((void *)fleet->members);
     free(fleet->state);
     free(fleet->chains);
     free(fleet->moved);

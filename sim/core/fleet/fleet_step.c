@@ -182,11 +182,10 @@ static void look_for_loop(WgFleet *fleet)
         if (period > 0) {
             fleet->report.entry = wg_entry_of_loop(fleet->search.log, fleet->quiet, step, period);
         }
-    } else if (settings->find_loop == WG_PROVE_LOOP) {
-        if (wg_search_is_proved(&fleet->search, fleet->state, step, settings->loop_entry, settings->steps)) {
-            period = settings->steps - settings->loop_entry;
-            fleet->report.entry = settings->loop_entry;
-        }
+    } else if (settings->find_loop == WG_PROVE_LOOP &&
+               wg_search_is_proved(&fleet->search, fleet->state, step, settings->loop_entry, settings->steps)) {
+        period = settings->steps - settings->loop_entry;
+        fleet->report.entry = settings->loop_entry;
     }
     if (period > 0) {
         fleet->report.ending = WG_LOOP;
