@@ -72,7 +72,7 @@ _WORDS = LAYOUT_BYTES // 8
 
 
 def strategies(*names: str) -> Searcher:
-    """Return the strategies of these names, or the campaign's own plan if there are none."""
+    """Return the strategies with these names; without names, the campaign's own plan."""
 
     def units(config: CampaignConfig) -> Iterator[UnitResult]:
         config = replace(config, families=names)
