@@ -126,6 +126,10 @@ def _of_fleet(world: World, episode: FleetEpisode) -> Cause:
         if (known := _BY_STANDOFF.get(standoff(evidence))) is not None:
             return known
         number = evidence.waiting[0]
+        # Where nobody moves, only what a robot touches says why.
+        trace = episode.robots[number - 1].trace
+        if episode.verdict == Verdict.DEADLOCK and trace is not None:
+            return Cause.PUSHES_A_WALL if trace.bump[-1] else Cause.STANDS_STILL
         loop = LoopEvidence(
             entry=evidence.entry, period=evidence.period, state_digest=evidence.state_digest
         )
