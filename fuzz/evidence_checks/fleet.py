@@ -110,6 +110,17 @@ def _check_joint_loop(
         if _gap(robots[number - 1], trace, step) > _LATTICE * world.cell_size:
             return f"robot {number} has not arrived in step {step}"
 
+    # Whoever is said to block another one comes as near to it as their last steps could bring it.
+    for one, other in evidence.blocked:
+        if one not in evidence.waiting or not 1 <= other <= len(robots) or one == other:
+            return f"robot {one} cannot be blocked by robot {other}"
+        apart = _least_apart(traces[one - 1], traces[other - 1], entry, entry + period)
+        first = robots[one - 1]
+        second = robots[other - 1]
+        reach = first.radius + second.radius + (first.speed + second.speed) * float(time_step)
+        if apart > reach + _LATTICE * world.cell_size:
+            return f"robots {one} and {other} stay {apart:g} m apart and cannot block each other"
+
     # All others do the same in two periods, at the same times.
     moving = []
     for number in evidence.waiting:
@@ -196,9 +207,17 @@ def _check_apart(world: World, traces: Sequence[Trace]) -> str:
     return ""
 
 
+def _least_apart(first: Trace, second: Trace, begin: int, end: int) -> float:
+    """Return the least distance, m, of two robots where steps end, from one step to another."""
+    dx = _held(first.x, end)[begin : end + 1] - _held(second.x, end)[begin : end + 1]
+    dy = _held(first.y, end)[begin : end + 1] - _held(second.y, end)[begin : end + 1]
+    return float(np.hypot(dx, dy).min())
+
+
 def _held(places: Floats, steps: int) -> Floats:
     """Return places for so many steps; the last one stays."""
-    return np.concatenate([places, np.repeat(places[-1:], steps + 1 - len(places))])
+    missing = max(steps + 1 - len(places), 0)
+    return np.concatenate([places, np.repeat(places[-1:], missing)])
 
 
 def _gap(robot: Robot, trace: Trace, step: int) -> float:

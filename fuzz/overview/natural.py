@@ -27,7 +27,7 @@ from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
 from worldgen.difficulty.bottleneck import bottleneck
-from worldgen.errors import WorldgenError
+from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
@@ -176,8 +176,7 @@ def natural_runs(
             runs.is_complete = False
             break
         except WorldgenError:
-            # A world that cannot be made, or a run that is too long to be recorded, says nothing
-            # about the controller.
+            # A world that cannot be made says nothing about the controller.
             continue
         runs.count(world, family, episode, cause)
     return runs
@@ -190,7 +189,15 @@ def _run(world: World, scenario: Scenario) -> tuple[Episode, Cause | None]:
     if episode.verdict in ARRIVALS:
         return episode, None
     # Only a recording shows the cause. Most runs arrive, so it is cheaper to run again.
-    episode = simulate(world, scenario.controller, options, record=True)
+    try:
+        recorded = simulate(world, scenario.controller, options, record=True)
+    except InvalidParameter:
+        # The run is too long to be recorded, but it did not arrive, so it counts.
+        return episode, Cause.UNKNOWN
+    # A controller that does not do the same twice may arrive this time. Then its first run counts.
+    if recorded.verdict in ARRIVALS:
+        return episode, Cause.UNKNOWN
+    episode = recorded
     evidence = episode.evidence
     if isinstance(evidence, BurnedEvidence) and episode.trace is not None:
         how = "entered" if is_entered(world, episode.trace, evidence) else "caught"

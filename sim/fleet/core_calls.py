@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Neighbour
-from sim.runners.core_calls import CoreArena, Driver
+from sim.runners.core_calls import CoreArena, Driver, EpisodeHandle
 from sim.runners.lattice import LatticeRun
 from worldgen.lattice import clear_distance_sq, radius_in_cells
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.ccall import check, pointer
 
 __all__ = ["CoreFleet", "FleetMember", "driver_in_core"]
 
@@ -28,7 +28,7 @@ _FIRST_PORTION = 1 << 8
 _PORTION_TIME = 0.05
 
 
-class FleetMember:
+class FleetMember(EpisodeHandle):
     """One robot of a fleet; its ``c`` is a WgEpisode.
 
     Args:
@@ -36,27 +36,10 @@ class FleetMember:
         number: Its index.
     """
 
-    entry = -1
-
     def __init__(self, fleet: CoreFleet, number: int) -> None:
         self._fleet = fleet
-        self._recording: tuple[Ints, Ints] | None = None
-        self.c: Any = fleet.c.members[number]
-
-    @property
-    def report(self) -> Any:
-        """The WgReport of the run so far."""
-        return self.c.robot.report
-
-    @property
-    def state(self) -> Any:
-        """The robot's WgState."""
-        return self.c.robot.body.state
-
-    @property
-    def words(self) -> int:
-        """Words of the robot's state, with its memory and its message."""
-        return int(self.c.search.words)
+        self.c = fleet.c.members[number]
+        self.words = int(self.c.search.words)  # with its memory and its message
 
     def neighbours(self) -> tuple[Neighbour, ...]:
         """Return what the robot senses of others, the nearest first."""
@@ -72,26 +55,6 @@ class FleetMember:
         """Send numbers to the robots that sense this one; those beyond its channel are dropped."""
         for k in range(min(len(message), int(self.c.workspace.observation.message_size))):
             self.c.workspace.command.message[k] = message[k]
-
-    def state_words(self) -> Ints:
-        """Return (words,) int64, the robot's state."""
-        return np.frombuffer(ffi.buffer(self.c.robot.body, 8 * self.words), np.int64).copy()
-
-    def record(self, rows: Ints, path: Ints) -> None:
-        """Write the steps of the run into arrays, from its start on.
-
-        Args:
-            rows: (n, 1 + words) int64, one for each step: whether something was touched, then the
-                state.
-            path: (points, 4) int64, WgPathPoint.
-        """
-        self._recording = (rows, path)
-        points = ffi.cast("WgPathPoint *", writable(ffi, path, np.int64))
-        check(
-            lib.wg_episode_record(
-                self.c, writable(ffi, rows, np.int64), len(rows), points, len(path)
-            )
-        )
 
 
 class CoreFleet:

@@ -22,7 +22,7 @@ from sim.fleet.assignment import assigned
 from sim.fleet.run import FleetOutcome, FleetRun, JointProof
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.options.run import TARGET, RunOptions
+from sim.options.run import RunOptions
 from sim.outcome import Outcome, area_of, wall_evidence
 from sim.trace import Trace, fnv1a, state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
@@ -148,13 +148,6 @@ def _check_options(options: Sequence[RunOptions]) -> None:
                 "{option} pushes one robot, and the world has several",
                 "leave it out",
                 option="pushes" if one.robot.pushes else "push_places",
-            )
-        if one.task != TARGET:
-            raise InvalidParameter(
-                "option-for-one-robot",
-                "{option} is a task for one robot, and the world has several",
-                "leave it out",
-                option=f"task={one.task}",
             )
         if (one.motion, one.time_step) != (options[0].motion, options[0].time_step):
             raise InvalidParameter(

@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import time
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,7 +27,7 @@ __all__ = [
     "CoreArena",
     "CoreEpisode",
     "Driver",
-    "ReportedEpisode",
+    "EpisodeHandle",
     "Workspace",
     "beam_tables",
     "copy_of",
@@ -297,26 +297,55 @@ def _buffer(owner: object, address: Any, count: int) -> Any:
     return ffi.buffer(held, 8 * count)
 
 
-class ReportedEpisode(Protocol):
-    """An episode that can be read: one that runs alone, or a robot's in a fleet."""
+class EpisodeHandle:
+    """An episode that can be read and recorded: one that runs alone, or a robot's in a fleet.
+
+    Attributes:
+        c: A WgEpisode.
+        words: Words of the robot's complete state.
+    """
+
+    c: Any
+    words: int
+    _recording: tuple[Ints, Ints] | None = None
 
     @property
     def report(self) -> Any:
         """The WgReport of the run so far."""
-        ...
+        return self.c.robot.report
 
     @property
     def state(self) -> Any:
         """The robot's WgState."""
-        ...
+        return self.c.robot.body.state
 
     @property
     def entry(self) -> int:
         """First step of the loop with which the run ended; -1 if it ended otherwise."""
-        ...
+        return -1
+
+    def state_words(self) -> Ints:
+        """Return (words,) int64, the complete state."""
+        return np.frombuffer(ffi.buffer(self.c.robot.body, 8 * self.words), np.int64).copy()
+
+    def record(self, rows: Ints, path: Ints) -> None:
+        """Write the next steps into arrays.
+
+        Args:
+            rows: (n, 1 + words) int64, one for each step: whether a wall was touched, then the
+                state.
+            path: (points, 4) int64, WgPathPoint.
+        """
+        self._recording = (rows, path)
+        points = ffi.cast("WgPathPoint *", writable(ffi, path, np.int64))
+        check(
+            lib.wg_episode_record(
+                self.c, writable(ffi, rows, np.int64), len(rows), points, len(path)
+            )
+        )
 
 
-class CoreEpisode:
+class CoreEpisode(EpisodeHandle):
     """An episode of the core, at its start.
 
     Args:
@@ -353,7 +382,6 @@ class CoreEpisode:
         self._held = (arena, settings, driver)
         self.guarded = driver.guarded
         self._error: Any = None
-        self._recording: tuple[Ints, Ints] | None = None
         self.begin()
 
     def _place(self, arena: CoreArena, settings: Any, driver: Driver, log_steps: int) -> None:
@@ -370,43 +398,13 @@ class CoreEpisode:
         check(lib.wg_episode_begin(self.c))
 
     @property
-    def report(self) -> Any:
-        """The WgReport of the run so far."""
-        return self.c.robot.report
-
-    @property
-    def state(self) -> Any:
-        """The robot's WgState."""
-        return self.c.robot.body.state
-
-    @property
     def entry(self) -> int:
         """First step of the loop with which the run ended; -1 if it ended otherwise."""
         return int(lib.wg_episode_entry(self.c))
 
-    def state_words(self) -> Ints:
-        """Return (words,) int64, the complete state."""
-        return np.frombuffer(ffi.buffer(self.c.robot.body, 8 * self.words), np.int64).copy()
-
     def known_words(self) -> npt.NDArray[np.uint64]:
         """Return (words,) the state at the entry of a loop that was proved."""
         return np.frombuffer(ffi.buffer(self.c.search.known, 8 * self.words), np.uint64).copy()
-
-    def record(self, rows: Ints, path: Ints) -> None:
-        """Write the next steps into arrays.
-
-        Args:
-            rows: (n, 1 + words) int64, one for each step: whether a wall was touched, then the
-                state.
-            path: (points, 4) int64, WgPathPoint.
-        """
-        self._recording = (rows, path)
-        points = ffi.cast("WgPathPoint *", writable(ffi, path, np.int64))
-        check(
-            lib.wg_episode_record(
-                self.c, writable(ffi, rows, np.int64), len(rows), points, len(path)
-            )
-        )
 
     def run(self, steps: int) -> bool:
         """Run at most this many steps; return True if the episode is not over."""

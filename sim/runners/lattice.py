@@ -32,7 +32,7 @@ from sim.runners.core_calls import (
     CoreArena,
     CoreEpisode,
     Driver,
-    ReportedEpisode,
+    EpisodeHandle,
     Workspace,
     beam_tables,
     copy_of,
@@ -593,7 +593,7 @@ class LatticeRun:
 
     def outcome_of(
         self,
-        episode: ReportedEpisode | None,
+        episode: EpisodeHandle | None,
         recording: tuple[Ints, Ints] | None,
         complete: bool = True,
         fault: ControllerError | None = None,

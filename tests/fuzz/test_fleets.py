@@ -81,8 +81,18 @@ def test_a_deadlock_replays_from_its_bytes() -> None:
         {"entry": 0},
         {"parked": ((2, 5),), "waiting": (1,)},
         {"period": 0},
+        {"blocked": ((1, 1),)},
+        {"blocked": ((1, 3),)},
     ],
-    ids=["moving", "one missing", "too early", "not parked", "no period"],
+    ids=[
+        "moving",
+        "one missing",
+        "too early",
+        "not parked",
+        "no period",
+        "blocked by itself",
+        "blocked by nobody",
+    ],
 )
 def test_false_evidence_of_a_deadlock_is_refused(changes: dict[str, object]) -> None:
     failure = deadlock()
@@ -96,6 +106,15 @@ def test_false_evidence_of_a_deadlock_is_refused(changes: dict[str, object]) -> 
     false = replace(evidence, **changes)  # type: ignore[arg-type]
     assert check_fleet(failure.world, found, Verdict.DEADLOCK, false, swept)
     assert check_fleet(failure.world, found, Verdict.LIVELOCK, evidence, swept)
+
+
+def test_robots_that_are_far_apart_cannot_block_each_other() -> None:
+    world = alley()
+    evidence = joint_loop(entry=1, blocked=((1, 2),))
+    traces = fleet_traces(world, STRAIGHT.controller, STRAIGHT.options(world), 3)
+    found = [trace for trace in traces if trace is not None]
+    said = check_fleet(world, found, Verdict.DEADLOCK, evidence, MOTIONS.get("swept"))
+    assert "cannot block each other" in said
 
 
 def test_robots_that_overlap_are_noticed() -> None:

@@ -2,7 +2,7 @@
 
 Between two points in time at which neither path bends, two robots move uniformly along straight
 lines, so the one moves along a straight line relative to the other. Their distance there is that of
-a segment from the origin. Distances are in cells, with the tolerance of a witness.
+a segment from the origin. Distances are in metres, with the tolerance of a witness.
 """
 
 from __future__ import annotations

@@ -87,7 +87,8 @@ def _undecided_reason(exhausted: int) -> str:
     if not exhausted:
         return "no joint plan was found, and nothing proves that there is none"
     return (
-        f"all joint moves on the grid of 1/{exhausted} cells were searched, and none brings every "
+        f"all joint moves on the grid of 1/{exhausted} cells were searched, from the nodes chosen for the "
+        "starts and with robots that stay where they arrive, and none brings every "
         "robot to its target; this is a statement about the grid, not a proof for the plane"
     )
 

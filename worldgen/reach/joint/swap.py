@@ -24,7 +24,7 @@ from worldgen.world import Robot, World
 
 __all__ = ["find_swap"]
 
-# Pairs looked at; each costs two floods of its room.
+# Pairs looked at. Each robot's room is flooded once.
 _MOST_PAIRS = 2000
 
 
