@@ -15,6 +15,7 @@ from collections.abc import AsyncGenerator, Callable, Iterable, Mapping, Sequenc
 from pathlib import Path
 from typing import Any
 
+from worldgen.files.whole import expanded
 from worldgen.plugins.user_modules import digest_of_source, sources_read
 
 __all__ = ["UNKNOWN", "Edits", "digest_of_file", "edited_files", "loaded_files"]
@@ -142,11 +143,14 @@ def _own_files(label: str) -> tuple[str, ...]:
     for name in names_of((label,)):
         if is_process_name(name):
             # A program starts again with each run. Its script is watched only to report changes.
-            words = shlex.split(name.partition(":")[2])
+            try:
+                words = shlex.split(name.partition(":")[2])
+            except ValueError:  # a quote that is not closed, which the run reports
+                return ()
             return tuple(os.path.realpath(word) for word in words if Path(word).is_file())
         if is_library_name(name):
             return (os.path.realpath(library_file(name)),)
         place = name.rpartition(":")[0]
         if place.endswith(".py"):
-            return (os.path.realpath(Path(place).expanduser()),)
+            return (os.path.realpath(expanded(place)),)
     return ()

@@ -6,6 +6,7 @@ import functools
 from collections.abc import Iterable, Sequence
 
 from sim.controllers import CONTROLLERS
+from sim.controllers.behaviours.catalogue import is_composition_name, listed_names
 from sim.motion import MOTIONS
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
@@ -101,12 +102,17 @@ def check_registered(what: str, name: str, offered: Iterable[str]) -> None:
 
 @functools.cache
 def names_of(labels: tuple[str, ...]) -> frozenset[str]:
-    """Return the controllers' names in labels, without variations."""
+    """Return the controllers' names in labels, without variations.
+
+    Of a composition, the user's own behaviours are among them.
+    """
     found = set()
     for label in labels:
         for motion in ("swept", "stepped"):  # variations may be for either kind of robot
             try:
-                found.add(Scenario.parse(label, motion=motion).controller)
+                name = Scenario.parse(label, motion=motion).controller
+                own = listed_names(name) if is_composition_name(name) else []
+                found.update([name, *(part for part in own if ":" in part)])
                 break
             except InvalidParameter:
                 continue

@@ -13,6 +13,7 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.files.archives import is_archive
 from worldgen.files.grid import read_world
+from worldgen.files.whole import expanded
 from worldgen.files.worlds import is_world_file
 from worldgen.interop import read_map
 
@@ -61,7 +62,7 @@ def check_controller(label: str) -> None:
     if not colon:
         CONTROLLERS.get(name)  # raises, with the registered names and similar ones
     elif place.endswith(".py"):
-        _check_file(name, Path(place).expanduser(), attribute)
+        _check_file(name, expanded(place), attribute)
     elif not place:
         raise InvalidParameter(
             "no-module-named",

@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
+from worldgen.files.whole import expanded
 
 if TYPE_CHECKING:
     from sim.controllers.base import CompiledController, Controller
@@ -106,11 +107,7 @@ def is_learned_name(name: str) -> bool:
 
 def learned_file(name: str) -> Path:
     """Return the file in a controller's name."""
-    path = Path(name.removeprefix(_PREFIX))
-    try:
-        return path.expanduser()
-    except RuntimeError:  # there is no such user; the name is then taken as it is
-        return path
+    return expanded(name.removeprefix(_PREFIX))
 
 
 def learned_text(learned: Learned) -> str:

@@ -112,3 +112,13 @@ def test_python_runs_the_program_as_a_module(tmp_path):
         and done.stderr.count("\n") <= 2
         and "outside 10 to 20000 cells" in done.stderr
     )
+
+
+@pytest.mark.parametrize(
+    "controller",
+    ["learned:~nobody-here/x.json", "~nobody-here/x.py:A", "lib:~nobody-here/x.so:act"],
+)
+def test_a_home_folder_of_nobody_is_code_2(controller, tmp_path):
+    world = tmp_path / "w.grid"
+    worldgen("trap", "--size", 14, "--seed", 1, "--out", world)
+    assert worldgen("run", world, "--controller", controller).code == 2

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import click
 
 from worldgen.errors import InvalidParameter
+from worldgen.files.whole import expanded
 from worldgen.support.progress import say_once
 
 __all__ = ["FILE", "configured"]
@@ -169,7 +170,7 @@ def _from_here(path: str, folder: Path) -> str:
 
     If that is the file's own folder, the path is unchanged.
     """
-    there = Path(path).expanduser()
+    there = expanded(path)
     if there.is_absolute():
         return str(there)
     return path if folder == Path.cwd() else os.path.relpath(folder / there)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from worldgen.errors import FormatError, OutputError, WorldgenError
 
-__all__ = ["check_output", "read_text", "refused_writes", "write_bytes"]
+__all__ = ["check_output", "expanded", "read_text", "refused_writes", "write_bytes"]
 
 _MOST_BYTES = 64 << 20
 
@@ -43,6 +43,14 @@ def check_output(path: Path, force: bool) -> None:
             path=path,
             folder=path.parent,
         )
+
+
+def expanded(path: str | Path) -> Path:
+    """Return a path with ``~`` or ``~user`` replaced; unchanged if there is no such user."""
+    try:
+        return Path(path).expanduser()
+    except RuntimeError:
+        return Path(path)
 
 
 def read_text(path: Path) -> str:

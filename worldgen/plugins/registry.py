@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter, Message
+from worldgen.files.whole import expanded
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_not_ours
 from worldgen.plugins.user_modules import (
@@ -303,14 +304,12 @@ def _identity(name: str) -> str:
     """
     place, colon, attribute = name.rpartition(":")
     return (
-        f"{_file(place).expanduser().resolve()}{colon}{attribute}"
-        if place.endswith(".py")
-        else name
+        f"{expanded(_file(place)).resolve()}{colon}{attribute}" if place.endswith(".py") else name
     )
 
 
 def _load_file(path: Path) -> Any:
-    path = path.expanduser().resolve()
+    path = expanded(path).resolve()
     if not path.is_file():
         raise FileNotFoundError(f"no such file: {path}")
     module_name = f"_worldgen_user_{path.stem}_{abs(hash(str(path))):x}"

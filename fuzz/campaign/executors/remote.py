@@ -22,6 +22,7 @@ from fuzz.oracles import ORACLES, NamedOracle
 from sim.controllers import CONTROLLERS
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
+from worldgen.files.whole import expanded
 from worldgen.plugins.registry import Registry, lend
 
 __all__ = ["RemoteJob"]
@@ -61,7 +62,7 @@ class RemoteJob:
         return cls(
             config,
             fingerprint,
-            {place: Path(place).expanduser().read_bytes() for place in _places(config)},
+            {place: expanded(place).read_bytes() for place in _places(config)},
         )
 
     def run(self, work: Callable[P, T], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> T:

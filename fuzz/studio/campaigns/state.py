@@ -19,6 +19,7 @@ from fuzz.studio.refusals import refusal
 from fuzz.studio.running import names_of
 from worldgen.errors import FormatError
 from worldgen.files.locks import holder
+from worldgen.files.whole import expanded
 from worldgen.files.worlds import is_world_file
 
 __all__ = ["SAID", "campaign_state", "interrupt", "is_campaign", "is_own", "running_process"]
@@ -133,7 +134,7 @@ _BUDGET = ("units", "seconds")
 def _is_edited(controller: str, digest: str | None) -> bool:
     """Return True if a controller's file is not the one that a campaign runs."""
     place = controller.rpartition(":")[0]
-    now = digest_of_file(str(Path(place).expanduser())) if place.endswith(".py") else ""
+    now = digest_of_file(str(expanded(place))) if place.endswith(".py") else ""
     return bool(now and digest) and now != digest
 
 

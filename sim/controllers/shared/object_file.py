@@ -14,6 +14,7 @@ from typing import Any
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
 from worldgen.errors import InvalidParameter, Message
+from worldgen.files.whole import expanded
 
 __all__ = ["check_file", "include_folder", "info_of", "is_library_name", "library_file"]
 
@@ -33,7 +34,7 @@ def is_library_name(name: str) -> bool:
 
 def library_file(name: str) -> Path:
     """Return the file of the library in a controller's name."""
-    return Path(name.removeprefix(_PREFIX).rpartition(":")[0]).expanduser()
+    return expanded(name.removeprefix(_PREFIX).rpartition(":")[0])
 
 
 def include_folder() -> Path:
@@ -67,7 +68,7 @@ def info_of(name: str) -> Any:
         )
 
     # Every controller comes with a function without arguments that returns its description.
-    loaded = _loaded(name, Path(place).expanduser())
+    loaded = _loaded(name, expanded(place))
     try:
         offer = getattr(loaded, function + _OFFER)
     except AttributeError:
