@@ -126,7 +126,7 @@ def test_a_loop_on_one_spot_is_still_seen():
     trail = Trail([0.35, 0.75, 0.75], [0.35, 0.8, 0.8], 1)
     assert near(pixel(small_world(), 0.75, 0.8, trail=trail), LOOP)
     assert near(pixel(small_world(), 0.75, 0.87, trail=trail), LOOP, 30)
-    assert "for ever on this spot" in draw_svg(small_world(), trail=trail)
+    assert "forever on this spot" in draw_svg(small_world(), trail=trail)
 
 
 def test_a_run_without_a_loop_ends_in_a_footprint():
@@ -231,7 +231,7 @@ def test_svg_is_xml_with_title_scale_and_key():
         for element in ElementTree.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")
     ]
     assert texts[:2] == ['<b>"A & B"</b>', "2 x 1.2 m, cell 0.1 m, robot radius 0.07 m"]
-    assert {"start", "target", "approach", "loop, for ever"} <= set(texts)
+    assert {"start", "target", "approach", "loop, forever"} <= set(texts)
 
 
 def test_titles_that_no_file_can_hold_are_made_harmless():

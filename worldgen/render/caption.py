@@ -192,7 +192,7 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
     if content.signal:
         keys.append(("signal, halves per ring", _signal_sample))
     if content.witness and isinstance(world.certificate, Witness):
-        keys.append(("a way that fits", _line(START, 1.8, dash=(7.0, 5.0))))
+        keys.append(("a path that fits", _line(START, 1.8, dash=(7.0, 5.0))))
     if content.witness and isinstance(world.certificate, Cut):
         keys.append(("cut: every gap too narrow", _line(TUNNEL, 3.0)))
     # The run, and what changes.
@@ -229,8 +229,8 @@ def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
         keys: list[tuple[str, Sample]] = [("robot's way", _line(LOOP, 2.2, arrow=True))]
     else:
         keys = [("approach", _line(APPROACH, 1.8))] if trail.loop_from > 0 else []
-        spot = ("loop, for ever on this spot", _end_sample)
-        keys.append(spot if on_the_spot else ("loop, for ever", _line(LOOP, 3.2, arrow=True)))
+        spot = ("loop, forever on this spot", _end_sample)
+        keys.append(spot if on_the_spot else ("loop, forever", _line(LOOP, 3.2, arrow=True)))
     # The obstacle that the robot hit.
     kinds = {mark.kind for mark in trail.marks}
     if "end" in kinds or trail.loop_from is None:

@@ -65,7 +65,7 @@ SIGNS = {
     CLOSES: Sign("x", mix(FLOOR, GREY, 0.6), "closes later"),
     BURNS: Sign("^", mix(FLOOR, FIRE, 0.7), "burns"),
     OPENS: Sign("-", GREY, "opens later"),
-    WITNESS: Sign(",", mix(FLOOR, START, 0.6), "a way that fits"),
+    WITNESS: Sign(",", mix(FLOOR, START, 0.6), "a path that fits"),
     WAY: Sign("*", APPROACH, "trail"),
     LOOPS: Sign("o", LOOP, "loop"),
     START_DOT: Sign("S", START, "start"),
