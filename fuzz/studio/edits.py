@@ -11,6 +11,7 @@ import functools
 import os
 import shlex
 import sys
+import time
 from collections.abc import AsyncGenerator, Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -27,17 +28,32 @@ _EVERY = 0.25  # s between two looks at the files
 # A larger file, such as a library with everything in it, is recognised by its time and size.
 _LARGEST = 16 << 20  # bytes
 _FILE_TIMES = 1.0  # s: coarsest step of a file system's times
+# What the file system said of each file when its contents were last read, and their digest.
+_read: dict[str, tuple[tuple[int, ...], str]] = {}
 
 
 def digest_of_file(path: str) -> str:
-    """Return a digest of a file's contents; empty if it cannot be read."""
+    """Return a digest of a file's contents; empty if it cannot be read.
+
+    The contents are read again only if the file's times, size or number have changed.
+    """
     try:
         facts = Path(path).stat()
         if facts.st_size > _LARGEST:
             return f"{facts.st_mtime_ns}-{facts.st_size}"
-        return digest_of_source(Path(path).read_bytes())
+        # The time of the last change of any kind cannot be set, so it also tells of an edit that
+        # keeps time and size.
+        seen = (facts.st_mtime_ns, facts.st_ctime_ns, facts.st_size, facts.st_ino)
+        known = _read.get(path)
+        if known is not None and known[0] == seen:
+            return known[1]
+        digest = digest_of_source(Path(path).read_bytes())
     except (OSError, ValueError):  # ValueError: a NUL in the name
         return ""
+    # A file that has just been written can be written again without a new time.
+    if time.time() - max(facts.st_mtime, facts.st_ctime) > _FILE_TIMES:
+        _read[path] = (seen, digest)
+    return digest
 
 
 def loaded_files(since: float) -> dict[str, str]:
@@ -118,12 +134,11 @@ class Edits:
 
     def _entry(self, file: str, digest: str) -> dict[str, Any]:
         """Return a file for the page, with the controllers that may run its code."""
-        folder = os.path.dirname(file)  # noqa: PTH120 - once for each file at each change
         own = [label for label in self._named if file in _own_files(label)]
         beside = [
             label
             for label in self._named
-            if any(folder.startswith(str(Path(part).parent)) for part in _own_files(label))
+            if any(Path(file).is_relative_to(Path(part).parent) for part in _own_files(label))
         ]
         return {
             "file": file,

@@ -5,6 +5,7 @@ import os
 
 import pytest
 
+from fuzz.studio import edits
 from fuzz.studio.edits import UNKNOWN, Edits, digest_of_file, edited_files, loaded_files
 from fuzz.studio.messages import message_of
 from fuzz.studio.refusals import frames_of
@@ -79,6 +80,44 @@ def test_every_file_that_a_controller_imports_is_known_with_what_was_read_of_it(
 
 def test_code_that_was_read_during_an_edit_counts_as_edited(robot):
     assert edited_files({str(robot): UNKNOWN}) == [str(robot)]
+
+
+def test_a_file_is_read_again_only_after_a_change(robot, monkeypatch):
+    reads = []
+    digest = edits.digest_of_source
+    monkeypatch.setattr(edits, "digest_of_source", lambda data: reads.append(1) or digest(data))
+    later = robot.stat().st_ctime + 10
+    monkeypatch.setattr(edits.time, "time", lambda: later)
+    before = [digest_of_file(str(robot)) for _ in range(3)]
+    assert len(set(before)) == 1 and len(reads) == 1
+    edit(robot, SPINS.replace("0.0", "0.1"))
+    assert digest_of_file(str(robot)) != before[0] and len(reads) == 2
+
+
+def test_a_file_that_was_just_written_is_read_at_each_look(robot, monkeypatch):
+    monkeypatch.setattr(edits.time, "time", lambda: robot.stat().st_ctime)
+    before = digest_of_file(str(robot))
+    edit(robot, SPINS.replace("0.0", "0.1"))
+    assert digest_of_file(str(robot)) != before
+
+
+def test_a_file_of_a_sibling_folder_is_not_next_to_the_controller(tmp_path):
+    names = {}
+    for folder in ("robot", "robot-old"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "mine.py").write_text(SPINS)
+        names[folder] = f"{tmp_path}/{folder}/mine.py:Robot"
+    helper = tmp_path / "robot-old" / "gains.py"
+    helper.write_text("TURN = 0.1\n")
+
+    async def first():
+        heard = Edits(list(names.values()), lambda: [str(helper)]).ask("edits", {})
+        _, part = await anext(heard)
+        await heard.aclose()
+        return part["files"]
+
+    shown = {one["name"]: one["controllers"] for one in asyncio.run(first())}
+    assert shown["gains.py"] == [names["robot-old"]]
 
 
 @pytest.mark.parametrize(
