@@ -76,7 +76,7 @@ class Widest:
 
 
 CASES = {
-    "example": "sim.examples.python:Example",
+    "example": "sim.controllers.examples.python:Example",
     "turn-right": "benchmarks.classes:turn_right",
     "wall-left": "benchmarks.classes:wall_left",
     "random-walk": "benchmarks.classes:random_walk",
@@ -88,7 +88,7 @@ CASES = {
     "potential-field": "benchmarks.classes:potential_field",
     "tangent-bug": "benchmarks.classes:tangent_bug",
     "three-layer": "benchmarks.classes:three_layer",
-    "example, vector": "sim.examples.vector:Example",
+    "example, vector": "sim.controllers.examples.vector:Example",
     "example, program": PROGRAM,
 }
 """Controllers of the table: twelve classes, then a vector class and a program."""

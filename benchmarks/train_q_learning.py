@@ -26,7 +26,7 @@ from worldgen.random_streams import RandomStream
 
 __all__ = ["TABLE", "Learner", "as_c", "train"]
 
-TABLE = Path(__file__).parent.parent / "sim" / "core" / "controllers" / "q_table.c"
+TABLE = Path(__file__).parent.parent / "sim" / "core" / "controllers" / "shared" / "q_table.c"
 
 EPISODES = 12_000
 # Situations per line of the file.

@@ -73,18 +73,28 @@ class Core:
         module: Dotted name of the extension module.
         sources: Folders of C files.
         headers: Files whose declarations Python sees, in order.
-        includes: Folders on the compiler's include path.
+        interfaces: Folders of headers that other packages share with this one.
     """
 
     module: str
     sources: tuple[str, ...]
     headers: tuple[str, ...]
-    includes: tuple[str, ...]
+    interfaces: tuple[str, ...]
 
     @property
     def exists(self) -> bool:
         """True if its own header exists."""
         return (ROOT / self.headers[-1]).is_file()
+
+    @property
+    def includes(self) -> tuple[str, ...]:
+        """The compiler's include path: every folder of a header, so a name is enough to include it."""
+        own = {
+            header.parent.relative_to(ROOT).as_posix()
+            for folder in self.sources
+            for header in (ROOT / folder).rglob("*.h")
+        }
+        return (*self.interfaces, *sorted(own))
 
     def c_files(self) -> list[Path]:
         """Return all C files, sorted."""
@@ -114,7 +124,7 @@ _BEHAVIOURS = "sim/include/worldgen_behaviours.h"
 _SIM = (
     "sim/core/wg_sim.h",
     "sim/core/wg_episode.h",
-    "sim/core/wg_guard.h",
+    "sim/core/runs/wg_guard.h",
     "sim/core/controllers/wg_controllers.h",
 )
 
@@ -123,7 +133,7 @@ CORES = (
         "worldgen._core",
         ("worldgen/core",),
         (_TYPES, "worldgen/core/wg_reach.h", "worldgen/core/wg_making.h"),
-        ("worldgen/include", "worldgen/core"),
+        ("worldgen/include",),
     ),
     Core(
         "sim._core",
@@ -133,22 +143,14 @@ CORES = (
             _CONTROLLER,
             _BEHAVIOURS,
             *_SIM,
-            "sim/core/wg_python_act.h",
+            "sim/core/runs/wg_python_act.h",
             "sim/core/wg_parts.h",
-            "sim/core/wg_runs.h",
-            "sim/core/wg_navigate.h",
-            "sim/core/wg_thesis.h",
+            "sim/core/runs/wg_runs.h",
+            "sim/core/runs/wg_navigate.h",
+            "sim/core/thesis/wg_thesis.h",
             "sim/core/fleet/wg_fleet.h",
         ),
-        (
-            "worldgen/include",
-            "sim/include",
-            "sim/core",
-            "sim/core/behaviours",
-            "sim/core/controllers",
-            "sim/core/fleet",
-            _STABLE_ABI,
-        ),
+        ("worldgen/include", "sim/include", _STABLE_ABI),
     ),
     # The search runs the simulator and the prover's flood inside its own loops, so both are
     # compiled into it.
@@ -164,16 +166,7 @@ CORES = (
             "fuzz/core/wg_looks.h",
             "fuzz/core/wg_faults.h",
         ),
-        (
-            "worldgen/include",
-            "sim/include",
-            "sim/core",
-            "sim/core/behaviours",
-            "sim/core/controllers",
-            "sim/core/fleet",
-            "fuzz/core",
-            _STABLE_ABI,
-        ),
+        ("worldgen/include", "sim/include", _STABLE_ABI),
     ),
 )
 

@@ -21,8 +21,7 @@ from sim._core import lib
 from sim.controllers import CompiledController, Controller, VectorController
 from sim.controllers.catalogue import called, controller_of
 from sim.episode import Episode, simulate
-from sim.motion import MOTIONS
-from sim.motion.base import LATTICE
+from sim.motion import LATTICE, MOTIONS
 from sim.options.run import RunOptions, options_from, poses_of, seeds_of, whole, worlds_of
 from sim.outcome import ENDINGS
 from sim.runners.lattice import LatticeRun

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from sim.controllers import CompiledController, Controller, controller_of
-from sim.episode_record import Episode
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
@@ -18,8 +17,7 @@ from sim.evidence import (
 )
 from sim.fleet.assignment import assigned
 from sim.fleet.episode import simulate_fleet
-from sim.motion import MOTIONS
-from sim.motion.base import THESIS
+from sim.motion import MOTIONS, THESIS
 from sim.options.run import (
     TARGET,
     RunOptions,
@@ -28,7 +26,7 @@ from sim.options.run import (
     options_from,
     switch_sets,
 )
-from sim.outcome import Outcome, Runnable, area_of, wall_evidence
+from sim.outcome import Episode, Outcome, Runnable, area_of, wall_evidence
 from sim.runners.lattice import LatticeRun
 from sim.thesis.run import ThesisRun
 from sim.trace import state_digest

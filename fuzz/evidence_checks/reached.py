@@ -6,8 +6,7 @@ import shapely
 
 from fuzz.evidence_checks._plain import lattice_cell, step_path
 from sim.evidence import ReachedEvidence
-from sim.motion import Motion
-from sim.motion.base import THESIS
+from sim.motion import THESIS, Motion
 from sim.trace import Trace
 from worldgen.world import World
 

@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from fuzz.oracles.trial import Trial
 from sim.controllers import CONTROLLERS
-from sim.motion.base import THESIS
+from sim.motion import THESIS
 from sim.runners.lattice import LatticeRun
 from worldgen.errors import InvalidParameter
 from worldgen.reach import check_certificate

@@ -14,7 +14,7 @@ from fuzz.triage.proofs import walled_off
 from fuzz.triage.signature import failure_class
 from fuzz.violation import Violation
 from sim.evidence import WallEvidence
-from sim.motion.base import THESIS
+from sim.motion import THESIS
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.world import Cut, World
 

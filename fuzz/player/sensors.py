@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from sim.controllers.base import Controller, robot_for
-from sim.motion import MOTIONS
-from sim.motion.base import THESIS
+from sim.motion import MOTIONS, THESIS
 from sim.options.run import RunOptions
 
 __all__ = ["sensors_of"]

@@ -22,8 +22,7 @@ from sim.controllers import (
     ProcessController,
     VectorController,
 )
-from sim.motion import MOTIONS
-from sim.motion.base import LATTICE
+from sim.motion import LATTICE, MOTIONS
 from sim.options.run import MAX_STEPS, TARGET
 from sim.outcome import ENDINGS
 from sim.runners.core_calls import Driver, memory_for

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from sim.motion import MOTIONS
-from sim.motion.base import THESIS
+from sim.motion import MOTIONS, THESIS
 from sim.scenario import Scenario
 
 __all__ = ["DATABASE", "LAYOUT_STRATEGIES", "SEALED", "TIME_STEPS", "can_breach"]

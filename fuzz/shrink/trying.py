@@ -13,8 +13,7 @@ from fuzz.simplicity import Case, simplicity
 from fuzz.triage.proofs import certified
 from sim._core import lib
 from sim.controllers import CompiledController
-from sim.motion import MOTIONS
-from sim.motion.base import THESIS
+from sim.motion import MOTIONS, THESIS
 from sim.options.run import TARGET
 from sim.runners.edited import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_path
 from sim.verdict import Verdict

@@ -20,8 +20,7 @@ from fuzz.studio.refusals import refusal
 from fuzz.triage.cause import Cause
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller
-from sim.motion import MOTIONS
-from sim.motion.base import THESIS
+from sim.motion import MOTIONS, THESIS
 from sim.options.robot import RobotOptions
 from sim.options.run import DEFAULT_TIME_STEP
 from sim.scenario import Scenario

@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 from sim.controllers import CONTROLLERS, CompiledController, Controller
 from sim.episode import area_of, prepare, simulate, wall_evidence
 from sim.evidence import BudgetEvidence, Evidence, LoopEvidence, WallEvidence
-from sim.motion import MOTIONS
-from sim.motion.base import THESIS
+from sim.motion import MOTIONS, THESIS
 from sim.options.noise import is_noisy
 from sim.options.run import MAX_RECORDED, MAX_STEPS, RunOptions
 from sim.scenario import Scenario

@@ -2,7 +2,7 @@
 
 Three behaviours (drive, seek, collide) compete under an arbiter, and the one in control keeps it
 until it is done. Under ``stepped`` the thesis's own program runs, faithful to the last bit
-(``sim/core/thesis_episode.c``). For the other motion models,
+(``sim/core/thesis/thesis_episode.c``). For the other motion models,
 ``sim/core/controllers/thesis_rules.c`` implements the same idea on the pose lattice, with the same
 arbiter.
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim.controllers import Controller, controller_of
-from sim.episode_record import Episode
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
@@ -20,10 +19,9 @@ from sim.evidence import (
 )
 from sim.fleet.assignment import assigned
 from sim.fleet.run import FleetOutcome, FleetRun, JointProof
-from sim.motion import MOTIONS
-from sim.motion.base import THESIS
+from sim.motion import MOTIONS, THESIS
 from sim.options.run import RunOptions
-from sim.outcome import Outcome, area_of, wall_evidence
+from sim.outcome import Episode, Outcome, area_of, wall_evidence
 from sim.trace import Trace, fnv1a, state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidParameter

@@ -13,8 +13,7 @@ from typing import Annotated, Any, Literal, TypeGuard
 import numpy as np
 import numpy.typing as npt
 
-from sim.motion import MOTIONS
-from sim.motion.base import THESIS, Motion
+from sim.motion import MOTIONS, THESIS, Motion
 from sim.options.disturbances import delay_of
 from sim.options.robot import RobotOptions
 from sim.thesis.options import ThesisOptions

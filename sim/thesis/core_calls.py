@@ -62,7 +62,7 @@ _WORK = 1 << 22
 class ThesisSetup(NamedTuple):
     """The robot and the options of its run.
 
-    ``WgThesisSettings`` in ``sim/core/wg_thesis.h`` explains each field.
+    ``WgThesisSettings`` in ``sim/core/thesis/wg_thesis.h`` explains each field.
     """
 
     rule: int

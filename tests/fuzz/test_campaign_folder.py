@@ -589,7 +589,7 @@ def test_a_configuration_comes_back_from_its_folder_as_it_was():
 
 @pytest.mark.parametrize(
     ("file", "same"),
-    [("fuzz/studio/page/campaign.js", True), ("fuzz/player/page/map.js", True), ("fuzz/report/page.py", True),
+    [("fuzz/studio/page/campaign.js", True), ("fuzz/player/page/picture/map.js", True), ("fuzz/report/page.py", True),
      ("fuzz/core/looks.c", False), ("fuzz/_core.abi3.so", True), ("fuzz/studio_of_mine.py", False)],
 )  # fmt: skip
 def test_an_edit_of_what_shows_a_campaign_leaves_it_as_it_is_and_one_of_the_core_does_not(

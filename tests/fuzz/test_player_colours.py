@@ -112,7 +112,7 @@ def apart(one, other, seen):
 def test_stripes_of_a_pierced_wall_stand_out_from_what_is_below_them_and_that_from_a_wall(
     theme, seen
 ):
-    script = (Path(__file__).parents[2] / "fuzz/player/page/pierced.js").read_text("utf-8")
+    script = (Path(__file__).parents[2] / "fuzz/player/page/picture/pierced.js").read_text("utf-8")
     named = colours_of(theme)
     ground = named["wall"]
     for layer, share in re.findall(r"\[colours\.(floor|pierced), (0\.\d+)\]", script):

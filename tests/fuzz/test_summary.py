@@ -22,7 +22,7 @@ def campaign_of(controller):
 
 @pytest.fixture(scope="module")
 def of_a_class():
-    return campaign_of("sim.examples.python:Example")
+    return campaign_of("sim.controllers.examples.python:Example")
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
-import { drawOpenings } from "#player/changes.js";
+import { drawOpenings } from "#player/picture/changes.js";
 import { cellsAt } from "#player/decode.js";
 import { makeBoard } from "#studio/draw/board.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";

@@ -91,7 +91,7 @@ FAULTS = (
     Fault(
         "corners-cut",
         "under swept no disc cuts a wall's corner; shapely agrees",
-        "sim/core/geometry.c",
+        "sim/core/motion/geometry.c",
         "if (!corner_is_clear(clear_sq, dx * cx + dy * cy, across, length_sq)) {",
         "if (!corner_is_clear(clear_sq / 4, dx * cx + dy * cy, across, length_sq)) {",
         ("tests/agreement/test_swept_against_shapely.py",),
@@ -99,7 +99,7 @@ FAULTS = (
     Fault(
         "tunnel-unseen",
         "a robot whose centre goes through a wall ends as tunnel",
-        "sim/core/step.c",
+        "sim/core/episode/step.c",
         "report->ending == WG_LIMIT && wg_segment_crosses_box(",
         "report->ending == WG_LOOP && wg_segment_crosses_box(",
         ("tests/sim/test_episode.py",),
@@ -107,7 +107,7 @@ FAULTS = (
     Fault(
         "loop-missed",
         "a run whose complete state comes back within its budget is a loop",
-        "sim/core/recurrence.h",
+        "sim/core/episode/recurrence.h",
         "if (step < search->next && step < budget) {",
         "if (step < search->next && step <= budget) {",
         ("tests/agreement/test_no_loop_is_missed.py", "tests/sim/test_episode.py"),
@@ -115,7 +115,7 @@ FAULTS = (
     Fault(
         "late-entry",
         "a loop's entry is the first state that comes back",
-        "sim/core/recurrence.c",
+        "sim/core/episode/recurrence.c",
         "while (entry > quiet && log[entry - 1] == log[entry - 1 + period]) {",
         "while (entry > quiet + 1000 && log[entry - 1] == log[entry - 1 + period]) {",
         ("tests/sim/test_episode.py", "tests/sim/test_batch.py"),
@@ -123,7 +123,7 @@ FAULTS = (
     Fault(
         "short-digest",
         "the digest depends on every word of every state",
-        "sim/core/step.c",
+        "sim/core/episode/step.c",
         "for (int64_t k = 0; k < words; k++) {\n        digest = hash(digest, wg_word(robot->body, "
         "k));",
         "for (int64_t k = 0; k < words - 1; k++) {\n        digest = hash(digest, "
@@ -149,7 +149,7 @@ FAULTS = (
     Fault(
         "command-of-a-class",
         "a controller as a Python class runs as its compiled twin",
-        "sim/core/python_act.c",
+        "sim/core/runs/python_act.c",
         "taken[3] = used_random;",
         "taken[3] = 1.0;",
         ("tests/sim/test_episode.py", "tests/sim/test_vector_controllers.py"),

@@ -9,9 +9,9 @@ import re
 from pathlib import Path
 
 from sim import Observation, RunOptions, simulate
+from sim.controllers.examples.python import Example
 from sim.controllers.programs.process import ProcessController, observation_line, read_command
 from sim.evidence import evidence_table
-from sim.examples.python import Example
 from sim.host import serve
 from worldgen import generate
 

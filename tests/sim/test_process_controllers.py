@@ -19,7 +19,7 @@ import pytest
 
 from sim import Command, Observation, ProcessController, RunOptions, simulate
 from sim.controllers import CONTROLLERS
-from sim.examples.python import Example
+from sim.controllers.examples.python import Example
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises

@@ -103,11 +103,16 @@ def test_a_handler_of_somebody_else_stays():
 
 def test_a_class_that_is_too_slow_for_two_steps_is_refused():
     with raises(InvalidParameter, "first-steps-too-slow"):
-        try_out(Scenario("sim.examples.python:Example"), -1.0)
+        try_out(Scenario("sim.controllers.examples.python:Example"), -1.0)
 
 
 @pytest.mark.parametrize(
-    "controller", ["sim.examples.python:Example", "sim.examples.vector:Example", "turn-right"]
+    "controller",
+    [
+        "sim.controllers.examples.python:Example",
+        "sim.controllers.examples.vector:Example",
+        "turn-right",
+    ],
 )
 def test_a_controller_with_time_enough_is_tried_out(controller):
     assert try_out(Scenario(controller), 1e9).steps == 2

@@ -3,7 +3,7 @@
 import { openWorld } from "#player/decode.js";
 import { choice, el, grouped, icon, keyButton, svg } from "#player/dom.js";
 import { legendOf } from "#player/legend.js";
-import { hasMap } from "#player/memory.js";
+import { hasMap } from "#player/picture/memory.js";
 import { SPEEDS, makePlayer, usualSpeed } from "#player/player.js";
 import { makePlots } from "#player/plots.js";
 import { saveMenu } from "#player/saving.js";

@@ -2,7 +2,7 @@
 
 import { BURNING, SOLID, openWorld } from "#player/decode.js";
 import { el } from "#player/dom.js";
-import { hasMap } from "#player/memory.js";
+import { hasMap } from "#player/picture/memory.js";
 
 /**
  * Returns the marks of what is drawn, as pairs of a class and words.

@@ -1,8 +1,8 @@
 // The replay: a clock that counts steps, and a canvas that shows the run at that time.
 
 import { poseAt, stepWithin } from "#player/decode.js";
-import { drawScene } from "#player/map.js";
-import { fitView } from "#player/pen.js";
+import { drawScene } from "#player/picture/map.js";
+import { fitView } from "#player/picture/pen.js";
 
 export const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 25, 100, 500];
 const SECONDS = 12; // longest duration of a replay at the default speed

@@ -2,7 +2,7 @@
 
 import { openRun, rowAt } from "#player/decode.js";
 import { el, keyButton } from "#player/dom.js";
-import { palette } from "#player/pen.js";
+import { palette } from "#player/picture/pen.js";
 import { seriesOf } from "#player/series.js";
 
 const HIGH = 30; // pixels of one plot

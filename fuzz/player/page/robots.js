@@ -2,8 +2,8 @@
 
 import { behaviourAt, poseAt, rowAt, stepWithin } from "#player/decode.js";
 import { breakable, el, grouped, shortName, verdictSign } from "#player/dom.js";
-import { memoryFacts } from "#player/memory.js";
-import { robotColour } from "#player/pen.js";
+import { memoryFacts } from "#player/picture/memory.js";
+import { robotColour } from "#player/picture/pen.js";
 
 /**
  * Returns what the player draws with one robot in front of the others; colours follow the order of the list.

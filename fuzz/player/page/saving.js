@@ -2,7 +2,7 @@
 // are both in the file.
 
 import { el, say } from "#player/dom.js";
-import { palette } from "#player/pen.js";
+import { palette } from "#player/picture/pen.js";
 import { usualSpeed } from "#player/player.js";
 
 const FILMS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"]; // the best first

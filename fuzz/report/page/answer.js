@@ -1,7 +1,7 @@
 // The first screen: does it work, how bad is it, why, and what to do.
 
 import { el, grouped, plural, verdictDot } from "#player/dom.js";
-import { drawSmall, pictureLabel } from "#player/map.js";
+import { drawSmall, pictureLabel } from "#player/picture/map.js";
 import { copyButton } from "#report/copy.js";
 
 const PHRASES = {

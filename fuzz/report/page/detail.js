@@ -3,8 +3,8 @@
 import { buildPlayer, dragToMove } from "#player/controls.js";
 import { BURNING, openWorld } from "#player/decode.js";
 import { byId, el, grouped, plural, say, verdictDot } from "#player/dom.js";
-import { drawSmall, pictureLabel } from "#player/map.js";
-import { hasMap } from "#player/memory.js";
+import { drawSmall, pictureLabel } from "#player/picture/map.js";
+import { hasMap } from "#player/picture/memory.js";
 import { besideIn } from "#player/pair.js";
 import { copyButton } from "#report/copy.js";
 

@@ -1,7 +1,7 @@
 // The failures as cards that can be filtered, ordered and grouped.
 
 import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
-import { drawSmall, pictureLabel } from "#player/map.js";
+import { drawSmall, pictureLabel } from "#player/picture/map.js";
 
 const ORDERS = {
   class: ["Class", (a, b) => compareText(a.verdict, b.verdict) || compareText(a.kind, b.kind)],

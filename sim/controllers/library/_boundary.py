@@ -1,6 +1,6 @@
 """Common parts of controllers that follow a wall by touch.
 
-``sim/core/controllers/boundary.h`` describes how they do it. The memory of each of them begins with
+``sim/core/controllers/shared/boundary.h`` describes how they do it. The memory of each of them begins with
 the fields of ``WgWallBody``.
 """
 

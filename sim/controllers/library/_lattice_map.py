@@ -1,6 +1,6 @@
 """Read the map that mapping controllers keep in their memory.
 
-``sim/core/controllers/lattice_map.c`` writes it, with several entries packed into each number.
+``sim/core/controllers/shared/lattice_map.c`` writes it, with several entries packed into each number.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ them the table has the value of six turns, and the robot takes the best. It was 
 follow a wall. It must treat situations that it cannot tell apart alike, so in worlds where the
 table is right on average but wrong on the spot, it drives in circles forever.
 
-``python -m benchmarks.train_q_learning`` writes the table to ``sim/core/controllers/q_table.c``,
+``python -m benchmarks.train_q_learning`` writes the table to ``sim/core/controllers/shared/q_table.c``,
 and gives the same bits every time.
 
 Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College,

@@ -5,7 +5,7 @@ from shared libraries this way. The other process is forked when it is first nee
 library loaded and makes whole calls at full speed, such as a run, or screening runs in a thousand
 worlds. Everything that a call works on is in memory that both processes share (:data:`SHARED`). If
 the other process dies, the memory is as it was when the controller was called, and shows in which
-run that happened. ``sim/core/wg_guard.h`` is the other side.
+run that happened. ``sim/core/runs/wg_guard.h`` is the other side.
 """
 
 from __future__ import annotations

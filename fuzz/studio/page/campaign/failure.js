@@ -1,7 +1,7 @@
 // The chosen failure: what happened, and the actions for it.
 
 import { el, plural, verdictDot } from "#player/dom.js";
-import { drawSmall } from "#player/map.js";
+import { drawSmall } from "#player/picture/map.js";
 import { framesPart } from "#player/robots.js";
 import { copied } from "#studio/shared/clipboard.js";
 import { openFile } from "#studio/draw/files.js";

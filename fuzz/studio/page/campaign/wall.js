@@ -1,7 +1,7 @@
 // Failures as a gallery of small pictures: filtered, sorted, each drawn when it becomes visible.
 
 import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
-import { drawSmall } from "#player/map.js";
+import { drawSmall } from "#player/picture/map.js";
 import { Ended } from "#studio/shared/connection.js";
 import { Recent } from "#studio/shared/recent.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";

@@ -1,8 +1,8 @@
 // The drawing board: a canvas that shows the world, the current edit, and the world's proof.
 
 import { UNIT, numbersOf } from "#player/decode.js";
-import { drawScene } from "#player/map.js";
-import { line, penFor, ring, stroke } from "#player/pen.js";
+import { drawScene } from "#player/picture/map.js";
+import { line, penFor, ring, stroke } from "#player/picture/pen.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
 import { pictureOf } from "#studio/draw/pattern_picture.js";
 

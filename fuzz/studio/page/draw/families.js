@@ -1,7 +1,7 @@
 // The families as small pictures: what each of them makes.
 
 import { el } from "#player/dom.js";
-import { drawSmall } from "#player/map.js";
+import { drawSmall } from "#player/picture/map.js";
 import { Ended } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
 

@@ -1,7 +1,7 @@
 // The certificate of a world: its witness, or the cut that separates the target from the start.
 
 import { openWorld } from "#player/decode.js";
-import { disc, line, robotColour, stroke } from "#player/pen.js";
+import { disc, line, robotColour, stroke } from "#player/picture/pen.js";
 
 const CASING = 5; // pixels: makes the path and the cut stand out from anything below them, in any colour vision
 

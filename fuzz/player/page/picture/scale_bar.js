@@ -1,6 +1,6 @@
 // The scale of a picture: a bar of a round length with its unit.
 
-import { palette } from "#player/pen.js";
+import { palette } from "#player/picture/pen.js";
 
 const WIDEST = 0.3; // share of the picture's width that the bar may take
 const LEAST = 24; // pixels: a shorter bar says nothing

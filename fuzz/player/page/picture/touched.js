@@ -1,7 +1,7 @@
 // Walls that the robot touches: which cells, and since when.
 
 import { SOLID, cellsAt, openRun, stateAt } from "#player/decode.js";
-import { rimOf } from "#player/pen.js";
+import { rimOf } from "#player/picture/pen.js";
 
 // Returns the wall cells that the robot touches: those nearest to its disc at a bump, each with the first such step.
 function touchedCells(world, run) {

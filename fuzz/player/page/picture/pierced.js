@@ -2,7 +2,7 @@
 // is not the only sign.
 
 import { SOLID, cellsAt, openRun, poseAt, stateAt } from "#player/decode.js";
-import { stroke } from "#player/pen.js";
+import { stroke } from "#player/picture/pen.js";
 
 const TOLERANCE = 0.1; // cells: no motion model reports a shallower cut of the disc
 const FURTHEST = 6; // cells: for a larger robot, only the cells that its centre enters are found

@@ -3,7 +3,7 @@
 // Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
 
 import { SOLID, stateAt } from "#player/decode.js";
-import { stroke } from "#player/pen.js";
+import { stroke } from "#player/picture/pen.js";
 
 function beamHeadings(heading, sensors) {
   const { beams, field } = sensors;

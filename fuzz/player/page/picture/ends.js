@@ -1,7 +1,7 @@
 // The starts and the targets.
 
-import { drawNumber } from "#player/numbers.js";
-import { disc, ring, robotColour, stroke } from "#player/pen.js";
+import { drawNumber } from "#player/picture/numbers.js";
+import { disc, ring, robotColour, stroke } from "#player/picture/pen.js";
 
 /**
  * @param {Pen} pen

@@ -1,20 +1,20 @@
 // Draws a world and a run at one time on a canvas, layer by layer.
 
-import { bodyRadius, drawOther, drawRobot } from "#player/body.js";
-import { drawCertificate } from "#player/certificate.js";
-import { drawComing, drawOpenings } from "#player/changes.js";
+import { bodyRadius, drawOther, drawRobot } from "#player/picture/body.js";
+import { drawCertificate } from "#player/picture/certificate.js";
+import { drawComing, drawOpenings } from "#player/picture/changes.js";
 import { cellsAt, poseAt, stepWithin } from "#player/decode.js";
 import { grouped, plural } from "#player/dom.js";
-import { drawStart, drawTarget } from "#player/ends.js";
-import { drawGround } from "#player/ground.js";
-import { drawMemory } from "#player/memory.js";
-import { drawNumbers } from "#player/numbers.js";
-import { disc, penFor } from "#player/pen.js";
-import { drawPierced } from "#player/pierced.js";
-import { drawScaleBar } from "#player/scale_bar.js";
-import { drawSenses } from "#player/senses.js";
-import { drawTouched } from "#player/touched.js";
-import { drawTrail } from "#player/trail.js";
+import { drawStart, drawTarget } from "#player/picture/ends.js";
+import { drawGround } from "#player/picture/ground.js";
+import { drawMemory } from "#player/picture/memory.js";
+import { drawNumbers } from "#player/picture/numbers.js";
+import { disc, penFor } from "#player/picture/pen.js";
+import { drawPierced } from "#player/picture/pierced.js";
+import { drawScaleBar } from "#player/picture/scale_bar.js";
+import { drawSenses } from "#player/picture/senses.js";
+import { drawTouched } from "#player/picture/touched.js";
+import { drawTrail } from "#player/picture/trail.js";
 
 /**
  * Draws a scene.

@@ -1,6 +1,6 @@
 // Robots' numbers, next to them and along their paths, for people who cannot tell the colours apart.
 
-import { bodyRadius } from "#player/body.js";
+import { bodyRadius } from "#player/picture/body.js";
 import { openRun, poseAt, rowAt, stepWithin } from "#player/decode.js";
 
 const FIRST = 6; // cells before the first number on a path; the next ones are at twice that distance, and so on

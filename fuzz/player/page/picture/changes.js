@@ -1,7 +1,7 @@
 // Changes of cells over time: what happens next to each cell, and which floor has burnt. Hatching shows what is to come.
 
 import { BURNING, SOLID } from "#player/decode.js";
-import { rimOf } from "#player/pen.js";
+import { rimOf } from "#player/picture/pen.js";
 
 const OPENS = 1,
   CLOSES = 2,

@@ -1,7 +1,7 @@
 // A controller's memory: named numbers, and its map at the displayed time.
 
 import { UNIT, numbersOf, opened, rowAt } from "#player/decode.js";
-import { stroke } from "#player/pen.js";
+import { stroke } from "#player/picture/pen.js";
 
 const BLOCKED_LINE = 0,
   HELD_CELL = 1,

@@ -1,8 +1,8 @@
 // The robot at a time, and the other robots next to it.
 
 import { poseAt, rowAt, stepWithin } from "#player/decode.js";
-import { ring, stroke } from "#player/pen.js";
-import { drawOtherTrail } from "#player/trail.js";
+import { ring, stroke } from "#player/picture/pen.js";
+import { drawOtherTrail } from "#player/picture/trail.js";
 
 /**
  * @param {Pen} pen

@@ -1,9 +1,9 @@
 // The ground of a run: floor, walls, flames, the grid and the signal.
 
-import { drawBurnt } from "#player/changes.js";
+import { drawBurnt } from "#player/picture/changes.js";
 import { BURNING, SOLID } from "#player/decode.js";
-import { drawManyCells } from "#player/many_cells.js";
-import { rimOf } from "#player/pen.js";
+import { drawManyCells } from "#player/picture/many_cells.js";
+import { rimOf } from "#player/picture/pen.js";
 
 /**
  * @param {Pen} pen

@@ -1,9 +1,9 @@
 // The path of the robot: faint ahead, strong where it has driven.
 
-import { drawHeads } from "#player/arrows.js";
+import { drawHeads } from "#player/picture/arrows.js";
 import { openRun, poseAt, rowAt } from "#player/decode.js";
-import { drawLine } from "#player/long_line.js";
-import { line, stroke } from "#player/pen.js";
+import { drawLine } from "#player/picture/long_line.js";
+import { line, stroke } from "#player/picture/pen.js";
 
 const RECENT = 300; // rows of a long path that are drawn strongest
 const FADES = 5; // steps in which the recent path becomes fainter with its age

@@ -4,7 +4,7 @@
    long line is drawn one pixel wide and then widened by slightly shifted copies of the whole picture. That costs the
    same however long the line is, so even a frame that can reuse nothing causes no delay. */
 
-import { line, seen, stroke } from "#player/pen.js";
+import { line, seen, stroke } from "#player/picture/pen.js";
 
 const LONG = 300; // visible corners; a shorter line is drawn again in each frame
 const MORE = 2_000; // most rows that are added to a picture; with more it is drawn again
