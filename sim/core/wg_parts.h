@@ -1,5 +1,5 @@
 // The parts of a step on the lattice, and the tables it looks up, for tests and for callers that
-// need one part alone. Sizes are not checked here: sim/lattice_parts.py checks them.
+// need one part alone. Sizes are not checked here: the callers in Python check them.
 //
 // Coordinates are lattice units. Cells outside the grid are solid.
 
