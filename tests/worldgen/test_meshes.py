@@ -93,8 +93,8 @@ def test_the_meshes_of_a_glb_file_are_closed_with_outward_faces():
     document, data = glb_parts(export_world(TINY, "glb+markers").data)
     views = [data[view["byteOffset"] :][: view["byteLength"]] for view in document["bufferViews"]]
     volumes = []
-    for corners, faces in zip(views[::2], views[1::2], strict=True):
-        triangles = np.frombuffer(faces, "<u2").reshape(-1, 3)
+    for faces, corners in zip(views[::2], views[1::2], strict=True):
+        triangles = np.frombuffer(faces, "<u4").reshape(-1, 3)
         edges = {(int(face[k - 1]), int(face[k])) for face in triangles for k in range(3)}
         assert len(edges) == triangles.size and all((b, a) in edges for a, b in edges)
         volumes.append(
@@ -127,7 +127,8 @@ def test_sine_and_cosine_are_those_of_the_math_library_to_its_last_bit(angle):
 
 
 def test_a_disc_is_as_round_as_its_corners_say():
-    assert np.allclose(np.hypot(_disc()[0][:, 0], _disc()[0][:, 2]), 1.0)
+    corners, _ = _disc()
+    assert [math.hypot(x, z) for x, _, z in corners] == pytest.approx([1.0] * len(corners))
 
 
 @settings(max_examples=20)
@@ -162,7 +163,7 @@ def test_a_floor_lies_below_walls_and_border():
         ("ply", "71e4c35a60d9a4fe"),
         ("3mf", "92be8d6801965701"),
         ("obj+floor", "40cf5db3efefff56"),
-        ("glb+markers", "002911d5ba475625"),
+        ("glb+markers", "59d997c41f34e368"),
         ("usd", "914276fccb8f2001"),
     ],
 )

@@ -1,37 +1,31 @@
 """glTF 2.0: export worlds as one binary file, and read meshes in both forms, cut at a height.
 
-A world is one cube mesh and one node per wall that puts the cube into place. The container is
-written here rather than by a library: the bytes are the same everywhere, places are exact decimals,
-and no slow import is needed.
+A world is one cube mesh and one node per wall that puts the cube into place.
 
 Source: The Khronos Group, "glTF 2.0 Specification", 2021.
 """
 
 from __future__ import annotations
 
-import json
 import math
-import struct
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any, SupportsFloat
-
-import numpy as np
-import numpy.typing as npt
+from typing import Any, SupportsFloat, TypeAlias
 
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
-from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, solid_boxes
+from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, solid_boxes
 from worldgen.interop.readers.mesh_readers import metric_reader
 from worldgen.render import palette
 from worldgen.world import Value, World
 
 __all__ = ["glb", "gltf", "write_glb"]
 
-_FLOAT = 5126
-_USHORT = 5123
-_VERTICES = 34962
-_INDICES = 34963
+Shape: TypeAlias = tuple[Sequence[Sequence[float]], Sequence[Sequence[int]]]
+"""Corners, and triangles as numbers of corners."""
+
+# The cube from (0, 0, 0) to (1, 1, 1).
+_CUBE: Shape = (BOX_CORNERS, BOX_TRIANGLES)
 # Sides of the discs of robot and target.
 _SIDES = 48
 _COLOURS = {
@@ -84,7 +78,7 @@ def write_glb(
         "children": list(range(1, 1 + len(nodes) + 2)),
         "extras": _extras(world, destination),
     }
-    return Exported({destination.name: _container([root, *nodes, *places], kinds)})
+    return Exported({destination.name: _packed([root, *nodes, *places], kinds)})
 
 
 glb = Format(
@@ -172,109 +166,60 @@ def _y_up(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat) -> list[float]:
     return [float(x), float(z), 0.0 - float(y)]
 
 
-def _container(nodes: list[dict[str, Any]], kinds: list[str]) -> bytes:
-    shapes = [_cube(), *([_disc()] if "robot" in kinds else [])]
-    data = b""
-    views: list[dict[str, Any]] = []
-    accessors: list[dict[str, Any]] = []
-    for corners, faces in shapes:
-        for values, target in ((corners, _VERTICES), (faces, _INDICES)):
-            raw = values.tobytes()
-            views.append(
-                {"buffer": 0, "byteOffset": len(data), "byteLength": len(raw), "target": target}
-            )
-            # Vertices and triangles come in pairs, so the size is a multiple of four bytes.
-            data += raw
-        accessors += _accessors(corners, faces, len(accessors))
-    document = {
-        "asset": {"version": "2.0", "generator": "worldgen"},
-        "scene": 0,
-        "scenes": [{"name": "world", "nodes": [0]}],
-        "nodes": nodes,
-        "meshes": [_mesh(kind, number) for number, kind in enumerate(kinds)],
-        "materials": [_material(kind) for kind in kinds],
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": len(data)}],
-    }
-    text = json.dumps(document, separators=(",", ":")).encode()
-    chunks = _chunk(b"JSON", text, b" ") + _chunk(b"BIN\0", data, b"\0")
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+def _packed(nodes: list[dict[str, Any]], kinds: list[str]) -> bytes:
+    """Return nodes and the meshes that they place, one for each kind, as a binary file.
 
-
-def _chunk(kind: bytes, data: bytes, filler: bytes) -> bytes:
-    padded = data + filler * (-len(data) % 4)
-    return struct.pack("<I4s", len(padded), kind) + padded
-
-
-def _mesh(kind: str, number: int) -> dict[str, Any]:
-    """Return one mesh for each colour.
-
-    Walls and floor share the cube, robot and target the disc.
+    trimesh packs the meshes. The nodes are ours, because trimesh writes a place as a matrix.
     """
-    first = 2 * (kind in {"robot", "target"})
-    return {
-        "name": kind,
-        "primitives": [
-            {"attributes": {"POSITION": first}, "indices": first + 1, "material": number}
-        ],
-    }
+    import trimesh
+
+    # Walls and floor share the cube, robot and target the disc.
+    shapes = {"wall": _CUBE, "floor": _CUBE, "robot": _disc(), "target": _disc()}
+    scene = trimesh.Scene()
+    for kind in kinds:
+        # Without normals faces are flat and shells closed.
+        corners, faces = shapes[kind]
+        visual = trimesh.visual.TextureVisuals(material=_material(kind))
+        scene.geometry[kind] = trimesh.Trimesh(
+            corners, faces, visual=visual, process=False, validate=False
+        )
+
+    def place(tree: dict[str, Any]) -> None:
+        tree["asset"]["generator"] = "worldgen"
+        tree["scenes"] = [{"name": "world", "nodes": [0]}]
+        tree["nodes"] = nodes
+
+    data = trimesh.exchange.gltf.export_glb(scene, include_normals=False, tree_postprocessor=place)
+    return bytes(data)
 
 
-def _material(kind: str) -> dict[str, Any]:
+def _material(kind: str) -> Any:
+    """Return the colour of a kind; glTF's colours are linear, to a good approximation squares."""
+    from trimesh.visual.material import PBRMaterial
+
     shares = [channel / 255.0 for channel in palette.rgb(_COLOURS[kind])]
-    # Colours are linear, to a good approximation.
-    return {
-        "name": kind,
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [
-                *(round(share * share, 4) for share in shares),
-                1,
-            ],
-            "metallicFactor": 0,
-            "roughnessFactor": 0.9,
-        },
-    }
-
-
-def _accessors(
-    corners: npt.NDArray[np.float32], faces: npt.NDArray[np.uint16], view: int
-) -> list[dict[str, object]]:
-    ends = {"min": corners.min(axis=0).tolist(), "max": corners.max(axis=0).tolist()}
-    return [
-        {
-            "bufferView": view,
-            "componentType": _FLOAT,
-            "count": len(corners),
-            "type": "VEC3",
-            **ends,
-        },
-        {"bufferView": view + 1, "componentType": _USHORT, "count": faces.size, "type": "SCALAR"},
-    ]
-
-
-def _cube() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
-    """Return the cube from (0, 0, 0) to (1, 1, 1).
-
-    It has corners and triangles but no normals, so that faces are flat and shells closed.
-    """
-    return np.array(BOX_CORNERS, "<f4"), _triangles(BOX_QUADS)
-
-
-def _disc() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
-    """Return a prism with many sides around the y axis, radius 1, from y = 0 to 1."""
-    turns = [_sine_cosine(2.0 * math.pi * k / _SIDES) for k in range(_SIDES)]
-    corners = np.array([(cosine, y, -sine) for y in (0, 1) for sine, cosine in turns], "<f4")
-    lower = list(range(_SIDES))
-    sides = [(k, (k + 1) % _SIDES, _SIDES + (k + 1) % _SIDES, _SIDES + k) for k in lower]
-    return corners, _triangles([*sides, lower[::-1], [_SIDES + k for k in lower]])
-
-
-def _triangles(faces: Sequence[Sequence[int]]) -> npt.NDArray[np.uint16]:
-    """Return convex faces as triangle fans."""
-    return np.array(
-        [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)], "<u2"
+    return PBRMaterial(
+        name=kind,
+        baseColorFactor=[*(round(255.0 * share * share) for share in shares), 255],
+        metallicFactor=0.0,
+        roughnessFactor=0.9,
     )
+
+
+def _disc() -> Shape:
+    """Return a prism with many sides around the y axis, radius 1, from y = 0 to 1."""
+    # Corners of the lower end, then of the upper end.
+    turns = [_sine_cosine(2.0 * math.pi * k / _SIDES) for k in range(_SIDES)]
+    corners = [(cosine, float(y), -sine) for y in (0, 1) for sine, cosine in turns]
+
+    # Two triangles for each side, and a fan for each end.
+    faces: list[tuple[int, int, int]] = []
+    for k in range(_SIDES):
+        after = (k + 1) % _SIDES
+        faces += [(k, after, _SIDES + after), (k, _SIDES + after, _SIDES + k)]
+    for k in range(1, _SIDES - 1):
+        faces += [(0, k + 1, k), (_SIDES, _SIDES + k, _SIDES + k + 1)]
+    return corners, faces
 
 
 def _sine_cosine(angle: float) -> tuple[float, float]:
