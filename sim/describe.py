@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from sim.episode import Episode
 from sim.evidence import (
@@ -60,22 +60,44 @@ def describe_evidence(episode: Episode) -> str:
 
 def _joint(joint: JointLoopEvidence) -> str:
     """Return what comes back, and who is in whose way."""
-    often = "in every step" if joint.period == 1 else f"every {joint.period} steps"
+    often = "in every step" if joint.period == 1 else f"every {joint.period:,} steps"
     back = f"the joint state after step {joint.entry} comes back {often}"
+    if joint.periods:
+        back += f", because {_own_loops(joint)} apart from each other"
+    parked = {number for number, _ in joint.parked}
     face_to_face = [pair for pair in joint.blocked if pair[::-1] in joint.blocked]
     blocks = [f"robots {one} and {by} block each other" for one, by in face_to_face if one < by]
     blocks += [
-        f"robot {one} is blocked by robot {by}"
+        f"robot {one} is blocked by robot {by}{', which has parked' if by in parked else ''}"
         for one, by in joint.blocked
         if (one, by) not in face_to_face
     ]
-    if not blocks:
-        waiting = ", ".join(map(str, joint.waiting))
-        what = f"robot {waiting} never arrives" if len(joint.waiting) == 1 else ""
-        blocks = [what or f"robots {waiting} never arrive"]
+    blocks = blocks or [_never_arrive(joint)]
     shown = blocks[:_MOST_BLOCKS]
     more = f", and {len(blocks) - len(shown)} more" if len(blocks) > len(shown) else ""
     return f"{back}: {', '.join(shown)}{more}"
+
+
+def _own_loops(joint: JointLoopEvidence) -> str:
+    """Return how robots repeat themselves that are apart from each other."""
+    loops: dict[int, list[int]] = {}
+    for number, period in joint.periods or ():
+        loops.setdefault(period, []).append(number)
+    parts = [
+        f"{_robots(numbers)} loop{'s' if len(numbers) == 1 else ''} every {period:,} steps"
+        for period, numbers in loops.items()
+    ]
+    return f"{', '.join(parts[:-1])} and {parts[-1]}"
+
+
+def _never_arrive(joint: JointLoopEvidence) -> str:
+    """Return that robots never arrive although none of them touches another one."""
+    never = "never arrives" if len(joint.waiting) == 1 else "never arrive"
+    return f"{_robots(joint.waiting)} {never}, and no robot blocks another"
+
+
+def _robots(numbers: Sequence[int]) -> str:
+    return f"robot{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
 
 
 def _of_robot(number: int | None) -> str:

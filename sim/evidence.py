@@ -92,6 +92,8 @@ class JointLoopEvidence:
         moving: Robots whose centres move within the period.
         blocked: Pairs: a robot that drives into another one within the period, and that one.
         parked: Pairs: a robot that has arrived, and the step in which it did.
+        periods: Pairs: a waiting robot and its own period, if robots repeat themselves apart from
+            each other, and ``period``, the least common multiple, is too long to be driven.
     """
 
     entry: int
@@ -101,6 +103,12 @@ class JointLoopEvidence:
     moving: tuple[int, ...]
     blocked: tuple[tuple[int, int], ...]
     parked: tuple[tuple[int, int], ...]
+    periods: tuple[tuple[int, int], ...] | None = None
+
+    @property
+    def driven_period(self) -> int:
+        """The longest period that the run drove, steps."""
+        return max(period for _, period in self.periods) if self.periods else self.period
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -85,7 +86,7 @@ def _check_joint_loop(
 
     Args:
         world: World of the run.
-        traces: Each robot's recording; of one that waits, up to ``entry + 2 * period`` steps.
+        traces: Each robot's recording; of one that waits, until two of its periods have passed.
         evidence: The claim.
         verdict: ``deadlock``, ``livelock`` or ``starved``.
         motion: The motion model.
@@ -102,6 +103,11 @@ def _check_joint_loop(
     if entry * time_step < Fraction(repr(world.timeline.last_time)):
         return "the world still changes after the loop's entry"
 
+    # Robots with periods of their own never come near each other, and return together.
+    own = dict(evidence.periods or [(number, period) for number in evidence.waiting])
+    if evidence.periods and (wrong := _check_separate(world, traces, evidence, own)):
+        return wrong
+
     # Robots that have arrived stay where they are, in their targets.
     for number, step in parked.items():
         trace = traces[number - 1]
@@ -114,7 +120,8 @@ def _check_joint_loop(
     for one, other in evidence.blocked:
         if one not in evidence.waiting or not 1 <= other <= len(robots) or one == other:
             return f"robot {one} cannot be blocked by robot {other}"
-        apart = _least_apart(traces[one - 1], traces[other - 1], entry, entry + period)
+        last = entry + max(own.values())
+        apart = _least_apart(traces[one - 1], traces[other - 1], entry, last)
         first = robots[one - 1]
         second = robots[other - 1]
         reach = first.radius + second.radius + (first.speed + second.speed) * float(time_step)
@@ -124,11 +131,11 @@ def _check_joint_loop(
     # All others do the same in two periods, at the same times.
     moving = []
     for number in evidence.waiting:
-        wrong = _check_period(world.alone(number), traces[number - 1], entry, period, motion)
+        wrong = _check_period(world.alone(number), traces[number - 1], entry, own[number], motion)
         if wrong:
             return f"robot {number}: {wrong}"
         trace = traces[number - 1]
-        first, last = np.searchsorted(trace.path_step, [entry + 1, entry + period + 1])
+        first, last = np.searchsorted(trace.path_step, [entry + 1, entry + own[number] + 1])
         places = np.stack([trace.path_x[first:last], trace.path_y[first:last]], axis=1)
         if len(places) and (places != [trace.x[entry], trace.y[entry]]).any():
             moving.append(number)
@@ -138,6 +145,45 @@ def _check_joint_loop(
     if len(evidence.waiting) == 1:
         wanted = Verdict.STARVED
     return "" if verdict == wanted else f"this is {wanted}, not {verdict}"
+
+
+def _check_separate(
+    world: World, traces: Sequence[Trace], evidence: JointLoopEvidence, own: dict[int, int]
+) -> str:
+    """Check that the robots whose periods differ can neither touch nor sense each other."""
+    if sorted(own) != sorted(evidence.waiting) or min(own.values()) < 1:
+        return "the robots with a period are not those that wait"
+    if math.lcm(*own.values()) != evidence.period:
+        return f"the periods do not return together after {evidence.period} steps"
+    for one, other in itertools.combinations(own, 2):
+        if own[one] == own[other]:
+            continue
+        # Compare all places of one with all places of the other, whenever they are there.
+        first = traces[one - 1]
+        second = traces[other - 1]
+        apart = _places_of(first, evidence.entry).distance(_places_of(second, evidence.entry))
+        radii = world.robots[one - 1].radius + world.robots[other - 1].radius
+        speeds = world.robots[one - 1].speed + world.robots[other - 1].speed
+        reach = radii + speeds * first.time_step
+        for number, trace in ((one, first), (other, second)):
+            sensed = max(_ranges_of(trace)) + world.robots[number - 1].radius
+            reach = max(reach, sensed)
+        if apart <= reach:
+            return f"robots {one} and {other} come within {apart:g} m, and have different periods"
+    return ""
+
+
+def _places_of(trace: Trace, entry: int) -> shapely.MultiPoint:
+    """Return where a robot's steps end from a step on."""
+    return shapely.MultiPoint(np.stack([trace.x[entry:], trace.y[entry:]], axis=1))
+
+
+def _ranges_of(trace: Trace) -> tuple[float, float]:
+    """Return the ranges at which a robot senses others, m: as neighbours, and by beams."""
+    robot = trace.robot
+    if robot is None:
+        return (0.0, 0.0)
+    return (robot.neighbour_range, robot.beam_range if robot.beams else 0.0)
 
 
 def _check_period(world: World, trace: Trace, entry: int, period: int, motion: Motion) -> str:

@@ -116,7 +116,7 @@ class Trial:
                 self.world,
                 self.controller,
                 self.options,
-                episode.steps + episode.evidence.period,
+                episode.steps + episode.evidence.driven_period,
             )
         found = [trace for trace in traces if trace is not None]
         if len(found) < len(traces):

@@ -188,8 +188,10 @@ def _span_of_interest(
 
 def _loop(episode: Episode) -> list[int] | None:
     evidence = episode.evidence
-    if isinstance(evidence, LoopEvidence | JointLoopEvidence):
+    if isinstance(evidence, LoopEvidence):
         return [evidence.entry, evidence.period]
+    if isinstance(evidence, JointLoopEvidence):
+        return [evidence.entry, evidence.driven_period]
     return None
 
 

@@ -130,9 +130,8 @@ def _of_fleet(world: World, episode: FleetEpisode) -> Cause:
         trace = episode.robots[number - 1].trace
         if episode.verdict == Verdict.DEADLOCK and trace is not None:
             return Cause.PUSHES_A_WALL if trace.bump[-1] else Cause.STANDS_STILL
-        loop = LoopEvidence(
-            entry=evidence.entry, period=evidence.period, state_digest=evidence.state_digest
-        )
+        period = dict(evidence.periods or ()).get(number, evidence.period)
+        loop = LoopEvidence(entry=evidence.entry, period=period, state_digest=evidence.state_digest)
         own = replace(episode.robots[number - 1], verdict=Verdict.LOOP, evidence=loop)
         return cause_of_run(world.alone(number), own)
     late = [

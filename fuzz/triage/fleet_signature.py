@@ -40,6 +40,10 @@ def standoff(evidence: JointLoopEvidence) -> Standoff:
         return Standoff.BEHIND_PARKED
     if drives_into:
         return Standoff.QUEUE
+    if evidence.periods and len({period for _, period in evidence.periods}) == len(
+        evidence.periods
+    ):
+        return Standoff.APART
     return Standoff.OSCILLATION if len(evidence.moving) > 1 else Standoff.APART
 
 

@@ -21,7 +21,7 @@ from sim.fleet.assignment import assigned
 from sim.fleet.run import FleetOutcome, FleetRun, JointProof
 from sim.motion import MOTIONS, THESIS
 from sim.options.run import RunOptions
-from sim.outcome import Episode, Outcome, area_of, wall_evidence
+from sim.outcome import LIMIT, Episode, Outcome, area_of, wall_evidence
 from sim.trace import Trace, fnv1a, state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidParameter
@@ -82,7 +82,12 @@ def simulate_fleet(
             return _joint_loop(world, each[0], proof)
         # A controller hides memory that it does not declare, so only the budget decides.
         outcome = run.run(budget, find_loop=False, record=record)
-    elif record:
+        return _decided(world, each[0], outcome)
+    if outcome.ending == LIMIT:
+        apart = run.prove_apart(outcome.steps, record=record)
+        if apart is not None:
+            return _joint_loop(world, each[0], apart)
+    if record:
         outcome = run.run(outcome.steps, find_loop=False, record=True)
     return _decided(world, each[0], outcome)
 
@@ -249,6 +254,7 @@ def _joint_loop(world: World, options: RunOptions, proof: JointProof) -> FleetEp
             for number, one in enumerate(outcome.members)
             if one.ending == Verdict.REACHED
         ),
+        periods=tuple((number + 1, period) for number, period in proof.periods) or None,
     )
     return _Decision(world, options, outcome, verdict, evidence).episode()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,12 +17,14 @@ from sim.controllers.base import CompiledController, Controller
 from sim.controllers.core_act import controller_error_of
 from sim.controllers.programs.process import ProcessController
 from sim.controllers.programs.program import ControllerError
+from sim.fleet.apart import separate_loops
 from sim.fleet.asking import FleetAskers, own_controllers
 from sim.fleet.core_calls import CoreFleet, driver_in_core
 from sim.options.run import MAX_RECORDED, RunOptions, check_recordable
 from sim.outcome import ENDINGS, LIMIT, Ending, Outcome
 from sim.runners.core_calls import Driver
 from sim.runners.lattice import LatticeRun
+from sim.runners.long_runs import MOST_HELD
 from sim.runners.python_loop import crash_of, hidden_state, memory_at_start, plans
 from sim.runners.stopping import OutOfTime
 from sim.trace import Words
@@ -34,6 +37,9 @@ __all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed", "world_of_rob
 
 Ints = npt.NDArray[np.int64]
 Recordings = list[tuple[Ints, Ints]]
+
+# Most steps, of all robots, that are driven beyond the budget to prove a joint loop.
+_MOST_DRIVEN = 500_000
 
 _MASK = (1 << 64) - 1
 
@@ -74,6 +80,8 @@ class JointProof:
         waiting: Indices of the robots that have not parked.
         moving: Indices of those whose centres move within the period.
         blocked: Pairs of indices: a robot that drives into another one, and that one.
+        periods: Pairs of a waiting robot's index and its own period, if they differ and the joint
+            period was not driven; else empty.
     """
 
     outcome: FleetOutcome
@@ -81,6 +89,7 @@ class JointProof:
     waiting: tuple[int, ...]
     moving: tuple[int, ...]
     blocked: tuple[tuple[int, int], ...]
+    periods: tuple[tuple[int, int], ...] = ()
 
 
 class FleetRun:
@@ -109,6 +118,7 @@ class FleetRun:
             )
             for number, (controller, one) in enumerate(zip(self.controllers, options, strict=True))
         ]
+        self._words = 0  # of all robots' states, once a run has shown how large they are
         self._place_robots()
 
     def _place_robots(self) -> None:
@@ -184,20 +194,81 @@ class FleetRun:
         outcome, fleet = self._run(entry + period, lib.WG_PROVE_LOOP, entry=entry)
         if outcome.ending != Verdict.LOOP or fleet is None:
             return None
-        moved = fleet.moved()
-        waiting = tuple(number for number, one in enumerate(outcome.members) if one.ending == LIMIT)
-        proof = JointProof(
-            outcome,
-            fleet.known_words(),
-            waiting,
-            tuple(number for number in waiting if moved[number] > entry),
-            tuple(fleet.blocks()),
+        proof = _proof_of(outcome, fleet, entry)
+        return self._recorded(proof) if record else proof
+
+    def prove_apart(self, steps: int, *, record: bool) -> JointProof | None:
+        """Prove that robots repeat themselves apart from each other, each with its own period.
+
+        Use this if no joint state recurs within the budget.
+
+        Args:
+            steps: Steps of the run, which must end because its budget is spent.
+            record: Whether to keep every state of the proof's run.
+
+        Returns:
+            The proof, whose run ends after the longest of these periods; ``None`` if a robot does
+            not repeat itself twice, or is near another one with a different period.
+        """
+        if not self.can_loop or 8 * (steps + 1) * self._words > MOST_HELD:
+            return None
+        # Find the loops in a recording of the whole run.
+        whole = self.run(steps, find_loop=False, record=True)
+        if not whole.complete or whole.ending != LIMIT:
+            return None
+        repeats = 1 if self._is_compiled else 2
+        loops = separate_loops(
+            whole.members, self._reaches(), self.last_event_step, repeats=repeats
         )
-        if not record:
-            return proof
-        # Record the run only if that is wanted, because it takes memory.
-        check_recordable(sum(one.steps for one in outcome.members))
-        recorded = self._run(entry + period, lib.WG_NO_LOOP, sizes=outcome.members, like=outcome)[0]
+        if loops is None:
+            return None
+        if not loops.are_shown:
+            # They may influence each other, so the joint period has to be driven.
+            together = (loops.entry + loops.joint_period) * len(self.runs)
+            if together > _MOST_DRIVEN:
+                return None
+            return self.prove(loops.entry, loops.joint_period, record=record)
+        # Run once more, to note who moves and who drives into whom within the loops.
+        last = loops.entry + max(loops.periods.values())
+        outcome, fleet = self._run(last, lib.WG_PROVE_LOOP, entry=loops.entry)
+        if fleet is None:
+            return None
+        outcome = replace(
+            outcome, ending=Verdict.LOOP, period=loops.joint_period, entry=loops.entry
+        )
+        proof = _proof_of(outcome, fleet, loops.entry)
+        if len(set(loops.periods.values())) > 1:
+            proof = replace(proof, periods=tuple(sorted(loops.periods.items())))
+        return self._recorded(proof) if record else proof
+
+    @property
+    def last_event_step(self) -> int:
+        """Last step in which the world changes; 0 if it never does."""
+        return max(run.last_event_step for run in self.runs)
+
+    def _reaches(self) -> dict[tuple[int, int], float]:
+        """Return the distance beyond which two robots have no effect on each other, m.
+
+        It is the largest distance at which they could touch within a step, or at which one of them
+        could sense the other.
+        """
+        radii = [run.world.robot_radius for run in self.runs]
+        moves = [radius + run.reach_of_a_step for radius, run in zip(radii, self.runs, strict=True)]
+        senses = [run.reach_of_senses for run in self.runs]
+        return {
+            (one, other): max(
+                moves[one] + moves[other],
+                senses[one] + radii[other],
+                senses[other] + radii[one],
+            )
+            for one, other in itertools.combinations(range(len(self.runs)), 2)
+        }
+
+    def _recorded(self, proof: JointProof) -> JointProof:
+        """Return a proof with the recording of its run, which takes memory."""
+        like = proof.outcome
+        check_recordable(sum(one.steps for one in like.members))
+        recorded = self._run(like.steps, lib.WG_NO_LOOP, sizes=like.members, like=like)[0]
         return replace(proof, outcome=recorded)
 
     def _repeats(self, entry: int, period: int) -> bool:
@@ -248,6 +319,7 @@ class FleetRun:
             if faults:
                 return self._failed_in_reset(faults), None
             fleet = CoreFleet(self.runs, self._drivers(memories), steps, find_loop, entry)
+            self._words = sum(member.words for member in fleet.members)
             recordings = [] if sizes is None else self._recordings(fleet, sizes)
             askers = FleetAskers(self.controllers, memories)
             if self._is_compiled:
@@ -355,6 +427,19 @@ class FleetRun:
             for number, run in enumerate(self.runs)
         )
         return FleetOutcome(faults[first].verdict, 0, 0, -1, first, -1, members, complete=True)
+
+
+def _proof_of(outcome: FleetOutcome, fleet: CoreFleet, entry: int) -> JointProof:
+    """Return the proof of a recurrence, from the run that noted who did what since its entry."""
+    moved = fleet.moved()
+    waiting = tuple(number for number, one in enumerate(outcome.members) if one.ending == LIMIT)
+    return JointProof(
+        outcome,
+        fleet.known_words(),
+        waiting,
+        tuple(number for number in waiting if moved[number] > entry),
+        tuple(fleet.blocks()),
+    )
 
 
 def world_of_robot(world: World, number: int) -> World:

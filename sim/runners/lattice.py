@@ -72,6 +72,9 @@ _STEP_TIME = 1 << 32
 # Runs in one call of the core.
 _MANY = 64
 
+# Lattice units that robots of a fleet look further than they move, and what rounding adds to that.
+_FLEET_SLACK = 40
+
 # Columns of a recorded row: whether a wall was touched, then the state. Then those of a path point.
 _BUMP = 0
 _STATE = 1
@@ -264,6 +267,19 @@ class LatticeRun:
         """Last step in which the world changes or something pushes the robot; 0 if there is none."""
         changed = int(self.events[-1, 0]) if len(self.events) else 0
         return max(changed, self._disturbances.last_step)
+
+    @property
+    def reach_of_a_step(self) -> float:
+        """How far from its centre the robot can touch another one in a step, m, or more."""
+        settings = self.settings
+        fastest = settings.top_speed * settings.speed + settings.drift_reach + settings.lattice
+        return float((settings.reach + fastest + _FLEET_SLACK) * settings.metres)
+
+    @property
+    def reach_of_senses(self) -> float:
+        """The longest range of a sensor that notices other robots, m; 0 if there is none."""
+        robot = self.options.robot
+        return max(robot.neighbour_range, robot.beam_range if robot.beams else 0.0)
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Simulate up to ``steps`` steps from the start; see :meth:`sim.outcome.Runnable.run`."""

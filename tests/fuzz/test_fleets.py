@@ -19,12 +19,14 @@ from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.fleet_signature import Standoff, standoff
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
+from sim import simulate
 from sim.evidence import JointLoopEvidence
 from sim.fleet import fleet_traces
 from sim.motion import MOTIONS
 from sim.scenario import Scenario
 from sim.verdict import JOINT_LOOPS, Verdict
 from tests.helpers.command_line import worldgen
+from worldgen import generate
 from worldgen.files.grid import write_world
 from worldgen.world import JointWitness, Pose, Robot, Target, World
 
@@ -106,6 +108,50 @@ def test_false_evidence_of_a_deadlock_is_refused(changes: dict[str, object]) -> 
     false = replace(evidence, **changes)  # type: ignore[arg-type]
     assert check_fleet(failure.world, found, Verdict.DEADLOCK, false, swept)
     assert check_fleet(failure.world, found, Verdict.LIVELOCK, evidence, swept)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"periods": ((1, 369),)}, "are not those that wait"),
+        ({"periods": ((1, 369), (2, 546))}, "do not return together"),
+        ({"periods": ((1, 545), (2, 369))}, "the second period differs"),
+        ({"periods": ((1, 123), (2, 545)), "period": 67_035}, "the second period differs"),
+    ],
+    ids=["one missing", "another multiple", "exchanged", "too short"],
+)
+def test_false_evidence_of_loops_apart_is_refused(changes: dict[str, object], said: str) -> None:
+    world = generate("doorway", seed=1, robots=2)
+    swept = MOTIONS.get("swept")
+    scenario = Scenario.parse("turn-right")
+    evidence = simulate(world, "turn-right").evidence
+    assert isinstance(evidence, JointLoopEvidence)
+    steps = evidence.entry + 2 * evidence.driven_period
+    traces = fleet_traces(world, scenario.controller, scenario.options(world), steps)
+    found = [trace for trace in traces if trace is not None]
+    assert check_fleet(world, found, Verdict.LIVELOCK, evidence, swept) == ""
+    false = replace(evidence, **changes)  # type: ignore[arg-type]
+    assert said in check_fleet(world, found, Verdict.LIVELOCK, false, swept)
+
+
+def test_loops_of_robots_that_could_touch_in_a_step_are_not_apart() -> None:
+    world = generate("doorway", seed=1, robots=2)
+    scenario = Scenario.parse("turn-right")
+    evidence = simulate(world, "turn-right").evidence
+    assert isinstance(evidence, JointLoopEvidence)
+    steps = evidence.entry + 2 * evidence.driven_period
+    traces = fleet_traces(world, scenario.controller, scenario.options(world), steps)
+    found = [trace for trace in traces if trace is not None]
+    fast = replace(world, others=(replace(world.others[0], speed=200.0),))
+    said = check_fleet(fast, found, Verdict.LIVELOCK, evidence, MOTIONS.get("swept"))
+    assert "come within" in said
+
+
+def test_loops_apart_from_each_other_are_a_failure_that_replays() -> None:
+    failure = failure_of(generate("doorway", seed=1, robots=2), Scenario.parse("turn-right"))
+    assert failure is not None
+    assert failure.bucket == "livelock-apart-2robots"
+    assert replay(Failure.of(failure.stored)).confirmed
 
 
 def test_robots_that_are_far_apart_cannot_block_each_other() -> None:

@@ -1,12 +1,13 @@
 """Several robots in one world: how they move, and what proves that they never arrive."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
 
 from sim import simulate
-from sim.controllers import controller_of
+from sim.controllers import Command, controller_of
 from sim.fleet import FleetRun
 from sim.fleet.run import robot_seed, world_of_robot
 from sim.options.run import options_of
@@ -22,6 +23,7 @@ from tests.helpers.fleets import (
     hall,
     passage,
 )
+from worldgen import generate
 from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Robot, Target
 
@@ -148,6 +150,74 @@ def test_a_joint_loop_repeats_for_two_periods(controller):
     for one in whole.members:
         states = one.trace.states
         assert np.array_equal(states[entry : entry + period + 1], states[entry + period :])
+
+
+@pytest.mark.parametrize("seed", [1, 11, 20, 24])
+def test_loops_apart_from_each_other_are_proved_as_if_they_were_driven(seed):
+    world = generate("doorway", seed=seed, robots=2)
+    proved = simulate(world, "turn-right")
+    driven = simulate(world, "turn-right", steps=1_000_000)
+    assert driven.evidence.periods is None
+    assert dataclasses.replace(proved.evidence, periods=None) == driven.evidence
+    assert (proved.verdict, proved.evidence.period) == (Verdict.LIVELOCK, driven.evidence.period)
+    assert driven.evidence.period > options_of(world, {}).steps
+
+
+class Shuttle:
+    """Drives ahead and back; how long that takes depends on its top speed."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, seen, memory):
+        half = round(100.0 * seen.top_speed)
+        speed = seen.top_speed if memory[0] < half else -seen.top_speed
+        return Command(0.3 * speed), ((memory[0] + 1.0) % (2 * half),)
+
+
+def shuttles(gap):
+    """Return a hall with two robots that go back and forth with different periods, ``gap`` m apart."""
+    return fleet_world(
+        hall(40, 20),
+        Robot(Pose(0.5, 0.6, EAST), Target(3.0, 0.3, 0.05), speed=1.01),
+        Robot(Pose(0.5, 0.6 + gap, EAST), Target(3.0, 1.7, 0.05), speed=1.03),
+    )
+
+
+def test_robots_with_periods_of_their_own_never_come_near_each_other():
+    episode = simulate(generate("doorway", seed=1, robots=2), "turn-right")
+    periods = dict(episode.evidence.periods)
+    assert periods.keys() == {1, 2}
+    assert math.lcm(*periods.values()) == episode.evidence.period
+    assert episode.steps == episode.evidence.entry + max(periods.values())
+
+
+def test_loops_of_robots_that_could_sense_each_other_are_driven_together():
+    world = generate("doorway", seed=1, robots=2)
+    apart = simulate(world, "turn-right", neighbour_range=0.5)
+    sensed = simulate(world, "turn-right", neighbour_range=4.0)
+    assert apart.evidence.periods
+    assert sensed.evidence == dataclasses.replace(apart.evidence, periods=None)
+    assert sensed.steps == sensed.evidence.entry + sensed.evidence.period
+
+
+def test_loops_of_a_python_class_are_proved_apart():
+    episode = simulate(shuttles(0.5), Shuttle, steps=2_000)
+    assert episode.verdict == Verdict.LIVELOCK
+    assert episode.evidence.periods == ((1, 202), (2, 206))
+    assert episode.evidence.period == 101 * 206
+
+
+def test_a_python_class_must_show_two_periods():
+    world = shuttles(0.5)
+    enough = simulate(world, Shuttle, steps=2_000).evidence.entry + 2 * 206
+    assert simulate(world, Shuttle, steps=enough).verdict == Verdict.LIVELOCK
+    assert simulate(world, Shuttle, steps=enough - 1).verdict != Verdict.LIVELOCK
+
+
+def test_loops_of_robots_that_could_touch_are_driven_together():
+    evidence = simulate(shuttles(0.15), Shuttle, steps=2_000).evidence
+    assert (evidence.periods, evidence.period) == (None, 101 * 206)
 
 
 def test_all_robots_that_arrive_are_reached():

@@ -1,0 +1,145 @@
+"""Find robots that repeat themselves, each with a period of its own, and never meet.
+
+The joint state of such robots returns only after the least common multiple of their periods, which
+is soon longer than any budget: two loops of 515 and 689 steps take 354,835 steps. But if a robot is
+never near enough to another one to touch or sense it, the other one has no effect on it. So each
+loop goes on forever by itself, and the joint state provably returns, without being driven there.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.outcome import LIMIT, Outcome
+from sim.trace import Trace
+from sim.verdict import Verdict
+
+__all__ = ["Loops", "separate_loops"]
+
+# Places of one robot that are compared with all of another one's at a time.
+_PART = 256
+
+
+@dataclass(frozen=True)
+class Loops:
+    """The loops of robots that repeat themselves.
+
+    Args:
+        entry: Step after which all of them are in their loops.
+        periods: Each waiting robot's period, steps, by its index. Robots that are ever near each
+            other have the same.
+        are_shown: Whether the recording shows that, so that the loops are proved. If not, robots
+            with different periods come near each other, and only driving the joint period decides.
+    """
+
+    entry: int
+    periods: Mapping[int, int]
+    are_shown: bool
+
+    @property
+    def joint_period(self) -> int:
+        """Steps after which the joint state returns."""
+        return math.lcm(*self.periods.values())
+
+
+def separate_loops(
+    members: Sequence[Outcome],
+    reaches: Mapping[tuple[int, int], float],
+    quiet: int,
+    *,
+    repeats: int,
+) -> Loops | None:
+    """Return the loops in which the robots of a recorded run end.
+
+    Args:
+        members: Each robot's outcome, recorded; those that have parked are left out.
+        reaches: Distance, m, beyond which two robots have no effect on each other, by their
+            indices, the lesser first.
+        quiet: Step of the world's last change; states before it prove nothing.
+        repeats: How many periods the recording must show: 1, or 2 if a controller may hide memory.
+
+    Returns:
+        The loops; ``None`` if a robot repeats nothing at the end of its recording.
+    """
+    # Robots that have parked never change again, so only the others have periods.
+    traces = {
+        number: one.trace
+        for number, one in enumerate(members)
+        if one.ending == LIMIT and one.trace is not None
+    }
+    entry = max([quiet, *(one.steps for one in members if one.ending == Verdict.REACHED)])
+    labels = {number: _labels(trace) for number, trace in traces.items()}
+    periods = {number: _period(label, repeats) for number, label in labels.items()}
+    pairs = list(itertools.combinations(traces, 2))
+    while all(periods.values()):
+        entry = max([entry, *(_entry(labels[number], periods[number]) for number in traces)])
+        if any(len(labels[number]) - 1 < entry + repeats * periods[number] for number in traces):
+            return Loops(entry, periods, are_shown=False)
+
+        # Robots that are ever near each other repeat themselves together, or not at all.
+        different = [(one, other) for one, other in pairs if periods[one] != periods[other]]
+        near = [
+            pair
+            for pair in different
+            if _come_near(traces[pair[0]], traces[pair[1]], entry, reaches[pair])
+        ]
+        if not near:
+            return Loops(entry, periods, are_shown=True)
+        for one, other in near:
+            together = math.lcm(periods[one], periods[other])
+            periods[one] = together
+            periods[other] = together
+    return None
+
+
+def _labels(trace: Trace) -> npt.NDArray[np.int64]:
+    """Return a number for each state of a run, (n + 1,), such that equal states have equal ones."""
+    rows = np.ascontiguousarray(trace.states)
+    whole = rows.view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1]))).ravel()
+    return np.unique(whole, return_inverse=True)[1].astype(np.int64)
+
+
+def _period(labels: npt.NDArray[np.int64], repeats: int) -> int:
+    """Return the least period that fills the end of a run so many times; 0 if there is none."""
+    last = len(labels) - 1
+    for step in np.flatnonzero(labels[:-1] == labels[-1])[::-1].tolist():
+        period = last - step
+        first = last - repeats * period
+        if first < 0:
+            return 0
+        if np.array_equal(labels[first : step + 1], labels[first + period :]):
+            return period
+    return 0
+
+
+def _entry(labels: npt.NDArray[np.int64], period: int) -> int:
+    """Return the first step from which a run repeats itself with a period."""
+    differ = np.flatnonzero(labels[:-period] != labels[period:])
+    return int(differ[-1]) + 1 if len(differ) else 0
+
+
+def _come_near(one: Trace, other: Trace, entry: int, reach: float) -> bool:
+    """Return True if two robots are in places that are not further apart than ``reach``.
+
+    They count as near even if they are there at different times, because their periods differ.
+    """
+    first = np.unique(np.stack([one.x[entry:], one.y[entry:]], axis=1), axis=0)
+    second = np.unique(np.stack([other.x[entry:], other.y[entry:]], axis=1), axis=0)
+    # Most robots that are apart are so by the boxes around their paths.
+    gaps = np.maximum(
+        first.min(axis=0) - second.max(axis=0), second.min(axis=0) - first.max(axis=0)
+    )
+    if float(np.hypot(*np.maximum(gaps, 0.0))) > reach:
+        return False
+    # Compare a part of the places at a time, so that memory stays small.
+    for begin in range(0, len(first), _PART):
+        apart = first[begin : begin + _PART, np.newaxis] - second
+        if bool((np.hypot(apart[..., 0], apart[..., 1]) <= reach).any()):
+            return True
+    return False
