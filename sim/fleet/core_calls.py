@@ -126,8 +126,9 @@ class CoreFleet:
 
     def blocks(self) -> list[tuple[int, int]]:
         """Return which robots drove into which others while a loop was proved, by their indices."""
-        found = (self.c.blocks[k] for k in range(int(self.c.block_count)))
-        return sorted((int(block.robot), int(block.by)) for block in found)
+        count = len(self.members)
+        blocked = np.frombuffer(ffi.buffer(self.c.blocked, count * count), np.uint8)
+        return [(robot, by) for robot, by in np.argwhere(blocked.reshape(count, count)).tolist()]
 
     def known_words(self) -> npt.NDArray[np.uint64]:
         """Return the joint state at the entry of a loop that was proved."""

@@ -1,6 +1,7 @@
 """Several robots in one world: how they move, and what proves that they never arrive."""
 
 import dataclasses
+import itertools
 import math
 
 import numpy as np
@@ -251,6 +252,21 @@ def test_robots_that_jump_through_each_other_collide_under_endpoint():
     episode = simulate(world, Ahead, motion="endpoint", steps=100)
     assert episode.verdict == Verdict.COLLISION
     assert episode.evidence.robots == (1, 2)
+
+
+def test_the_evidence_names_every_pair_of_a_crowd_that_block_each_other():
+    # Every robot would jump to the middle of the circle, so all pairs are in each other's way.
+    count = 12
+    angles = [math.tau * k / count for k in range(count)]
+    ways = [(math.cos(angle), math.sin(angle)) for angle in angles]
+    near = 0.3  # m, a step at 20 m/s
+    robots = [
+        Robot(Pose(1.5 - near * x, 1.5 - near * y), Target(1.5 + x, 1.5 + y, 0.02), 0.05, 20.0)
+        for x, y in ways
+    ]
+    episode = simulate(fleet_world(hall(30, 30), *robots), Ahead, motion="endpoint", steps=100)
+    assert episode.verdict == Verdict.DEADLOCK
+    assert episode.evidence.blocked == tuple(itertools.permutations(range(1, count + 1), 2))
 
 
 def test_of_several_controllers_each_drives_its_robot():

@@ -271,16 +271,8 @@ static void go_to_goals(WgFleet *fleet, WgCluster cluster, int64_t step, double 
 static void note_block(WgFleet *fleet, int64_t step, int64_t robot, int64_t by)
 {
     const WgFleetSettings *settings = fleet->settings;
-    if (settings->find_loop != WG_PROVE_LOOP || step <= settings->loop_entry) {
-        return;
-    }
-    for (int64_t k = 0; k < fleet->block_count; k++) {
-        if (fleet->blocks[k].robot == robot && fleet->blocks[k].by == by) {
-            return;
-        }
-    }
-    if (fleet->block_count < fleet->most_blocks) {
-        fleet->blocks[fleet->block_count++] = (WgBlock){robot, by};
+    if (settings->find_loop == WG_PROVE_LOOP && step > settings->loop_entry) {
+        fleet->blocked[robot * fleet->count + by] = 1;
     }
 }
 

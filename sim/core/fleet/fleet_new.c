@@ -174,10 +174,9 @@ WgStatus wg_fleet_new(const WgFleetSettings *settings, const WgArena *const *are
     bool is_made = true;
     fleet->settings = settings;
     fleet->count = count;
-    fleet->most_blocks = 8 * count;
     fleet->members = (WgEpisode **)array(&is_made, count, sizeof *fleet->members);
     fleet->moved = array(&is_made, count, sizeof *fleet->moved);
-    fleet->blocks = array(&is_made, fleet->most_blocks, sizeof *fleet->blocks);
+    fleet->blocked = array(&is_made, count * count, sizeof *fleet->blocked);
     fleet->movers = array(&is_made, count, sizeof *fleet->movers);
     fleet->by = array(&is_made, count, sizeof *fleet->by);
     fleet->before = array(&is_made, count, sizeof *fleet->before);
@@ -215,7 +214,7 @@ void wg_fleet_free(WgFleet *fleet)
     free(fleet->state);
     free(fleet->chains);
     free(fleet->moved);
-    free(fleet->blocks);
+    free(fleet->blocked);
     free(fleet->movers);
     free(fleet->by);
     free(fleet->before);
@@ -243,7 +242,7 @@ WgStatus wg_fleet_begin(WgFleet *fleet)
         }
     }
     fleet->report = (WgFleetReport){.entry = -1, .robot = -1, .other = -1};
-    fleet->block_count = 0;
+    memset(fleet->blocked, 0, (size_t)(fleet->count * fleet->count) * sizeof *fleet->blocked);
     fleet->next_event = 0;
     fleet->quiet = wg_last_event(fleet->members[0]->arena, fleet->members[0]->settings);
     fleet->step = 0;

@@ -38,12 +38,6 @@ typedef struct WgFleetReport {
     int64_t parked;  // robots that have reached their targets
 } WgFleetReport;
 
-// A robot that was stopped or bent by another one.
-typedef struct WgBlock {
-    int64_t robot;
-    int64_t by;
-} WgBlock;
-
 typedef struct WgMover WgMover;  // what a robot does within a step: fleet.h
 typedef struct WgNear WgNear;    // which robots are near each other: fleet.h
 
@@ -55,9 +49,7 @@ typedef struct WgFleet {
     WgSearch search;
     WgFleetReport report;
     int64_t *moved;         // (count,) last step in which each robot's centre moved
-    WgBlock *blocks;        // (block_count,) in the period of a loop that is proved: who was stopped by whom
-    int64_t block_count;
-    int64_t most_blocks;
+    uint8_t *blocked;       // (count, count) in the period of a loop that is proved: 1 where a robot drove into another
     WgMover *movers;        // (count,)
     WgNear *near;
     WgCorner *chains;       // corners of the robots' paths of the last step
