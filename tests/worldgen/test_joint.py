@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -21,7 +22,8 @@ from worldgen.reach import (
     decide_in_time,
 )
 from worldgen.reach.joint.plan import find_plan
-from worldgen.reach.joint.question import joint_question
+from worldgen.reach.joint.question import crossing_steps, joint_question
+from worldgen.reach.still.disc import disc_of
 from worldgen.support.ccall import check
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Cut, JointWitness, Pose, Robot, Target, World
@@ -153,6 +155,36 @@ def test_a_robot_that_starts_in_its_target_stays_there():
     assert decision.certificate.paths[1].duration == 0.0
 
 
+def narrow_targets(world, radius=0.04):
+    """The same world with targets that only diagonal steps between nodes cross."""
+    robots = [replace(robot, target=replace(robot.target, radius=radius)) for robot in world.robots]
+    return replace(world, target=robots[0].target, others=tuple(robots[1:]))
+
+
+def test_no_plan_leads_a_robot_across_its_own_target():
+    # The quickest detour of robot 1 would cut the corner of its target, where it parks.
+    rows = ["..#.#", "...#.", "....."]
+    world = narrow_targets(fleet(rows, ((0, 2), (1, 0)), ((4, 0), (1, 1)), radius=0.04))
+    assert proved(world).result == REACHABLE
+
+
+def test_a_world_whose_only_plan_crosses_a_target_is_undecided():
+    rows = [".#...", "....."]
+    ends = (((0, 0), (2, 0)), ((2, 1), (0, 1)), ((3, 0), (4, 1)))
+    world = fleet(rows, *ends, radius=0.03)
+    assert proved(narrow_targets(world)).result == UNDECIDED
+
+
+def test_steps_across_a_target_join_two_nodes_outside_it():
+    # Around a node, four diagonals pass nearer than the radius; nodes are 0.05 m apart.
+    steps = crossing_steps(disc_of(0.25, 0.15, 0.04, 0.1), 2, 15)
+    ends = {(step // 8 % 15, step // 8 // 15) for step in steps.tolist()}
+    assert ends == {(4, 3), (6, 3), (5, 2), (5, 4)}
+    assert len(steps) == 8
+    assert len(crossing_steps(disc_of(0.25, 0.15, 0.035, 0.1), 2, 15)) == 0
+    assert len(crossing_steps(disc_of(0.25, 0.15, 0.05, 0.1), 2, 15)) == 0
+
+
 def test_robots_wait_for_a_door_that_opens_and_are_gone_before_it_closes():
     rows = ["#########", "#...#...#", "#...#...#", "#########"]
     line = Timeline.of(
@@ -201,8 +233,9 @@ def small_fleets(draw, most=3):
     begins = draw(st.lists(_cells(width, height), min_size=count, max_size=count, unique=True))
     ends = draw(st.lists(_cells(width, height), min_size=count, max_size=count, unique=True))
     radius = draw(st.sampled_from([0.02, 0.03, 0.05]))
+    within = draw(st.sampled_from([0.05, 0.04, 0.02, 0.11]))
     try:
-        return fleet(rows, *zip(begins, ends, strict=True), radius=radius)
+        return narrow_targets(fleet(rows, *zip(begins, ends, strict=True), radius=radius), within)
     except InvalidWorld:
         assume(False)
 
@@ -232,14 +265,14 @@ def test_the_searches_agree_with_plain_python(world):
     question = joint_question(world, k=2, radius=None, margin=0.0)
     if question is None:
         return
-    solvable = _solvable(question)
+    solvable = _solvable(world, question)
     assert (find_plan(question).nodes is not None) == solvable
     expected = lib.WG_FOUND if solvable else lib.WG_EXHAUSTED
     assert _searched(lib.wg_joint_exhaust, question) == expected
     assert _searched(lib.wg_joint_lacam, question) == expected
 
 
-def _solvable(question):
+def _solvable(world, question):
     """Breadth first over all joint states, with fractions and nothing of the C."""
     classes = sorted(set(question.radii))
     graphs = [question.rasters.ever(classes.index(radius)) for radius in question.radii]
@@ -252,7 +285,7 @@ def _solvable(question):
         if all(question.distances[robot][node] == 0 for robot, node in enumerate(state)):
             return True
         moves = [
-            _steps(graphs[robot], node, question.distances[robot])
+            _steps(graphs[robot], node, question.distances[robot], world.robots[robot].target)
             for robot, node in enumerate(state)
         ]
         for following in itertools.product(*moves):
@@ -262,13 +295,19 @@ def _solvable(question):
     return False
 
 
-def _steps(graph, node, distances):
+def _steps(graph, node, distances, target):
     if distances[node] == 0:
         return [node]
     found = [node]
+    disc = shapely.Point(target.x * 10 * graph.k, target.y * 10 * graph.k)
+    radius = target.radius * 10 * graph.k
     y, x = divmod(node, graph.stride)
     for dy, dx in itertools.product((-1, 0, 1), repeat=2):
         if not (dx or dy) or not graph.clear[y + dy, x + dx]:
+            continue
+        step = shapely.LineString([(x, y), (x + dx, y + dy)])
+        crosses = distances[(y + dy) * graph.stride + x + dx] != 0 and step.distance(disc) <= radius
+        if crosses:
             continue
         if not (dx and dy) or graph.middle[min(y, y + dy), min(x, x + dx)]:
             found.append((y + dy) * graph.stride + x + dx)

@@ -104,7 +104,10 @@ _steps = st.lists(st.tuples(st.integers(0, 4), st.integers(0, 4)), min_size=1, m
 def test_shapely_agrees_about_two_robots(one, two, radius):
     paths = []
     for corners in (one, two):
-        assume(corners.index(corners[-1]) == len(corners) - 1)  # it does not leave its target
+        if len(corners) > 1:  # it reaches its target with its last piece
+            before = shapely.MultiPoint(corners[:1]) if len(corners) == 2 else None
+            before = before or shapely.LineString(corners[:-1])
+            assume(before.distance(shapely.Point(corners[-1])) > 0.5)
         x, y = 0.1 * np.array(corners).T + 0.35
         paths.append(Witness(np.arange(len(x)), x, y, 0.1))
     world_of = [
@@ -131,3 +134,22 @@ def test_shapely_agrees_about_two_robots(one, two, radius):
     if abs(gap - 2 * radius) > 1e-9:
         report = check_certificate(world, JointWitness(tuple(paths)))
         assert report.valid == (gap > 2 * radius), report.reason
+
+
+def test_a_path_across_its_target_does_not_hold():
+    # Robot 1 would park halfway along the first piece, whose ends are both outside its target.
+    world = replace(meeting(lane=0.39), target=Target(0.65, 0.25, 0.05))
+    joint = crossing(0.39)
+    across = Witness([0.0, 1.0, 2.0], [0.15, 1.05, 0.65], [0.25] * 3, 0.07)
+    assert not check_certificate(world, JointWitness((across, joint.paths[1]))).valid
+    straight = Witness([0.0, 1.0], [0.15, 0.65], [0.25] * 2, 0.07)
+    assert check_certificate(world, JointWitness((straight, joint.paths[1]))).valid
+
+
+def test_a_path_past_its_target_holds():
+    # The first piece passes the target at its radius.
+    world = replace(meeting(lane=0.45), target=Target(0.65, 0.3, 0.05))
+    joint = crossing(0.45)
+    past = Witness([0.0, 1.0, 2.0], [0.15, 1.05, 0.7], [0.25, 0.25, 0.3], 0.05)
+    world = replace(world, robot_radius=0.05, others=(replace(world.others[0], radius=0.04),))
+    assert check_certificate(world, JointWitness((past, joint.paths[1]))).valid

@@ -419,6 +419,10 @@ typedef struct WgJoint {
     const int64_t *starts;     // (robots,) nodes
     const int32_t *distances;  // (robots, nodes) steps to the target at least; 0 in it, where the robot parks; -1 if
                                // no steps lead there
+    const int64_t *crossed_from;  // (robots + 1,) where each robot's crossings begin
+    const int64_t *crossings;     // (crossed_from[robots],) rising for each robot: 8 times a node outside its target, plus
+                                  // the number of a step from there to another such node, across the target: the
+                                  // robot would park on the way
 } WgJoint;
 
 // Paths of all robots: for each tick the node of each.

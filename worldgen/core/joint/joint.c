@@ -29,6 +29,11 @@ WgStatus wg_joint_check(const WgJoint *joint)
             return WG_BAD_VALUE;
         }
     }
+    for (int64_t robot = 0; robot < joint->robots; robot++) {
+        if (joint->crossed_from[0] != 0 || joint->crossed_from[robot + 1] < joint->crossed_from[robot]) {
+            return WG_BAD_VALUE;
+        }
+    }
     return WG_OK;
 }
 
@@ -269,6 +274,7 @@ static WgStatus search_among(Among *among, int64_t most, Track *track, bool *fou
             int64_t next = state.node + among->moves.shifts[move];
             bool stuck = among->distances[next] < 0 ||
                          !wg_move_is_clear(joint, &among->moves, raster, state.node, move) ||
+                         wg_crosses_target(joint, among->robot, state.node, move) ||
                          meets_planned(among, state.node, next, state.tick);
             if (stuck || (among->distances[next] == 0 && !can_park(among, next, state.tick + 1))) {
                 continue;

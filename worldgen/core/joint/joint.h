@@ -42,6 +42,29 @@ static inline bool wg_move_is_clear(const WgJoint *joint, const WgMoves *moves, 
     return move < 4 || move == WG_WAIT || joint->middle[at + node + moves->corners[move]] != 0;
 }
 
+// Whether a step takes a robot across its target, where it would park.
+static inline bool wg_crosses_target(const WgJoint *joint, int64_t robot, int64_t node, int move)
+{
+    int64_t low = joint->crossed_from[robot];
+    int64_t end = joint->crossed_from[robot + 1];
+    int64_t key = 8 * node + move;
+    if (move == WG_WAIT || low == end || key < joint->crossings[low] || key > joint->crossings[end - 1]) {
+        return false;
+    }
+    while (low < end) {
+        int64_t middle = low + (end - low) / 2;
+        if (joint->crossings[middle] == key) {
+            return true;
+        }
+        if (joint->crossings[middle] < key) {
+            low = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    return false;
+}
+
 // Whether two robots of these classes touch more than allowed while one goes from u to v and the other from w to z.
 static inline bool wg_moves_conflict(const WgJoint *joint, int64_t one, int64_t u, int64_t v, int64_t other, int64_t w,
                                      int64_t z)

@@ -178,7 +178,8 @@ static WgStatus plan_to(const States *states, int64_t last, WgJointPlan **made)
 static bool is_allowed(const States *states, int64_t robot, int64_t node, int move, int64_t tick)
 {
     const WgJoint *joint = states->joint;
-    if (distance_of(joint, robot, node) == 0 && move != WG_WAIT) {
+    bool parks = distance_of(joint, robot, node) == 0 && move != WG_WAIT;
+    if (parks || wg_crosses_target(joint, robot, node, move)) {
         return false;
     }
     int64_t raster = wg_raster_at(joint, tick, joint->class_of[robot]);

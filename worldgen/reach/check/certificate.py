@@ -142,16 +142,31 @@ def _waiting(path: Witness, until: float) -> Witness:
 
 
 def _leaves_target(world: World, path: Witness) -> bool:
-    """Return True if a corner of a path is in the target and a later one is not.
+    """Return True if a path leads into or across the target and ends a later piece outside it.
 
-    A robot parks where it is in its target, so it could not drive such a path.
+    A robot parks as soon as its centre is in its target, also in the middle of a step, so it could
+    not drive such a path. Whole pieces count, not only their ends: a piece between two points
+    outside can cross the target. Once a path has come in, the ends of its pieces suffice, because a
+    disc is convex.
     """
+    # Find the first piece that comes nearer than the target's radius.
     target = world.target
-    away = np.hypot(path.x - target.x, path.y - target.y)
-    inside = away < target.radius - TOLERANCE * world.cell_size
-    return bool(
-        inside.any() and not (away[int(np.argmax(inside)) :] <= target.radius * (1 + 1e-9)).all()
-    )
+    x = path.x - target.x
+    y = path.y - target.y
+    dx = np.diff(x, append=x[-1])
+    dy = np.diff(y, append=y[-1])
+    length_sq = dx * dx + dy * dy
+    with np.errstate(all="ignore"):
+        share = np.clip(-(x * dx + y * dy) / length_sq, 0.0, 1.0)
+    share = np.where(length_sq > 0.0, share, 0.0)
+    nearest = np.hypot(x + share * dx, y + share * dy)
+    enters = nearest < target.radius - TOLERANCE * world.cell_size
+    if not enters.any():
+        return False
+    # The ends of that piece and of all later ones must be in the target.
+    first = int(np.argmax(enters))
+    ends = np.hypot(x, y)[min(first + 1, len(x) - 1) :]
+    return not bool((ends <= target.radius * (1 + 1e-9)).all())
 
 
 def _check_one_of_several(

@@ -91,16 +91,22 @@ def _ever_free(world: World) -> npt.NDArray[np.bool_]:
 
 
 def _flooded(blocked: npt.NDArray[np.bool_], start: tuple[int, int]) -> npt.NDArray[np.bool_]:
-    """Return the cells joined to one by their sides, by growing until nothing changes."""
-    room = np.zeros(blocked.shape, np.bool_)
+    """Return the cells joined to one by their sides; each is looked at once."""
+    # A ring of blocked cells around the grid, so that no step leaves the array.
+    before = np.pad(~blocked, 1)
+    stride = before.shape[1]
+    free = bytearray(before.tobytes())
+    begin = (start[0] + 1) * stride + start[1] + 1
+    free[begin] = 0
+    to_visit = [begin]
+    while to_visit:
+        cell = to_visit.pop()
+        for beside in (cell - 1, cell + 1, cell - stride, cell + stride):
+            if free[beside]:
+                free[beside] = 0
+                to_visit.append(beside)
+    # The room is what was free and is not any more, and the start in any case.
+    after = np.frombuffer(bytes(free), np.bool_).reshape(before.shape)
+    room = (before & ~after)[1:-1, 1:-1]
     room[start] = True
-    count = 0
-    while count != (count := int(room.sum())):
-        grown = room.copy()
-        grown[1:] |= room[:-1]
-        grown[:-1] |= room[1:]
-        grown[:, 1:] |= room[:, :-1]
-        grown[:, :-1] |= room[:, 1:]
-        room = grown & ~blocked
-        room[start] = True
     return room

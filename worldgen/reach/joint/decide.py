@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.reach.joint.plan import find_plan
 from worldgen.reach.joint.question import joint_question
 from worldgen.reach.joint.swap import find_swap
 from worldgen.reach.joint.witness import make_joint_witness
 from worldgen.reach.still.prove import decide
-from worldgen.world import Cut, JointWitness, World
+from worldgen.world import Cut, World
 
 __all__ = ["decide_joint"]
 
@@ -54,7 +52,7 @@ def decide_joint(
         plan = find_plan(question, thorough=cut)
         if plan.nodes is not None:
             witness = make_joint_witness(question, plan.nodes)
-            if witness is not None and not _leaves_a_target(world, witness):
+            if witness is not None:
                 reason = (
                     f"joint paths of {witness.length:.4g} m in all; the last robot arrives after "
                     f"{witness.duration:.4g} s"
@@ -69,18 +67,6 @@ def decide_joint(
                 return blocked
     blocked = _proved_impossible(world, radius, certificate) if cut and not exhausted else None
     return blocked or Decision(UNDECIDED, None, _undecided_reason(exhausted))
-
-
-def _leaves_a_target(world: World, witness: JointWitness) -> bool:
-    """Return True if a robot that starts in its target drives out of it, where it would park.
-
-    The start may be off the graph, and then the first leg leads away from it.
-    """
-    for robot, path in zip(world.robots, witness.paths, strict=True):
-        away = np.hypot(path.x - robot.target.x, path.y - robot.target.y)
-        if away[0] <= robot.target.radius < away.max():
-            return True
-    return False
 
 
 def _undecided_reason(exhausted: int) -> str:

@@ -15,7 +15,7 @@ from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT, in_cells, lattice_units
 from worldgen.reach.joint.apart import conflict_limits, stay_apart
 from worldgen.reach.joint.rasters import Rasters, make_rasters
-from worldgen.reach.still.disc import Disc, disc_of, lattice_centre
+from worldgen.reach.still.disc import Disc, disc_of, is_away, lattice_centre
 from worldgen.reach.still.lattice_graph import Graph, nodes_within
 from worldgen.reach.still.path import ticks_per_second, travel_ticks
 from worldgen.reach.still.prove import links
@@ -24,10 +24,13 @@ from worldgen.reach.timed.spans import Spans
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import World
 
-__all__ = ["JointQuestion", "RobotEnds", "joint_question"]
+__all__ = ["JointQuestion", "RobotEnds", "crossing_steps", "joint_question"]
 
 _MOST_NODES = 60_000_000  # nodes times robots: each has a distance of four bytes
 _MOST_CHOICES = 20_000  # ways to put the starts on nodes that are tried
+
+# The steps across and up, in the order of the core.
+_EIGHT_STEPS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (-1, 1), (1, -1))
 
 Ints = npt.NDArray[np.int64]
 
@@ -60,6 +63,8 @@ class JointQuestion:
         tick: Time units in which every robot can take any step.
         ends: Starts and goals of the robots.
         distances: (robots, nodes) int32.
+        crossings: Of each robot, (n,) int64: the steps across its target; see
+            :func:`crossing_steps`.
     """
 
     world: World
@@ -70,6 +75,7 @@ class JointQuestion:
     tick: int
     ends: list[RobotEnds]
     distances: npt.NDArray[np.int32]
+    crossings: list[Ints]
 
     @property
     def stride(self) -> int:
@@ -110,6 +116,8 @@ class JointQuestion:
             pointer(ffi, limits, np.int64),
             pointer(ffi, starts, np.int64),
             pointer(ffi, self.distances, np.int32),
+            pointer(ffi, np.cumsum([0, *map(len, self.crossings)]), np.int64),
+            pointer(ffi, np.concatenate(self.crossings), np.int64),
         ]
         # Fill in the question.
         made = ffi.new("WgJoint *")
@@ -127,6 +135,8 @@ class JointQuestion:
         made.reach = math.ceil(2 * self.rasters.k * classes[-1])
         made.starts = held[5]
         made.distances = held[6]
+        made.crossed_from = held[7]
+        made.crossings = held[8]
         return made, held
 
 
@@ -163,6 +173,7 @@ def joint_question(
     options: list[list[int]] = []
     starts: list[ExactPoint] = []
     goals: list[ExactPoint | None] = []
+    crossings: list[Ints] = []
     distances = np.empty((len(robots), rasters.clear.shape[-2] * rasters.clear.shape[-1]), np.int32)
     for index, robot in enumerate(robots):
         which = classes.index(radii[index])
@@ -174,14 +185,65 @@ def joint_question(
         ever = rasters.ever(which)
         flags, goal = _goal_nodes(Walls(rasters.ever_blocked, radii[index]), ever, disc)
         _fill_distances(ever, flags, distances[index])
+        crossings.append(crossing_steps(disc, k, ever.stride))
         starts.append(start)
         goals.append(goal)
+        nodes = _before_parking(nodes, start, disc, ever)
         options.append(_nearest_first(nodes, start, ever, distances[index]))
     chosen = _choose_nodes(options, starts, radii, k, rasters.clear.shape[-1])
     if chosen is None:
         return None
     ends = [RobotEnds(*parts) for parts in zip(starts, chosen, goals, strict=True)]
-    return JointQuestion(world, radii, rasters, spans, ticks, tick, ends, distances)
+    return JointQuestion(world, radii, rasters, spans, ticks, tick, ends, distances, crossings)
+
+
+def crossing_steps(disc: Disc, k: int, stride: int) -> Ints:
+    """Return the steps between nodes outside a target that lead across it.
+
+    A robot parks as soon as its centre is in its target, so it never completes such a step.
+
+    Args:
+        disc: The target.
+        k: Nodes per cell side.
+        stride: Nodes per row.
+
+    Returns:
+        (n,) int64, rising: eight times the node where a step begins, plus the number of the step.
+    """
+    # Each number of the disc is a whole number of units.
+    scale = math.lcm(disc.x.denominator, disc.y.denominator, disc.radius.denominator)
+    x, y, radius = (value.numerator * (scale // value.denominator) for value in disc)
+    unit = UNIT // k * scale
+    found = []
+    # Both ends of such a step are less than a step away from the disc.
+    reach = radius + unit
+    for j in range(max(0, -((reach - y) // unit)), (y + reach) // unit + 1):
+        py = j * unit - y
+        for i in range(max(0, -((reach - x) // unit)), min(stride - 1, (x + reach) // unit) + 1):
+            px = i * unit - x
+            outside = px * px + py * py - radius * radius
+            if not 0 < outside <= 2 * unit * (unit + 2 * radius):
+                continue
+            for step, (dx, dy) in enumerate(_EIGHT_STEPS):
+                qx = px + dx * unit
+                qy = py + dy * unit
+                is_outside = qx * qx + qy * qy > radius * radius
+                if is_outside and not is_away(((px, py), (qx, qy)), (0, 0), radius):
+                    found.append(8 * (j * stride + i) + step)
+    return np.array(sorted(found), np.int64)
+
+
+def _before_parking(nodes: Sequence[int], start: ExactPoint, disc: Disc, graph: Graph) -> list[int]:
+    """Return the nodes to which a robot can go from its start before it parks in its target."""
+    unit = UNIT // graph.k
+    centre = (disc.x, disc.y)
+    found = []
+    for node in nodes:
+        there = (node % graph.stride * unit, node // graph.stride * unit)
+        # A leg that ends in the target leads into it, and keeps to it if it begins in it.
+        if disc.holds(there) or is_away((start, there), centre, disc.radius):
+            found.append(node)
+    return found
 
 
 def _goal_nodes(

@@ -20,11 +20,11 @@ import numpy.typing as npt
 
 from worldgen.lattice import exact, in_cells
 from worldgen.reach.decision import Swap
-from worldgen.world import Robot, World
+from worldgen.world import World
 
 __all__ = ["find_swap"]
 
-# Pairs looked at. Each robot's room is flooded once.
+# Pairs looked at. Each room is flooded once.
 _MOST_PAIRS = 2000
 
 
@@ -36,25 +36,33 @@ def find_swap(world: World, radius: float | None = None) -> Swap | None:
         radius: Radius of every robot, m; each one's own if None.
     """
     solid = world.still_walls
-    rooms: dict[int, npt.NDArray[np.bool_]] = {}
+    rooms: list[npt.NDArray[np.bool_]] = []
     pairs = itertools.combinations(range(len(world.robots)), 2)
     for one, other in itertools.islice(pairs, _MOST_PAIRS):
-        if one not in rooms:
-            rooms[one] = _room(solid, world.robots[one], world.cell_size)
+        cell = _cell_of(world, one)
+        room = next((known for known in rooms if known[cell]), None)
+        if room is None:
+            room = _room(solid, cell)
+            rooms.append(room)
         for axis in (0, 1):
-            if _must_swap(world, (one, other), rooms[one], axis, radius):
+            if _must_swap(world, (one, other), room, axis, radius):
                 return Swap(one + 1, other + 1, "xy"[axis])
     return None
 
 
-def _room(solid: npt.NDArray[np.bool_], robot: Robot, cell_size: float) -> npt.NDArray[np.bool_]:
+def _cell_of(world: World, robot: int) -> tuple[int, int]:
+    """Return the cell (row, column) of a robot's start; robots count from 0."""
+    start = world.robots[robot].start
+    row = min(int(in_cells(start.y, world.cell_size)), world.height - 1)
+    return row, min(int(in_cells(start.x, world.cell_size)), world.width - 1)
+
+
+def _room(solid: npt.NDArray[np.bool_], start: tuple[int, int]) -> npt.NDArray[np.bool_]:
     """Return the free cells that a walk over cell sides leads to from a robot's start."""
     height, width = solid.shape
     seen = np.zeros(solid.shape, np.bool_)
-    ix = min(int(in_cells(robot.start.x, cell_size)), width - 1)
-    iy = min(int(in_cells(robot.start.y, cell_size)), height - 1)
-    seen[iy, ix] = True
-    queue = deque([(iy, ix)])
+    seen[start] = True
+    queue = deque([start])
     while queue:
         y, x = queue.popleft()
         for v, u in ((y, x + 1), (y, x - 1), (y + 1, x), (y - 1, x)):
@@ -76,12 +84,7 @@ def _must_swap(
     left, right = (world.robots[index] for index in pair)
     if (left.start.x, left.start.y)[axis] > (right.start.x, right.start.y)[axis]:
         left, right = right, left
-    other_start = world.robots[pair[1]].start
-    cell = (
-        min(int(in_cells(other_start.y, size)), world.height - 1),
-        min(int(in_cells(other_start.x, size)), world.width - 1),
-    )
-    if not room[cell]:
+    if not room[_cell_of(world, pair[1])]:
         return False
     across = np.flatnonzero(room.any(axis=1 - axis if axis == 0 else 0))
     height = (int(across[-1]) - int(across[0]) + 1) * exact(size)

@@ -21,6 +21,7 @@ __all__ = [
     "Disc",
     "beyond",
     "disc_of",
+    "is_away",
     "lattice_centre",
     "parts",
     "target_disc",
@@ -86,6 +87,20 @@ def widest_gap_sq(chain: Chain) -> int:
     return gap_sq
 
 
+def is_away(line: tuple[ExactPoint, ExactPoint], pose: ExactPoint, radius: Number) -> bool:
+    """Return True if a segment is farther from a pose than a radius."""
+    (px, py), (qx, qy) = line
+    ex = qx - px
+    ey = qy - py
+    ux = pose[0] - px
+    uy = pose[1] - py
+    along = ex * ux + ey * uy
+    length_sq = ex * ex + ey * ey
+    if 0 < along < length_sq:
+        return (ex * uy - ey * ux) ** 2 > radius**2 * length_sq
+    return ux**2 + uy**2 > radius**2 < (pose[0] - qx) ** 2 + (pose[1] - qy) ** 2
+
+
 def _around(chain: Chain, pose: ExactPoint, radius: Number) -> tuple[bool, bool]:
     """Return True if a chain winds an odd number of times around a pose and stays outside a radius."""
     scale = math.lcm(pose[0].denominator, pose[1].denominator)
@@ -106,7 +121,7 @@ def _around(chain: Chain, pose: ExactPoint, radius: Number) -> tuple[bool, bool]
             return bool(winds[0]), bool(away[0])
     # These numbers are too large for C.
     lines = _chain_lines(chain)
-    return _inside(lines, pose), all(_is_away(line, pose, radius) for line in lines)
+    return _inside(lines, pose), all(is_away(line, pose, radius) for line in lines)
 
 
 def _chain_lines(chain: Chain) -> list[tuple[Point, Point]]:
@@ -133,17 +148,3 @@ def _inside(lines: Sequence[tuple[Point, Point]], p: ExactPoint) -> bool:
             rise = (ay - p[1]) * (bx - ax) + (by - ay) * (p[0] - ax)
             odd ^= (rise > 0) == (bx > ax) and rise != 0
     return odd
-
-
-def _is_away(line: tuple[Point, Point], pose: ExactPoint, radius: Number) -> bool:
-    """Return True if a segment is farther from a pose than a radius."""
-    (px, py), (qx, qy) = line
-    ex = qx - px
-    ey = qy - py
-    ux = pose[0] - px
-    uy = pose[1] - py
-    along = ex * ux + ey * uy
-    length_sq = ex * ex + ey * ey
-    if 0 < along < length_sq:
-        return (ex * uy - ey * ux) ** 2 > radius**2 * length_sq
-    return ux**2 + uy**2 > radius**2 < (pose[0] - qx) ** 2 + (pose[1] - qy) ** 2
