@@ -23,20 +23,19 @@ from fuzz.player.streams import numbers
 from fuzz.player.worlds import drawn_certificate
 from fuzz.studio.campaigns.answers import CampaignAnswers
 from fuzz.studio.catalogue import catalogue
+from fuzz.studio.comparing import CompareAnswers
 from fuzz.studio.exchange import ExchangeAnswers
 from fuzz.studio.gallery import WallAnswers
 from fuzz.studio.limits import MOST_ROBOTS, MOST_STEPS
 from fuzz.studio.messages import field, message_of, opened_message, restored, seed_of, world_of
-from fuzz.studio.running import check_named, check_record, check_registered, may_run
+from fuzz.studio.running import check_record, check_registered, scenario_of
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
 from sim.describe import describe_evidence
 from sim.drawing.picture import drive_of, trail_of
 from sim.episode import Episode, simulate
 from sim.evidence import FaultEvidence
-from sim.motion import MOTIONS
 from sim.options.run import RunOptions, step_budget
-from sim.scenario import Scenario
 from sim.thesis.run import signal_in
 from worldgen.difficulty import METRICS, measure, search_world
 from worldgen.errors import InvalidParameter, OutputError
@@ -65,7 +64,7 @@ Part = Callable[[dict[str, Any]], None]
 
 
 @dataclass(frozen=True)
-class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
+class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
     """All answers, by the names of the protocol."""
 
     def hello(self, message: Message, part: Part) -> dict[str, Any]:
@@ -216,7 +215,9 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
 
     def check(self, message: Message, part: Part) -> dict[str, Any]:
         """Check that a controller may run under this name with its options, or raise."""
-        CONTROLLERS.get(self._scenario(field(message, "controller", str), message).controller)
+        CONTROLLERS.get(
+            scenario_of(field(message, "controller", str), message, self.named).controller
+        )
         return {}
 
     def picture(self, message: Message, part: Part) -> dict[str, Any]:
@@ -246,35 +247,12 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         return {"data": base64.b64encode(data).decode("ascii")}
 
     def _driven(self, world: World, label: object, message: Message) -> _Driven:
-        scenario = self._scenario(label, message)
+        scenario = scenario_of(label, message, self.named)
         steps = message.get("steps")
         budget = step_budget(world, scenario.run) if steps is None else field(message, "steps", int)
         options = scenario.options(world, min(max(budget, 1), MOST_STEPS))
         episode = simulate(world, scenario.controller, options, record=True, lean=True)
         return _Driven(str(label), world, options, episode, CONTROLLERS.get(scenario.controller))
-
-    def _scenario(self, label: object, message: Message) -> Scenario:
-        """Return the scenario of a controller that the page may run, with the requested options."""
-        check_named(label, self.named)
-        seed = field(message, "seed", int)
-        motion = field(message, "motion", str)
-        time_step = field(message, "time_step", float)
-        check_registered("motion", motion, MOTIONS.names())
-        scenario = Scenario.parse(str(label), motion=motion, time_step=time_step, seed=seed)
-        if not may_run(scenario.controller, self.named):
-            raise InvalidParameter(
-                "not-named",
-                "controller {controller!r} was not named when the studio was started",
-                controller=scenario.controller[:60],
-            )
-        check_registered("motion", scenario.run.motion, MOTIONS.names())
-        asked: dict[str, Value] = (
-            field(message, "options", dict) if scenario.run.motion == motion else {}
-        )
-        # The controller's own variations take precedence over the options for all robots.
-        changed = asked | scenario.run.changed()
-        parameters: dict[str, Value] = {"time_step": scenario.run.time_step, **changed}
-        return Scenario(scenario.controller, RunOptions.of(scenario.run.motion, seed, parameters))
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,13 +15,16 @@ from worldgen.domain import MAX_SIDE
 
 __all__ = [
     "LENGTHS",
+    "MOST_COMPARED",
     "MOST_DROPPED",
     "MOST_MESSAGE",
     "MOST_ROBOTS",
     "MOST_SECONDS",
+    "MOST_SEEDS",
     "MOST_STEPS",
     "MOST_UNITS",
     "MOST_WORKERS",
+    "MOST_WORLDS",
     "Limits",
     "limits",
 ]
@@ -34,6 +37,12 @@ LENGTHS = (0.0001, 10_000)
 """Smallest and largest side of a cell, m: the page writes lengths with nine decimals."""
 MOST_ROBOTS = 6
 """Robots at the same time: more colours could not be told apart."""
+MOST_COMPARED = 12
+"""Controllers in a comparison: more columns would not fit on a screen."""
+MOST_WORLDS = 500
+"""Worlds in a comparison."""
+MOST_SEEDS = 1_000
+"""Runs of a controller that uses chance, in each cell of a comparison."""
 MOST_STEPS = 1_000_000
 """Steps of a run that is played: its recording takes 300 MB."""
 MOST_SECONDS = 7 * 86_400
@@ -50,6 +59,9 @@ class Limits(TypedDict):
     cells: int
     lengths: list[float]
     robots: int
+    compared: int
+    compared_worlds: int
+    compared_seeds: int
     steps: int
     time_steps: list[float]
     seconds: int
@@ -68,6 +80,9 @@ def limits() -> Limits:
         "cells": MOST_CELLS,
         "lengths": list(LENGTHS),
         "robots": MOST_ROBOTS,
+        "compared": MOST_COMPARED,
+        "compared_worlds": MOST_WORLDS,
+        "compared_seeds": MOST_SEEDS,
         "steps": MOST_STEPS,
         "time_steps": list(TIME_STEPS),
         "seconds": MOST_SECONDS,

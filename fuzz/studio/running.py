@@ -3,18 +3,33 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
+from fuzz.studio.messages import field
 from sim.controllers import CONTROLLERS
-from sim.controllers.behaviours.catalogue import is_composition_name, listed_names
+from sim.controllers.behaviours.catalogue import (
+    BEHAVIOURS,
+    is_composition_name,
+    listed_names,
+)
 from sim.motion import MOTIONS
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.registry import only_code
 from worldgen.support.plain_text import shown
-from worldgen.world import FailureRecord
+from worldgen.world import FailureRecord, Value
 
-__all__ = ["allow_only", "check_named", "check_record", "check_registered", "may_run", "names_of"]
+__all__ = [
+    "allow_only",
+    "check_named",
+    "check_record",
+    "check_registered",
+    "may_run",
+    "names_of",
+    "scenario_of",
+]
 
 
 def allow_only(named: Sequence[str]) -> None:
@@ -33,7 +48,18 @@ def may_run(controller: str, named: Sequence[str]) -> bool:
         controller: Its name, without variations.
         named: Controllers named at the start, with variations.
     """
-    return controller in CONTROLLERS.names() or controller in names_of(tuple(named))
+    allowed = names_of(tuple(named))
+    return (
+        controller in CONTROLLERS.names() or controller in allowed or _composes(controller, allowed)
+    )
+
+
+def _composes(controller: str, allowed: Iterable[str]) -> bool:
+    """Return True if a controller is composed of registered behaviours and allowed ones only."""
+    return is_composition_name(controller) and {*listed_names(controller)} <= {
+        *BEHAVIOURS.names(),
+        *allowed,
+    }
 
 
 def check_record(record: FailureRecord, named: Sequence[str]) -> None:
@@ -73,6 +99,9 @@ def check_named(label: object, named: Sequence[str]) -> None:
     if label in named or label in CONTROLLERS.names():
         return
     text = str(label)
+    # Each part's options follow its name, and those of the run follow the word before the colon.
+    if is_composition_name(text) and may_run(text, named):
+        return
     known = (*CONTROLLERS.names(), *named, *names_of(tuple(named)))
     if not any(text.startswith(f"{name}+") for name in known):
         raise InvalidParameter(
@@ -117,3 +146,36 @@ def names_of(labels: tuple[str, ...]) -> frozenset[str]:
             except InvalidParameter:
                 continue
     return frozenset(found)
+
+
+def scenario_of(label: object, message: Mapping[str, Any], named: Sequence[str]) -> Scenario:
+    """Return the scenario of a controller that the page may run, with the requested options.
+
+    Args:
+        label: The controller, with its own options after ``+``.
+        message: The request, with ``motion``, ``time_step``, ``seed`` and ``options``.
+        named: Controllers named at the start, with variations.
+
+    Raises:
+        InvalidParameter: If the page may not run it, or an option does not fit.
+    """
+    check_named(label, named)
+    seed = field(message, "seed", int)
+    motion = field(message, "motion", str)
+    time_step = field(message, "time_step", float)
+    check_registered("motion", motion, MOTIONS.names())
+    scenario = Scenario.parse(str(label), motion=motion, time_step=time_step, seed=seed)
+    if not may_run(scenario.controller, named):
+        raise InvalidParameter(
+            "not-named",
+            "controller {controller!r} was not named when the studio was started",
+            controller=scenario.controller[:60],
+        )
+    check_registered("motion", scenario.run.motion, MOTIONS.names())
+    asked: dict[str, Value] = (
+        field(message, "options", dict) if scenario.run.motion == motion else {}
+    )
+    # The controller's own variations take precedence over the options for all robots.
+    changed = asked | scenario.run.changed()
+    parameters: dict[str, Value] = {"time_step": scenario.run.time_step, **changed}
+    return Scenario(scenario.controller, RunOptions.of(scenario.run.motion, seed, parameters))

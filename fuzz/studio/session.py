@@ -26,7 +26,7 @@ __all__ = ["PROTOCOL", "Session"]
 PROTOCOL = 2  # increased whenever an older page would not understand
 # Only the newest request of these kinds counts.
 _REPLACED = frozenset(
-    {"decide", "edits", "generate", "measure", "run", "signal", "watch", "widest"}
+    {"compare", "decide", "edits", "generate", "measure", "run", "signal", "watch", "widest"}
 )
 # Requests that run controllers or take long, and write nothing, can be ended.
 _ENDED = _REPLACED | {"before", "hello", "look", "picture"}

@@ -39,6 +39,7 @@ WORKER_OF = {
     "measure": "widths",
     "run": "runs",
     "check": "looks",
+    "compare": "tables",
     "picture": "pictures",
     "before": "pictures",
     "begin": "campaigns",

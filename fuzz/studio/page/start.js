@@ -3,6 +3,7 @@
 import { byId, el, keyButton, say, shortName } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
 import { makeCampaign } from "#studio/campaign/campaign.js";
+import { makeCompare } from "#studio/compare/compare.js";
 import { exampleButtons } from "#studio/draw/examples.js";
 import { Ended, makeConnection, shareToken, takeToken } from "#studio/shared/connection.js";
 import { findDraft, keepDraft, lendDraft, openedBefore, reclaimDraft, takeOver } from "#studio/shared/drafts.js";
@@ -19,7 +20,7 @@ import { linkTo, readLink } from "#studio/shared/links.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
 import { makeTour } from "#studio/shared/tour.js";
 
-const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"], campaign: ["Campaign", "3"] };
+const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"], campaign: ["Campaign", "3"], compare: ["Compare", "4"] };
 const SIDE = 40; // cells of the initial world
 const SLOW = 2000; // ms after which the page explains the delay
 
@@ -34,6 +35,7 @@ const studio = {
   draw: null,
   play: null,
   campaign: null,
+  compare: null,
   askWidest: () => prove.widest(),
   say: (words) => say(words),
   page: () => (Object.hasOwn(PAGES, readLink(location.hash).page) ? readLink(location.hash).page : "draw"),
@@ -92,7 +94,8 @@ function setWidest(widest) {
 function showLink() {
   if (!followed) return; // the link that the page was opened with is still to be followed
   const page = studio.page();
-  const shows = page === "campaign" ? studio.campaign.link() : { world: studio.model.world.name, ...(page === "play" ? studio.play.link() : {}) };
+  const own = { campaign: studio.campaign, compare: studio.compare }[page];
+  const shows = own ? own.link() : { world: studio.model.world.name, ...(page === "play" ? studio.play.link() : {}) };
   const link = linkTo(page, shows);
   if (link !== location.hash) history.replaceState(null, "", `${location.pathname}${link}`);
 }
@@ -103,6 +106,10 @@ async function followLink() {
   followed = true;
   if (page === "campaign") {
     studio.campaign.follow(shows);
+    return;
+  }
+  if (page === "compare") {
+    studio.compare.follow(shows);
     return;
   }
   if (page === "play") studio.play.follow(shows);
@@ -188,6 +195,7 @@ function route() {
   if (page !== "play") studio.play.pause();
   if (page === "play") studio.play.begin();
   else if (page === "campaign") studio.campaign.begin();
+  else if (page === "compare") studio.compare.begin();
   else studio.draw.refresh();
   showName();
 }
@@ -232,6 +240,7 @@ async function begun(begins) {
   if (told.length > 0) notice(told.join(" "));
   studio.play.refresh();
   studio.campaign.refresh();
+  studio.compare.refresh();
   changed();
   if (studio.page() === "play") studio.play.begin();
 }
@@ -263,12 +272,14 @@ const sameIfEqual = (before, now) => (before && JSON.stringify(before) === JSON.
 async function codeEdited(files) {
   studio.play.edited(files);
   studio.campaign.edited(files);
+  studio.compare.edited(files);
   try {
     const offered = await hello([]);
     notice(unusable(offered.controllers).join(" "));
     studio.offered = sameIfEqual(studio.offered, stillOffered(studio.offered, offered));
     studio.play.refresh();
     studio.campaign.refresh();
+    studio.compare.refresh();
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
   }
@@ -336,6 +347,7 @@ function begin() {
   studio.draw = makeDraw(byId("draw"), studio);
   studio.play = makePlay(byId("play"), studio);
   studio.campaign = makeCampaign(byId("campaign"), studio);
+  studio.compare = makeCompare(byId("compare"), studio);
   listenToBoard(studio.draw);
   followSystem(byId("theme"), () => {
     if (studio.draw.board.signal) studio.draw.board.signal.picture = null;
@@ -368,7 +380,7 @@ async function goOn() {
 
 // Moves the focus past the header to the contents of the page.
 function toContent() {
-  const first = { draw: "#board", play: "#play button, #play select", campaign: "#campaign select" };
+  const first = { draw: "#board", play: "#play button, #play select", campaign: "#campaign select", compare: "#compare select" };
   document.querySelector(first[studio.page()]).focus();
 }
 

@@ -38,6 +38,10 @@ interface Limits {
   /** m. */
   lengths: [number, number];
   robots: number;
+  /** Controllers, worlds, and runs with chance of a comparison. */
+  compared: number;
+  compared_worlds: number;
+  compared_seeds: number;
   steps: number;
   /** s. */
   time_steps: [number, number];
@@ -301,6 +305,16 @@ interface Studio {
   draw: any;
   play: any;
   campaign: any;
+  compare: any;
+}
+
+/** A world of a comparison: sent along, a file of the folder, or made by a family. */
+interface ComparedWorld {
+  name: string;
+  world?: WorldMessage;
+  file?: string;
+  family?: string;
+  seed?: string;
 }
 
 /** Everything on the board except the world. */

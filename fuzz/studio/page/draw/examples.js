@@ -5,7 +5,7 @@ import { Ended } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 /** By name: the family and seed of an example, and what it is good for. */
-const EXAMPLES = {
+export const EXAMPLES = {
   trap: ["trap", "7", "A trap: robots that only turn away from walls circle in it"],
   maze: ["maze", "3", "A maze: the path is long, and most turns are wrong"],
   fire: ["fire", "3", "A fire: the way is clear now, and not for long"],

@@ -8,6 +8,7 @@ import { endingOf, sceneOf, showInstruments, showRobots } from "#player/robots.j
 import { keep } from "#player/saving.js";
 import { Ended } from "#studio/shared/connection.js";
 import { messageOf } from "#studio/draw/model.js";
+import { joinNames, splitNames } from "#studio/shared/links.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
 import { makeCodeNote } from "#studio/play/code_note.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
@@ -59,6 +60,8 @@ export function makePlay(section, studio) {
     },
     edited: (files) => edited(play, files),
     link: () => linkOf(play),
+    setup: () => play.robots.message(),
+    own: () => play.robots.own(),
     follow: (shows) => follow(play, shows),
     prefer: (failure) => {
       play.robots.prefer(failure);
@@ -96,13 +99,13 @@ function begin(play) {
 function linkOf({ message }) {
   if (!message) return {};
   const { controllers, motion, seed } = message;
-  return { robots: controllers.join(","), motion, seed: seed || null };
+  return { robots: joinNames(controllers), motion, seed: seed || null };
 }
 
-// Takes the robots that a link names, and their step.
-function follow(play, { robots, motion, seed, step }) {
+// Takes the robots that a link or a comparison names, and their step; `more` has settings that a link leaves as they are.
+function follow(play, { robots, motion, seed, step, ...more }) {
   play.wantedStep = step === undefined ? null : Number(step);
-  if (robots) play.robots.follow({ robots: robots.split(","), motion, seed: Number(seed ?? 0) });
+  if (robots) play.robots.follow({ robots: splitNames(robots), motion, seed: Number(seed ?? 0) }, more);
 }
 
 // Takes note of edited files: results of the code as it was are marked as outdated, and run again.

@@ -71,9 +71,10 @@ export function makeRobots(studio, run, more) {
     good: (leads) => isAllGood(robots, leads),
     settings: (heading) => parts.settings.open(heading),
     message: () => messageFor(robots),
+    own: () => state.own,
     prefer: (failure) => prefer(robots, failure),
     forget: () => forget(robots),
-    follow: (wanted) => follow(robots, wanted),
+    follow: (wanted, more) => follow(robots, wanted, more),
   };
 }
 
@@ -391,19 +392,21 @@ function prefer(robots, failure) {
   showChanges(robots);
 }
 
-// Takes the robots, the motion model and the seed that a link names, as far as they are offered.
-function follow(robots, { robots: names, motion, seed }) {
+// Takes the robots, the motion model and the seed that a link names, as far as they are offered, and other settings.
+function follow(robots, { robots: names, motion, seed }, more) {
   const { state, studio } = robots;
   refresh(robots);
   if (!studio.offered) return;
   forget(robots);
   if (motion !== state.motion && studio.offered.motions.some(({ name }) => name === motion)) setMotion(robots, motion);
   const offered = new Set(offeredTo(robots).map(({ name }) => name));
-  const known = names.filter((name) => offered.has(name) || offered.has(name.split("+")[0])).slice(0, studio.limits.robots);
+  const known = names.filter((name) => offered.has(name) || offered.has(name.split("+")[0]) || name.startsWith("behaviours")).slice(0, studio.limits.robots);
   if (known.length > 0) state.chosen = known;
   for (const name of known) if (!offered.has(name) && !state.own.includes(name)) state.own.push(name);
   if (Number.isSafeInteger(seed) && seed >= 0) state.seed = seed;
+  if (more.options) Object.assign(state, { time_step: more.time_step, steps: more.steps ?? "", options: { ...more.options }, still: false });
   showNumbers(robots);
+  showOptions(robots);
   showList(robots);
 }
 

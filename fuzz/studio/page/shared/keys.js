@@ -7,7 +7,7 @@ import { TOOLS } from "#studio/draw/tools.js";
 const EVERYWHERE = [
   ["?", "Show these keys"],
   ["d", "Dark or light"],
-  ["1, 2, 3", "Draw, play, campaign"],
+  ["1, 2, 3, 4", "Draw, play, campaign, compare"],
   ["Ctrl+S", "Save the drawn world"],
   ["Ctrl+Enter", "Run the robots in the drawn world; restart a run"],
   ["Ctrl+M, Ctrl+I", "Go to the board; to the run in the drawn world"],
@@ -129,8 +129,9 @@ function plainFor(studio, event) {
     1: () => studio.go("draw"),
     2: () => studio.go("play"),
     3: () => studio.go("campaign"),
+    4: () => studio.go("compare"),
   };
-  const pages = { draw: () => drawKeys(studio.draw), play: () => playKeys(studio.play, event), campaign: () => ({}) };
+  const pages = { draw: () => drawKeys(studio.draw), play: () => playKeys(studio.play, event), campaign: () => ({}), compare: () => ({}) };
   return keys[key] || pages[studio.page()]()[key] || null;
 }
 

@@ -11,6 +11,24 @@ export function readLink(hash) {
 }
 
 /**
+ * Returns names as one text of a link; the name of a composition contains commas itself.
+ * @param {string[]} names
+ * @returns {string}
+ */
+export function joinNames(names) {
+  return names.map((name) => name.replaceAll("%", "%25").replaceAll(",", "%2C")).join(",");
+}
+
+/**
+ * Returns the names in a text that `joinNames` made.
+ * @param {string} text
+ * @returns {string[]}
+ */
+export function splitNames(text) {
+  return text.split(",").map((name) => name.replaceAll("%2C", ",").replaceAll("%25", "%"));
+}
+
+/**
  * Returns a link; what is empty or unknown is left out.
  * @param {string} page
  * @param {Record<string, string | number | null | undefined>} shows

@@ -9,6 +9,7 @@ const STOPS = [
   ["play", "#run", "Play runs robots in your drawing. Choose one to six controllers, and press Run or Ctrl+Enter."],
   ["play", ".results", "A result says how each run ended. Space plays it, the slider moves through time."],
   ["campaign", "#campaign-form", "A campaign searches for worlds in which a controller fails, and makes each as small as it can."],
+  ["compare", "#compare-form", "Compare puts several robots into several worlds, in one table. A click on a result plays it."],
   ["campaign", "#campaign-form", "Start the studio with --controller ./mine.py:Robot to do all this with your own robot. It runs again whenever you save its file."],
 ];
 

@@ -1,0 +1,238 @@
+// The page that compares several controllers over several worlds, as `worldgen compare` does.
+
+import { breakable, el, grouped, plural, say, shortName } from "#player/dom.js";
+import { makeTable } from "#studio/compare/table.js";
+import { sourcesOf, worldsOf } from "#studio/compare/worlds.js";
+import { messageOf } from "#studio/draw/model.js";
+import { Ended } from "#studio/shared/connection.js";
+import { fileWords, runsOneOf } from "#studio/shared/edits.js";
+import { isGood, labelled, motionField, number } from "#studio/shared/fields.js";
+import { keep, keptOf } from "#studio/shared/kept.js";
+import { joinNames, splitNames } from "#studio/shared/links.js";
+import { Refused } from "#studio/shared/refusals.js";
+
+const KEPT = "compare"; // key for the choices, in the browser's storage
+const USUAL = { motion: "swept", chosen: ["turn-right", "bug2", "vfh"], sources: ["examples"], seeds: 20 };
+
+/**
+ * Makes the page.
+ * @param {HTMLElement} section
+ * @param {Studio} studio
+ * @returns {any}
+ */
+export function makeCompare(section, studio) {
+  /** @type {any} */
+  const compare = { studio, state: { ...USUAL }, folder: null, offered: null, files: [], running: null, asked: null, wanted: null };
+  const parts = {
+    said: el("p", { class: "said quiet", role: "status", id: "compare-said" }, "Choose robots and worlds, then press Compare."),
+    form: el("form", { id: "compare-form", class: "panel", novalidate: true, onsubmit: (event) => (event.preventDefault(), run(compare)) }, el("p", { class: "quiet" }, "Loading the choices …")),
+    run: el("button", { type: "submit", class: "main", id: "run-compare" }, "Compare"),
+    stop: el("button", { type: "button", id: "stop-compare", hidden: true, onclick: () => compare.running?.stop() }, "Stop"),
+  };
+  const table = makeTable((row, column) => open(compare, row, column));
+  Object.assign(compare, { parts, table });
+  section.replaceChildren(
+    el("div", { class: "middle" }, el("div", { class: "line" }, parts.said, parts.stop), table.element),
+    el("aside", { class: "side" }, parts.form),
+  );
+  return {
+    begin: () => begin(compare),
+    refresh: () => refresh(compare),
+    edited: (files) => edited(compare, files),
+    link: () => linkOf(compare.state),
+    follow: (shows) => follow(compare, shows),
+  };
+}
+
+// Returns what a link to the table names.
+function linkOf({ chosen, motion, sources }) {
+  return { robots: joinNames(chosen), motion, worlds: joinNames(sources) };
+}
+
+// Takes the robots, the motion model and the worlds that a link names, and compares them.
+async function follow(compare, { robots, motion, worlds }) {
+  refresh(compare);
+  if (!robots || !worlds || !compare.offered) return;
+  const { state, studio } = compare;
+  const isKnown = studio.offered?.motions.some(({ name }) => name === motion);
+  Object.assign(state, { chosen: splitNames(robots), sources: splitNames(worlds), motion: isKnown ? motion : state.motion });
+  await list(compare);
+  build(compare);
+  run(compare);
+}
+
+async function begin(compare) {
+  refresh(compare);
+  if (!compare.offered) return;
+  showRobots(compare); // with those added on Play meanwhile
+  await list(compare);
+  showWorlds(compare);
+}
+
+async function list(compare) {
+  try {
+    const { files } = await compare.studio.connection.ask("files");
+    compare.files = files;
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    tell(compare, error.message, error instanceof Refused);
+  }
+}
+
+function refresh(compare) {
+  const { studio, state } = compare;
+  if (!studio.offered || compare.offered === studio.offered) return;
+  if (compare.folder !== studio.folder) Object.assign(state, USUAL, firstOf(studio.offered), keptOf(studio.folder, KEPT));
+  Object.assign(compare, { offered: studio.offered, folder: studio.folder });
+  build(compare);
+}
+
+// Returns the robots to begin with: those that were named when the studio was started come first.
+function firstOf({ controllers }) {
+  const own = controllers.filter(({ named, fault }) => named && !fault);
+  if (own.length === 0) return {};
+  const [{ motion }] = own;
+  return { motion, chosen: [...own.map(({ name }) => name), ...(motion === USUAL.motion ? USUAL.chosen : [])].slice(0, 6) };
+}
+
+// Builds the form from the choices.
+function build(compare) {
+  const { parts, state, studio } = compare;
+  parts.motion = motionField(compare.offered.motions, state.motion, (name) => {
+    state.motion = name;
+    showRobots(compare);
+  });
+  parts.motion.show(state.motion);
+  parts.robots = el("div", { class: "robots", role: "group", "aria-label": "Controllers to compare" });
+  parts.worlds = el("div", { class: "sources", role: "group", "aria-label": "Worlds to compare in" });
+  parts.seeds = number(state.seeds, (value) => (state.seeds = Math.round(value)), { low: 1, high: studio.limits?.compared_seeds, step: 1 });
+  parts.form.replaceChildren(
+    el("div", { class: "line" }, el("h2", {}, "Compare"), parts.run),
+    parts.motion.element,
+    parts.robots,
+    el("h2", {}, "Worlds"),
+    parts.worlds,
+    labelled("Runs with chance", parts.seeds, { help: "For each robot that draws random numbers. Steps, seed and options are those of Play, where you add robots with options." }),
+  );
+  showRobots(compare);
+  showWorlds(compare);
+}
+
+function offeredTo({ offered, state }) {
+  const motion = offered.motions.find(({ name }) => name === state.motion);
+  return offered.controllers.filter(({ named, fault, thesis, lattice }) => (named || !fault) && (motion?.thesis ? thesis : lattice));
+}
+
+// Lists the robots of the motion model, and chosen ones that have options of their own.
+function showRobots(compare) {
+  const { parts, state } = compare;
+  const names = offeredTo(compare).map(({ name }) => name);
+  state.chosen = state.chosen.filter((one) => names.includes(one) || names.includes(one.split("+")[0]) || one.startsWith("behaviours"));
+  if (state.chosen.length === 0) state.chosen = names.slice(0, 3);
+  const own = [...new Set([...compare.studio.play.own(), ...state.chosen])].filter((one) => !names.includes(one));
+  const box = (name) =>
+    el(
+      "label",
+      { class: "check", title: name },
+      el("input", { type: "checkbox", value: name, checked: state.chosen.includes(name), onchange: ({ target }) => toggle(compare, "chosen", name, target.checked) }),
+      el("span", {}, breakable(shortName(name))),
+    );
+  parts.robots.replaceChildren(...[...names, ...own].map(box));
+}
+
+function showWorlds(compare) {
+  const { parts, state, files } = compare;
+  if (!parts.worlds) return;
+  const box = ([key, words]) =>
+    el(
+      "label",
+      { class: "check" },
+      el("input", { type: "checkbox", value: key, checked: state.sources.includes(key), onchange: ({ target }) => toggle(compare, "sources", key, target.checked) }),
+      el("span", {}, words),
+    );
+  parts.worlds.replaceChildren(...sourcesOf(files).map(box));
+}
+
+function toggle({ state }, what, name, on) {
+  state[what] = state[what].filter((one) => one !== name);
+  if (on) state[what].push(name);
+}
+
+function tell({ parts }, words, isBad = false) {
+  parts.said.className = isBad ? "said bad" : "said quiet";
+  parts.said.textContent = words;
+}
+
+// Compares what is chosen; cells appear as they are finished.
+async function run(compare) {
+  const { studio, state, parts, table } = compare;
+  if (!isGood(parts.seeds)) {
+    parts.seeds.focus();
+    return;
+  }
+  const { compared, compared_worlds: most } = studio.limits;
+  const sources = sourcesOf(compare.files).map(([key]) => key).filter((key) => state.sources.includes(key));
+  const all = worldsOf(sources, compare.files, { name: studio.model.world.name, world: messageOf(studio.model.world) });
+  const worlds = all.slice(0, most);
+  if (state.chosen.length === 0 || state.chosen.length > compared || worlds.length === 0) {
+    tell(compare, worlds.length === 0 ? "No world is chosen: tick some under Worlds." : `Choose 1 to ${compared} controllers.`, true);
+    return;
+  }
+  // With Play's settings, so that a click on a cell plays this very run.
+  const { time_step, seed, steps, options, motion } = studio.play.setup();
+  const setup = { motion: state.motion, time_step, seed, steps, options: motion === state.motion ? options : {} };
+  const asked = { ...setup, controllers: [...state.chosen], worlds, seeds: state.seeds };
+  Object.assign(compare, { asked, setup, version: studio.model.version });
+  keep(studio.folder, KEPT, state);
+  studio.showLink();
+  table.begin(asked.controllers, worlds);
+  parts.stop.hidden = false;
+  const count = asked.controllers.length * worlds.length;
+  let done = 0;
+  const take = (part) => {
+    if (compare.asked !== asked) return;
+    table.take(part);
+    done += part.column !== undefined ? 1 : part.error ? asked.controllers.length : 0;
+    tell(compare, `${grouped(done)} of ${plural(count, "cell")} …`);
+  };
+  tell(compare, "Preparing …");
+  try {
+    compare.running = studio.connection.ask("compare", asked, take);
+    const { totals, rows } = await compare.running;
+    if (compare.asked !== asked) return;
+    table.totals(totals, rows);
+    const left = all.length > most ? ` Only the first ${most} of ${grouped(all.length)} worlds are compared.` : "";
+    tell(compare, `${plural(worlds.length, "world")}, ${plural(asked.controllers.length, "controller")}. Click a result to play it.${left}`);
+    say(parts.said.textContent);
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    if (compare.asked === asked) tell(compare, error.message, error instanceof Refused);
+  } finally {
+    if (compare.asked === asked) parts.stop.hidden = true;
+  }
+}
+
+// Plays the run of a cell: its world on the board, its controller on Play.
+async function open(compare, row, column) {
+  const { studio, asked, setup, version } = compare;
+  const world = asked.worlds[row];
+  try {
+    if (world.file) {
+      if (studio.model.world.name !== world.file || studio.model.unsaved) studio.show(await studio.connection.ask("open", { name: world.file }), world.file, world.file);
+    } else if (world.family) studio.show(await studio.connection.ask("generate", { family: world.family, seed: world.seed, parameters: {} }), "", `the example ${world.family}`);
+    else if (studio.model.version !== version) studio.show({ world: world.world }, "", "the world that was compared");
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    tell(compare, error.message, error instanceof Refused);
+    return;
+  }
+  studio.play.follow({ ...setup, robots: joinNames([asked.controllers[column]]), seed: compare.table.seedOf(row, column) ?? setup.seed });
+  studio.play.run(); // first, so that opening the page does not run it again
+  studio.go("play");
+}
+
+// Says that results are of the code as it was before an edit.
+function edited(compare, files) {
+  const own = files.filter(({ controllers }) => (compare.asked?.controllers ?? []).some((robot) => runsOneOf(robot, controllers)));
+  if (own.length > 0) tell(compare, `${fileWords(own)} changed: press Compare again.`);
+}

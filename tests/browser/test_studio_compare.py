@@ -1,0 +1,74 @@
+"""The table of several controllers over several worlds: verdicts, a click that plays, a link."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import opened
+
+CORPORA = Path(__file__).parents[2] / "corpora"
+
+
+@pytest.fixture(scope="module")
+def gate(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("compare")
+    (folder / "maps").mkdir()
+    for number in (1, 5):
+        shutil.copy(CORPORA / f"thesis/config-0{number}.grid", folder / "maps")
+    with studio_of(folder) as gate:
+        yield gate
+
+
+@pytest.mark.gate
+def test_a_table_fills_and_a_click_plays_its_run_and_a_link_makes_it_again(browser, gate):
+    with opened(browser, gate) as page:
+        page.keyboard.press("4")
+        page.get_by_label("maps (2 worlds)").check()
+        page.locator("#compare").get_by_label("vfh").uncheck()
+        page.locator("#run-compare").click()
+        page.locator(".comparison tfoot td").nth(1).wait_for()
+        # A colour and a word in each cell.
+        words = page.locator(".cell b").all_inner_texts()
+        verdicts = page.locator("td:has(.cell)").evaluate_all(
+            "all => all.map(one => one.dataset.verdict)"
+        )
+        assert words == verdicts and len(words) == 10 and {"loop", "reached"} <= set(words)
+        address = page.url
+        assert address.endswith(
+            "#compare?robots=turn-right,bug2&motion=swept&worlds=examples,folder:maps"
+        )
+
+        # A click plays the run of the cell: the same world, robot, verdict and steps.
+        cell = page.locator("tr", has_text="config-05").locator(".cell").nth(1)
+        facts = cell.inner_text()
+        cell.click()
+        page.locator(".result[data-controller=bug2]").wait_for()
+        page.locator("#name", has_text="maps/config-05.grid").wait_for()
+        shown = page.locator(".result").inner_text()
+        assert "reached" in facts and "reached" in shown
+        assert facts.split(", ")[-1] in shown
+        assert page.complaints == []
+    # The link makes the same table in a browser that knows nothing of it.
+    with opened(browser, gate) as page:
+        page.goto(f"{page.url.partition('#')[0]}#compare?{address.partition('?')[2]}")
+        page.locator(".comparison tfoot td").nth(1).wait_for()
+        assert page.locator(".cell b").all_inner_texts() == words
+
+
+@pytest.mark.nightly
+def test_nothing_chosen_is_said_and_a_comparison_can_be_stopped(browser, gate):
+    with opened(browser, gate) as page:
+        page.keyboard.press("4")
+        page.get_by_label("The examples").uncheck()
+        page.locator("#run-compare").click()
+        page.locator("#compare-said.bad", has_text="No world is chosen").wait_for()
+        page.get_by_label("The examples").check()
+        page.locator("#compare").get_by_label("turn-random").check()
+        page.get_by_label("Runs with chance").fill("1000")
+        page.locator("#run-compare").click()
+        page.locator("#stop-compare").click()
+        page.locator("#compare-said", has_text="Stopped.").wait_for()
+        assert page.locator("#stop-compare").is_hidden()
+        assert page.complaints == []
