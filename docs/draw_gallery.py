@@ -33,11 +33,11 @@ ID = 8  # hex digits of a world's id that the page and the picture name
 
 START = "## Gallery\n"
 INTRO = f"""{START}
-Every family with every one of its words, each with seeds {FIRST} to {FIRST + EACH - 1}. The orange line is the witness:
-it proves that a disc of the robot's size gets from the start (green, with its heading) to the target (blue). Hatched
-cells burn, dotted outlines change. Where there are several robots, each has its own colour. Below each picture stand
-the commands that make its worlds, as sets ([sets.md](../howto/sets.md)), and the first {ID} hex digits of the worlds'
-ids.
+The gallery shows every family with each of its choices, with seeds {FIRST} to {FIRST + EACH - 1}. The orange line is
+the witness: it proves
+that a disc of the robot's size gets from the start (green, with its heading) to the target (blue). Hatched cells burn,
+dotted outlines change. If there are several robots, each has its own colour. Below each picture are the commands that
+make its worlds as sets ([sets.md](../howto/sets.md)), and the first {ID} hex digits of the worlds' ids.
 
 `python docs/draw_gallery.py` makes this section and its pictures.
 """
@@ -214,8 +214,8 @@ def heading(family: str) -> str:
     """Return the heading of a family, and its description."""
     if family == RECIPES:
         about = (
-            "Worlds put together from parts, each by a file ([compose.md](../howto/compose.md)). One "
-            "that draws nothing is the"
+            "Each of these worlds is put together from parts by a recipe file "
+            "([compose.md](../howto/compose.md)). A recipe that draws nothing gives the"
         )
         return f"Recipes\n\n{about}\nsame world for every seed."
     about = FAMILIES.get(family)

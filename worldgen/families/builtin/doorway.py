@@ -32,7 +32,7 @@ def doorway(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """Build two rooms with a door between them, through which robots want from both sides.
+    """Build two rooms joined by a door that robots need to pass from both sides.
 
     Robots that meet in the door block each other, unless one of them makes way. Each room is wide
     enough for that.
