@@ -34,9 +34,8 @@ ID = 8  # hex digits of a world's id that the page and the picture name
 START = "## Gallery\n"
 INTRO = f"""{START}
 The gallery shows every family with each of its choices, with seeds {FIRST} to {FIRST + EACH - 1}. The orange line is
-the witness: it proves
-that a disc of the robot's size gets from the start (green, with its heading) to the target (blue). Hatched cells burn,
-dotted outlines change. If there are several robots, each has its own colour. Below each picture are the commands that
+the witness: it proves that a disc of the robot's size gets from the start (green, with its heading) to the target
+(blue). Hatched cells burn, dotted outlines change. If there are several robots, each has its own colour. Below each picture are the commands that
 make its worlds as sets ([sets.md](../howto/sets.md)), and the first {ID} hex digits of the worlds' ids.
 
 `python docs/draw_gallery.py` makes this section and its pictures.
@@ -215,9 +214,9 @@ def heading(family: str) -> str:
     if family == RECIPES:
         about = (
             "Each of these worlds is put together from parts by a recipe file "
-            "([compose.md](../howto/compose.md)). A recipe that draws nothing gives the"
+            "([compose.md](../howto/compose.md)). A recipe that"
         )
-        return f"Recipes\n\n{about}\nsame world for every seed."
+        return f"Recipes\n\n{about}\ndraws nothing gives the same world for every seed."
     about = FAMILIES.get(family)
     return f"`{family}`, version {about.version}\n\n{about.description.splitlines()[0]}"
 
