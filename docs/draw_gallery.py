@@ -36,7 +36,8 @@ INTRO = f"""{START}
 The gallery shows every family with each of its choices, with seeds {FIRST} to {FIRST + EACH - 1}. The orange line is
 the witness: it proves that a disc of the robot's size gets from the start (green, with its heading) to the target
 (blue). Hatched cells burn, dotted outlines change. If there are several robots, each has its own colour.
-Below each picture are the commands that make its worlds as sets ([sets.md](../howto/sets.md)), and the first {ID} hex digits of the worlds' ids.
+Below each picture are the commands that make its worlds as sets ([sets.md](../howto/sets.md)), and the first {ID} hex
+digits of the worlds' ids.
 
 `python docs/draw_gallery.py` makes this section and its pictures.
 """
