@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sim.controllers.behaviours.catalogue import is_composition_name
+from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.options.robot import RobotOptions
 from sim.options.run import (
@@ -153,7 +154,7 @@ def read_settings(text: str, motion: str = RunOptions.motion) -> tuple[str, dict
     motion = settings.get("motion", motion)
     values: dict[str, Value] = {}
     for name, value in written.items():
-        values |= _parsed(motion, name, value)
+        values |= _parsed(motion, name, value, controller)
     return controller, settings | (switch_sets(motion, values) if values else {})
 
 
@@ -164,7 +165,8 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
     composition's colon, options belong to its parts.
     """
     if not _has_options_first(text):
-        return split_options(text, "thesis-1+noise, or ./mine.py:Robot")
+        name, options = split_options(text, "thesis-1+noise, or ./mine.py:Robot")
+        return _with_own(name, options)
     head, colon, command = text.partition(":")
     name, options = split_options(head, "cmd+motion=endpoint:./mine")
     own = {*_OF_EVERY_RUN, *RobotOptions.names(), *RobotOptions.TOGETHER}
@@ -176,6 +178,20 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
         if option not in own:
             words.append(option if value is None else f"{option}={value}")
     return "+".join(words) + colon + command, of_the_run
+
+
+def _with_own(name: str, options: dict[str, str | None]) -> tuple[str, dict[str, str | None]]:
+    """Move a controller's own options, such as ``places=16``, from those of the run into its name."""
+    of_runs = {*_OF_EVERY_RUN, *RobotOptions.names(), *ThesisOptions.names()}
+    of_runs |= {*RobotOptions.TOGETHER, *ThesisOptions.TOGETHER}
+    if of_runs.issuperset(options):
+        return name, options
+    own = CONTROLLERS.option_names(name)
+    words = [name]
+    for option in [one for one in options if one in own]:
+        value = options.pop(option)
+        words.append(option if value is None else f"{option}={value}")
+    return "+".join(words), options
 
 
 def _has_options_first(name: str) -> bool:
@@ -197,10 +213,12 @@ def _refuse_program_options(controller: str, options: Mapping[str, str | None]) 
             )
 
 
-def _parsed(motion: str, name: str, text: str | None) -> dict[str, Value]:
+def _parsed(motion: str, name: str, text: str | None, controller: str) -> dict[str, Value]:
     """Return one option as written; an option of another motion model raises an error that says so."""
     own = switch_class(motion)
     other = RobotOptions if own is ThesisOptions else ThesisOptions
     if name not in (*own.names(), *own.TOGETHER) and name in (*other.names(), *other.TOGETHER):
         raise option_without_effect(motion, name)
-    return own.parse(name, text)
+    if name in (*own.names(), *own.TOGETHER) or _has_options_first(controller):
+        return own.parse(name, text)
+    return own.parse(name, text, also=CONTROLLERS.option_names(controller.partition("+")[0]))

@@ -55,6 +55,10 @@ _WRITTEN = re.compile(rf"(?P<name>.+?)(?P<options>(?:{_OPTION})*)", re.DOTALL)
 _REGISTERED = re.compile(
     r"(?P<name>[\w-]+)(?P<options>(?:\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+]*)?)*)", re.DOTALL
 )
+# After a class in a file, too: ``./mine.py:Robot+learned=taught/today.json``.
+_CLASS_IN_FILE = re.compile(
+    r"(?P<name>.+\.py:[A-Za-z_]\w*)(?P<options>(?:\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+]*)?)*)", re.DOTALL
+)
 _SWITCH = {
     "on": True,
     "true": True,
@@ -412,7 +416,8 @@ def split_options(
         InvalidParameter: If a name is missing, or an option is there twice.
     """
     # Split off the name.
-    parts = _REGISTERED.fullmatch(text.strip()) or _WRITTEN.fullmatch(text.strip())
+    ways_to_read = (_REGISTERED, _CLASS_IN_FILE, _WRITTEN)
+    parts = next(filter(None, (one.fullmatch(text.strip()) for one in ways_to_read)), None)
     if parts is None:
         raise InvalidParameter(
             "empty-name", "an empty text is not a name", "write one like {example}", example=example

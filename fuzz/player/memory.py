@@ -19,10 +19,11 @@ from sim.trace import Trace
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT
 
-__all__ = ["BLOCKED", "CELL", "PLACE", "PLAN", "drawn_memory"]
+__all__ = ["BLOCKED", "CELL", "DEGREE", "EDGE", "NODE", "PLACE", "PLAN", "drawn_memory"]
 
-BLOCKED, CELL, PLAN, PLACE = range(4)
-"""Kinds of shapes: a blocked line, an occupied rectangle, part of the plan, a remembered point."""
+BLOCKED, CELL, PLAN, PLACE, NODE, EDGE, DEGREE = range(7)
+"""Kinds of shapes: a blocked line, an occupied rectangle, part of the plan, a remembered point, a place
+of a graph, a way between two of them, and a rectangle with a degree."""
 
 _SCALE = 1000  # a named number is shown to thousandths
 # Times at which a map is read. If it changes more often, only every second change is used, or every
@@ -32,6 +33,8 @@ _MOST_MAPS = 400
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Shape = tuple[int, int, int, int, int]
+# Degrees are shown in so many steps. The kinds from DEGREE on are rectangles, the worst first.
+_DEGREES = 4
 
 
 def drawn_memory(
@@ -49,8 +52,9 @@ def drawn_memory(
 
     Returns:
         ``fields``: each with ``name``, ``words``, ``least``, and ``values`` by row, in thousandths.
-        ``map``: columns ``kind``, ``x0``, ``y0``, ``x1``, ``y1`` (lattice units of the world; for a
-        point ``x1`` is the number of its name), ``since`` and ``until`` (steps), and ``names``;
+        ``map``: columns ``kind`` (from ``DEGREE`` on: how good a rectangle is), ``x0``, ``y0``,
+        ``x1``, ``y1`` (lattice units of the world; for a point ``x1`` is the number of its name;
+        a place of a graph has the second pair 0), ``since`` and ``until`` (steps), and ``names``;
         null if there is no map. ``fault``: why nothing can be shown, or "".
     """
     read = getattr(controller, "memory_map", None)
@@ -182,17 +186,30 @@ def _shapes(read: MemoryMap, cell_size: float, names: dict[str, int]) -> set[Sha
         (BLOCKED, read.blocked),
         (CELL, read.cells),
         (PLAN, np.column_stack((plan[:-1], plan[1:]))),
+        (EDGE, read.edges),
     )
     found: set[Shape] = set()
     for kind, ends in lines:
-        units = np.rint(np.asarray(ends, np.float64).reshape(-1, 4) / cell_size * UNIT).astype(
-            np.int64
-        )
+        units = _units(ends, 4, cell_size)
         found.update((kind, x0, y0, x1, y1) for x0, y0, x1, y1 in units.tolist())
+    found.update((NODE, x, y, 0, 0) for x, y in _units(read.nodes, 2, cell_size).tolist())
+    degrees = np.asarray(read.degrees, np.float64).reshape(-1, 5)
+    steps = np.clip(np.floor(degrees[:, 4] * _DEGREES), 0, _DEGREES - 1).astype(np.int64)
+    corners = _units(degrees[:, :4], 4, cell_size)
+    found.update(
+        (kind, x0, y0, x1, y1)
+        for kind, (x0, y0, x1, y1) in zip((DEGREE + steps).tolist(), corners.tolist(), strict=True)
+    )
     for name, place in read.places.items():
         x, y = (round(value / cell_size * UNIT) for value in place)
         found.add((PLACE, x, y, names.setdefault(name, len(names)), 0))
     return found
+
+
+def _units(lengths: npt.ArrayLike, columns: int, cell_size: float) -> Ints:
+    """Return lengths, m, as a table of lattice units."""
+    table = np.asarray(lengths, np.float64).reshape(-1, columns)
+    return np.rint(table / cell_size * UNIT).astype(np.int64)
 
 
 def _lives(seen: list[set[Shape]], at: Ints, end: int) -> list[tuple[int, ...]]:

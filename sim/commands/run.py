@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,7 @@ from worldgen.cli.output import (
     note,
     write_bytes,
 )
+from worldgen.errors import InvalidParameter
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -168,7 +170,7 @@ def run(
             f"{episode.area_covered:.4g} m2 covered"
         )
         with working(f"drawing {trail}"):
-            picture = _picture(world, episode, title, trail.suffix)
+            picture = _picture(world, episode, scenarios[0].controller, title, trail.suffix)
         write_bytes(trail, picture, force=force)
         note(f"wrote {trail}")
     if episode.verdict not in ARRIVALS:
@@ -285,11 +287,19 @@ def _sentence(episode: Episode) -> str:
     )
 
 
-def _picture(world: World, episode: Episode, title: str, suffix: str) -> bytes:
-    from sim.drawing.picture import drives_of, trails_of
+def _picture(world: World, episode: Episode, controller: str, title: str, suffix: str) -> bytes:
+    from sim.controllers import CONTROLLERS
+    from sim.drawing.picture import drives_of, remembered_at_the_end, trails_of
     from worldgen import render
 
     trail = trails_of(episode, world)
+    if isinstance(trail, render.Trail):
+        # A memory that cannot be read costs its own picture only.
+        try:
+            memory = remembered_at_the_end(episode, CONTROLLERS.get(controller))
+            trail = replace(trail, memory=memory)
+        except InvalidParameter as error:
+            note(f"{error}")
     if suffix == ".gif":
         return render.draw_gif(world, drives_of(episode, world), title=title)
     if suffix == ".svg":

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from sim._core import lib
 from sim.controllers.core_act import CoreAct
 from sim.controllers.memory_view import MemoryField, MemoryMap, check_fields
+from sim.controllers.variants import Variants
 from sim.kernels import layout
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
@@ -227,6 +228,7 @@ class CompiledController:
         memory_map_on: Indices of the numbers that the map depends on; empty means all of them.
         arbitration: How it arbitrates among behaviours, if it does; for traces and charts.
         learning: What of its memory it learns, if it does, for ``worldgen train``.
+        variants: Options of its own, such as the size of its memory, if it has any.
 
     Raises:
         InvalidParameter: If a sense does not exist, ``needs`` is not a :class:`RobotOptions`, or
@@ -247,6 +249,7 @@ class CompiledController:
     memory_map_on: tuple[int, ...] = ()
     arbitration: Arbitration | None = None
     learning: Learning | None = None
+    variants: Variants | None = None
 
     def __post_init__(self) -> None:
         check_declared(self.name, self.senses, self.needs)

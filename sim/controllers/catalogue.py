@@ -16,12 +16,21 @@ from typing import Any
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller, check_declared
 from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
 from sim.controllers.behaviours.composition import composition_named
-from sim.controllers.learning import is_learned_name, learned_file, read_learned, with_numbers
+from sim.controllers.learning import (
+    LEARNED,
+    is_learned_name,
+    learned_file,
+    read_learned,
+    with_numbers,
+)
 from sim.controllers.programs.process import ProcessController, is_process_name
 from sim.controllers.shared.library import library_controller
 from sim.controllers.shared.object_file import is_library_name, library_file
+from sim.controllers.variants import Variants, no_options
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter, Message
+from worldgen.files.whole import expanded
+from worldgen.parameters import split_options
 from worldgen.plugins.registry import Registry, check_code, user_code
 
 __all__ = ["CONTROLLERS", "called", "controller_of", "in_plain_place", "names_in"]
@@ -30,10 +39,24 @@ _NAMES_CODE = re.compile(r"[\w./~-]+:[A-Za-z_]\w*(\+.*)?", re.DOTALL)
 _IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)
 
 
-class _Controllers(Registry[Controller]):
+def _own_words(name: str) -> tuple[str, dict[str, str | None]]:
+    """Split ``topological+places=16`` into the controller and options of its own."""
+    headed = is_process_name(name) or is_composition_name(name)
+    if "+" not in name or headed or is_library_name(name) or is_learned_name(name):
+        return name, {}
+    return split_options(name, "topological+places=16")
+
+
+def _place_apart(name: str) -> str:
+    """Return a controller's name without the folder of its file."""
+    return name.rpartition("/")[2]
+
+
+class ControllerRegistry(Registry[Controller]):
     """A registry that also knows programs (``cmd:``) and shared libraries (``lib:``)."""
 
     def get(self, name: str) -> Controller:
+        # Programs, compositions and what was learned have a prefix.
         if is_process_name(name):
             if name not in self._loaded:
                 check_code(name)
@@ -52,7 +75,54 @@ class _Controllers(Registry[Controller]):
                 check_code(name)
                 self._loaded[name] = library_controller(name)
             return self._loaded[name]
+        # A registered controller, or a class of the user's, may have options of its own.
+        base, words = _own_words(name)
+        if words:
+            return self._with_options(name, base, words)
         return super().get(name)
+
+    def option_names(self, name: str) -> tuple[str, ...]:
+        """Return the options of its own that a controller's name can carry.
+
+        Asking runs no code of a user's: such a controller can only be given what it learned.
+        """
+        if name not in self.entry_points():
+            return (LEARNED,)
+        found = self.get(name)
+        variants: Variants | None = getattr(found, "variants", None)
+        learned = () if getattr(found, "learning", None) is None else (LEARNED,)
+        return (*(() if variants is None else variants.names()), *learned)
+
+    def _with_options(self, name: str, base: str, words: dict[str, str | None]) -> Controller:
+        """Return a controller with options of its own, and with what it learned.
+
+        Raises:
+            InvalidParameter: If an option is unknown or out of range, or the file holds something
+                else than what this controller learned.
+        """
+        path = words.pop(LEARNED, "")
+        found = self.get(base)
+        if words:
+            variants: Variants | None = getattr(found, "variants", None)
+            unknown = [one for one in words if variants is None or one not in variants.names()]
+            if variants is None or unknown:
+                raise InvalidParameter.of(no_options(base, unknown[0]))
+            found = variants.named(words, base, name)
+        if path == "":
+            return found
+        learned = read_learned(expanded(path or "."))
+        # The class comes from the name, so a file that names other code cannot run it.
+        if _place_apart(learned.controller) != _place_apart(base):
+            raise InvalidParameter(
+                "other-controller",
+                "{path} holds what {other!r} learned, not {controller!r}",
+                "name a file that `worldgen train` wrote for it",
+                at_terminal=True,
+                path=path,
+                other=learned.controller,
+                controller=base,
+            )
+        return with_numbers(found, learned.numbers, name)
 
     def _refuse_code(self, controller: str, name: str) -> None:
         """Refuse a file of learned numbers that names code: reading data must run none.
@@ -66,7 +136,8 @@ class _Controllers(Registry[Controller]):
             raise InvalidParameter(
                 "learned-names-code",
                 "{name} holds numbers for {controller!r}, which is code, and a file runs none",
-                "load the numbers in the controller's own reset()",
+                "name the code yourself: {controller}+learned={file}",
+                file=name.partition(":")[2],
                 name=name,
                 controller=controller,
             )
@@ -74,6 +145,7 @@ class _Controllers(Registry[Controller]):
     def source(self, name: str) -> Path | None:
         if is_learned_name(name):
             return learned_file(name)
+        name, _ = _own_words(name)
         if is_composition_name(name):
             files = (BEHAVIOURS.source(part) for part in listed_names(name) if ":" in part)
             return next((file for file in files if file is not None), None)
@@ -173,7 +245,7 @@ def _accept(name: str, thing: Any) -> Controller:
     return controller
 
 
-CONTROLLERS: Registry[Controller] = _Controllers("worldgen.controllers", "controller", _accept)
+CONTROLLERS = ControllerRegistry("worldgen.controllers", "controller", _accept)
 
 
 def controller_of(given: str | Controller | type) -> Controller:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from sim.controllers.base import CompiledController, Controller
 
 __all__ = [
+    "LEARNED",
     "Episodes",
     "Learned",
     "Learning",
@@ -38,7 +39,9 @@ __all__ = [
 
 Floats = npt.NDArray[np.float64]
 
-_PREFIX = "learned:"
+LEARNED = "learned"
+"""The option that gives a controller the numbers of such a file: ``mine.py:Mine+learned=FILE``."""
+_PREFIX = f"{LEARNED}:"
 _FORMAT = "worldgen-learned"
 _VERSION = 1
 

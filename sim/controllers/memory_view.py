@@ -36,8 +36,16 @@ class MemoryField(NamedTuple):
     least: int = 0
 
 
-def _none() -> Floats:
-    return np.zeros((0, 4))
+def _none(columns: int = 4) -> Floats:
+    return np.zeros((0, columns))
+
+
+def _points() -> Floats:
+    return _none(2)
+
+
+def _degrees() -> Floats:
+    return _none(5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +58,19 @@ class MemoryMap:
         cells: (n, 4) rectangles, x and y of two corners, that it takes for occupied.
         plan: (n, 2) corners of the path that it plans to drive.
         places: Points that it remembers, x and y by name.
+        nodes: (n, 2) places of a graph, such as a topological map.
+        edges: (n, 4) ways between them, x and y of both ends.
+        degrees: (n, 5) rectangles, x and y of two corners, and how good the controller takes them
+            to be, from 0 (bad) to 1 (good).
     """
 
     blocked: Floats = field(default_factory=_none)
     cells: Floats = field(default_factory=_none)
-    plan: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    plan: Floats = field(default_factory=_points)
     places: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    nodes: Floats = field(default_factory=_points)
+    edges: Floats = field(default_factory=_none)
+    degrees: Floats = field(default_factory=_degrees)
 
 
 def check_fields(name: str, fields: Any) -> None:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from sim.controllers.base import Controller
 from sim.drawing.wall_penetrations import penetrated_cells
 from sim.episode import Episode
 from sim.evidence import JointLoopEvidence, LoopEvidence, WallEvidence
@@ -17,15 +18,26 @@ from sim.options.run import COVER
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.lattice import exact
+from worldgen.plugins.registry import user_code
 from worldgen.reach import reachable_cells
 from worldgen.render import Drive, EventMark, Trail
-from worldgen.render.overlay import Disturbances, MarkKind, Shove
+from worldgen.render.overlay import Disturbances, MarkKind, Remembered, Shove
 from worldgen.world import World
 
-__all__ = ["disturbances_in", "drive_of", "drives_of", "trail_of", "trails_of"]
+__all__ = [
+    "disturbances_in",
+    "drive_of",
+    "drives_of",
+    "remembered_at_the_end",
+    "trail_of",
+    "trails_of",
+]
 
 # Most marks of bumps; more of them would hide the picture.
 _MOST_BUMPS = 400
+
+# Strength of the tint of a cell that is taken to be occupied.
+_OCCUPIED = 0.6
 
 # Most marks of pushes.
 _MOST_PUSHES = 100
@@ -70,6 +82,40 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
         disturbances_in(trace),
         _missed(trace, world),
     )
+
+
+def remembered_at_the_end(episode: Episode, controller: Controller) -> Remembered | None:
+    """Return what a controller's memory holds at the end of a recorded run.
+
+    Args:
+        episode: The run.
+        controller: The controller, whose own code reads its memory.
+
+    Returns:
+        ``None`` without a recording, or if the controller does not show its memory.
+
+    Raises:
+        InvalidParameter: If the controller's code fails.
+    """
+    trace = episode.trace
+    read = getattr(controller, "memory_map", None)
+    if trace is None or read is None or not trace.memory_size:
+        return None
+    with user_code("reading the controller's memory"):
+        shown = read(trace.memory(trace.steps))
+        cells = np.asarray(shown.cells, np.float64).reshape(-1, 4)
+        degrees = np.array(shown.degrees, np.float64).reshape(-1, 5)
+        # Occupied cells look like those in between; of the others the worst are the strongest.
+        degrees[:, 4] = 0.05 + 0.95 * (1.0 - degrees[:, 4])
+        occupied = np.column_stack((cells, np.full(len(cells), _OCCUPIED)))
+        return Remembered(
+            np.concatenate((occupied, degrees)),
+            np.asarray(shown.blocked, np.float64).reshape(-1, 4),
+            np.asarray(shown.edges, np.float64).reshape(-1, 4),
+            np.asarray(shown.plan, np.float64).reshape(-1, 2),
+            np.asarray(shown.nodes, np.float64).reshape(-1, 2),
+            dict(shown.places),
+        )
 
 
 def trails_of(episode: Episode, world: World) -> Trail | list[Trail] | None:

@@ -71,12 +71,13 @@ class OptionSet:
         )
 
     @classmethod
-    def parse(cls, name: str, text: str | None) -> dict[str, Value]:
+    def parse(cls, name: str, text: str | None, also: tuple[str, ...] = ()) -> dict[str, Value]:
         """Return the values of one option as written on the command line.
 
         Args:
             name: Name of the option, or of several that are switched on together.
             text: Its value; ``None`` for a switch.
+            also: Options of the controller's own, to suggest as well.
 
         Raises:
             InvalidParameter: If the option is unknown, or the text is not a value of it.
@@ -84,6 +85,6 @@ class OptionSet:
         if name in cls.TOGETHER and text in (None, "true"):
             return dict.fromkeys(cls.TOGETHER[name], True)
         found = find_parameter(
-            name, cls.declared(), cls.OWNER, also=("motion", "time_step", *cls.TOGETHER)
+            name, cls.declared(), cls.OWNER, also=(*also, "motion", "time_step", *cls.TOGETHER)
         )
         return {found.name: found.parse(text, cls.OWNER)}

@@ -25,9 +25,9 @@ SLOW = {
     "tangent-bug": 40,
 }  # steps of what takes long in plain Python
 LIBRARY = (
-    "bug1", "bug2", "dynamic-window", "mapper", "mapper-small", "odometry-bug", "potential-field", "q-learner",
-    "q-learning", "random-walk", "signal-mapper", "signal-three-layer",
-    "tangent-bug", "three-layer", "turn-left", "turn-random", "turn-right", "vfh",
+    "bug1", "bug2", "dynamic-window", "gestalt", "mapper", "mapper-small", "odometry-bug", "potential-field",
+    "q-learner", "q-learning", "random-walk", "signal-mapper", "signal-three-layer",
+    "tangent-bug", "three-layer", "topological", "turn-left", "turn-random", "turn-right", "vfh",
     "wall-left", "wall-right",
 )  # fmt: skip
 RAISED = (IndexError, ZeroDivisionError)

@@ -133,6 +133,18 @@ test("a memory's shapes are there from their step until they are forgotten", () 
   assert.deepEqual(shown, [[0, ""], [1, ""], [1, "hit"], [1, "hit"], [0, "hit"], [0, "hit"], [0, ""]]);
 });
 
+test("a graph is drawn as lines and dots, and bad ground is tinted more than good ground", () => {
+  const rows = [[4, 1024, 1024, 0, 0, 0, 9], [5, 1024, 1024, 4096, 1024, 0, 9], [6, 0, 0, 1024, 1024, 0, 9], [9, 0, 2048, 1024, 3072, 0, 9]];
+  const run = runOf({ at: [0, 9], x: [1, 2], memory: { fields: [], fault: "", map: mapOf(rows) } });
+  const pen = penOf(room);
+  drawMemory(pen, run, 1);
+  const tints = pen.context.of("fillRect").map(({ globalAlpha }) => globalAlpha);
+  assert.equal(tints.length, 2);
+  assert.ok(tints[0] > tints[1] && tints[1] > 0, String(tints));
+  assert.equal(pen.context.of("arc").length, 1);
+  assert.ok(pen.context.of("lineTo").length >= 1);
+});
+
 test("a memory's numbers are told in words where the controller has some", () => {
   const fields = [
     { name: "doing", words: ["drive", "follow"], least: 0, values: numbers([0, 1000]) },

@@ -20,6 +20,7 @@ from worldgen.render.palette import (
     INK,
     LOOP,
     LOOP_HEAD,
+    MEMORY,
     MISSED,
     PAPER,
     PIERCED,
@@ -251,6 +252,8 @@ def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
         keys.append(("place that pushes", _swatch(mix(PAPER, PUSH, 0.5))))
     if trail.missed is not None and trail.missed.any():
         keys.append(("not covered", _swatch(mix(PAPER, MISSED, 0.55))))
+    if trail.memory is not None and not trail.memory.is_empty:
+        keys.append(("the robot's own map", _memory_sample))
     if disturbances.drift_heading is not None:
         keys.append(("tilted floor", _line(mix(PAPER, PUSH, 0.6), 1.6)))
     if disturbances.decoys:
@@ -365,6 +368,16 @@ def _push_sample(x: float, y: float, unit: float) -> list[Primitive]:
 
 def _decoy_sample(x: float, y: float, unit: float) -> list[Primitive]:
     return decoy_mark(x + 0.5 * ICON * unit, y, 0.8 * unit)
+
+
+def _memory_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    line = Paint(stroke=MEMORY, width=1.4 * unit)
+    ends = np.array(((x + 4.0 * unit, y), (x + 22.0 * unit, y)))
+    return [
+        _square(x, y, unit, Paint(fill=mix(PAPER, MEMORY, 0.25))),
+        DrawnLine(ends, line),
+        *(DrawnCircle(end, y, 2.6 * unit, Paint(fill=MEMORY)) for end in ends[:, 0]),
+    ]
 
 
 def _overlap_sample(x: float, y: float, unit: float) -> list[Primitive]:

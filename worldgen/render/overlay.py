@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
@@ -17,6 +17,7 @@ __all__ = [
     "Drive",
     "EventMark",
     "MarkKind",
+    "Remembered",
     "Shove",
     "Trail",
     "WallPenetration",
@@ -111,6 +112,33 @@ class Disturbances:
     drift_heading: float | None = None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Remembered:
+    """What a robot's memory holds of the world at the end of a run; lengths in m.
+
+    Args:
+        fills: (n, 5) rectangles, x and y of two corners, and how strongly to tint them, 0 to 1.
+        blocked: (n, 4) lines that it takes for walls, x and y of both ends.
+        edges: (n, 4) ways of a graph, same.
+        plan: (n, 2) corners of the path that it was about to drive.
+        nodes: (n, 2) places without a name.
+        places: Places by name.
+    """
+
+    fills: npt.NDArray[np.float64]
+    blocked: npt.NDArray[np.float64]
+    edges: npt.NDArray[np.float64]
+    plan: npt.NDArray[np.float64]
+    nodes: npt.NDArray[np.float64]
+    places: Mapping[str, tuple[float, float]]
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to draw."""
+        tables = (self.fills, self.blocked, self.edges, self.plan, self.nodes)
+        return not self.places and not any(map(len, tables))
+
+
 @dataclass(frozen=True, eq=False)
 class Trail:
     """The path of the robot's centre.
@@ -125,6 +153,7 @@ class Trail:
         disturbances: What disturbed the robot.
         missed: (height, width) bool, cells of a coverage task that the robot missed;
             ``None`` for another task.
+        memory: What the robot remembers at the end; ``None`` if it does not say.
 
     Raises:
         InvalidParameter: If the arrays do not match, are empty or not finite, or the index is out
@@ -138,6 +167,7 @@ class Trail:
     pierced: Sequence[WallPenetration] = ()
     disturbances: Disturbances = Disturbances()
     missed: npt.NDArray[np.bool_] | None = None
+    memory: Remembered | None = None
 
     def __post_init__(self) -> None:
         # Copy and lock the arrays: the caller may change its own afterwards.

@@ -16,6 +16,7 @@ __all__ = [
     "INK",
     "LOOP",
     "LOOP_HEAD",
+    "MEMORY",
     "MISSED",
     "PAPER",
     "PIERCED",
@@ -44,6 +45,8 @@ FIRE = "#E69F00"
 PUSH = "#56B4E9"
 # Yellow: cells of a coverage task that the robot missed.
 MISSED = "#E3C800"
+# Violet, as in the player: what the robot remembers.
+MEMORY = "#6A3FB5"
 # Reddish purple: where the run broke the world's rules, and cuts.
 TUNNEL = "#CC79A7"
 # Red, with stripes and a frame: walls that the robot entered.

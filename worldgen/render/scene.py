@@ -18,6 +18,7 @@ from worldgen.render.content import Changes, Content
 from worldgen.render.disturbance_parts import above_the_trail, missed_cells, under_the_walls
 from worldgen.render.fleet_parts import joint_witness_parts, robot_parts
 from worldgen.render.frame import BAND, Frame
+from worldgen.render.memory_parts import floor_of_memory, lines_of_memory
 from worldgen.render.outline import corner_count, outlines
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import (
@@ -139,6 +140,7 @@ def _map(content: Content) -> list[Primitive]:
     if content.trail:
         parts += under_the_walls(content.trail.disturbances, frame)
         parts += missed_cells(content.trail.missed, frame)
+        parts += floor_of_memory(content.trail.memory, frame)
     parts += [DrawnCells(world.walls, WALL), *_changes(content.changes, frame)]
     if content.witness:
         parts += _certificate(world, frame)
@@ -152,6 +154,7 @@ def _map(content: Content) -> list[Primitive]:
     parts += [*(trail_parts(trail, frame, radius) if trail else ()), _start_heading(world, frame)]
     if trail:
         parts += above_the_trail(trail.disturbances, frame, world.cell_size)
+        parts += lines_of_memory(trail.memory, frame)
         parts += [
             *pierced_parts(trail.pierced, world.walls.shape, frame),
             *breach_crosses(trail.pierced, frame),

@@ -10,6 +10,7 @@ void wg_bug2_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_composition_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_dynamic_window_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_dynamic_window_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);
+void wg_gestalt_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_mapper_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_naive_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_orca_act(const WgObservation *seen, double *memory, WgCommand *command);
@@ -26,6 +27,7 @@ void wg_signal_three_layer_act(const WgObservation *seen, double *memory, WgComm
 void wg_tangent_bug_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_three_layer_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_three_layer_tuned_act(const WgObservation *seen, double *memory, WgCommand *command);
+void wg_topological_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_turn_left_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_turn_random_act(const WgObservation *seen, double *memory, WgCommand *command);
 void wg_turn_right_act(const WgObservation *seen, double *memory, WgCommand *command);

@@ -298,6 +298,42 @@ typedef struct WgMapperMemory {
     double nodes[];  // 4 bits for each node of the window, 12 nodes in each number
 } WgMapperMemory;
 
+typedef struct WgGestaltMemory {
+    double side;      // cells of the window along a side
+    double pitch;     // m: side of a cell; 0 before the first step
+    double window_x;  // lowest column in the window
+    double window_y;  // lowest row
+    double heading;   // rad: direction of the chosen arc where the robot is
+    double bend;      // rad/m: its curvature
+    double left;      // m of it that are left
+    double cells[];   // degrees of goodness, 4 bits for each cell of the window, 12 cells in each number
+} WgGestaltMemory;
+
+// A place of a topological map.
+typedef struct WgMapPlace {
+    double x;      // m
+    double y;
+    double exits;  // bits of the exits that are open and lead to where it has not been
+    double links;  // 10 bits for each of five neighbours: its number, and 1
+} WgMapPlace;
+
+typedef struct WgTopologicalMemory {
+    double most;     // places that there is room for
+    double mode;     // 0 start, 1 explore, 2 travel along the map
+    double level;    // how fine the map is: 0 to 2
+    double count;    // places
+    double next;     // the number that the next place gets when there is room for no more
+    double here;     // the place that it left last
+    double to;       // the place that it travels to
+    double heading;  // rad: direction of the step
+    double x;        // m: position before the step
+    double y;
+    double step;     // m: length of the step
+    double exit;     // the exit that it explores
+    double open;     // bits of the exits that were open before the step
+    WgMapPlace places[];
+} WgTopologicalMemory;
+
 extern const WgPotentialField wg_potential_field_default;
 extern const WgVfh wg_vfh_default;
 extern const WgDynamicWindow wg_dynamic_window_default;

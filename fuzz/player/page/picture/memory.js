@@ -6,7 +6,11 @@ import { stroke } from "#player/picture/pen.js";
 const BLOCKED_LINE = 0,
   HELD_CELL = 1,
   PLAN_PIECE = 2,
-  PLACE_POINT = 3; // as in fuzz/player/memory.py
+  PLACE_POINT = 3,
+  GRAPH_NODE = 4,
+  GRAPH_EDGE = 5,
+  WORST_DEGREE = 6, // as in fuzz/player/memory.py
+  BEST_DEGREE = 9;
 const NO_NUMBER = 2 ** 50;
 
 function openMemory(memory) {
@@ -49,7 +53,7 @@ export function memoryFacts(run, step) {
 // Returns the shapes that exist at a step, by kind.
 function shapesAt(run, step) {
   /** @type {any[][]} */
-  const found = [[], [], [], []];
+  const found = Array.from({ length: BEST_DEGREE + 1 }, () => []);
   if (!hasMap(run)) return found;
   const { kind, x0, y0, x1, y1, since, until } = openMemory(run.memory).map;
   for (let k = 0; k < kind.length && since[k] <= step; k += 1) {
@@ -61,7 +65,8 @@ function shapesAt(run, step) {
 }
 
 /**
- * Draws the robot's map over the world: what it considers blocked or occupied, its plan, the points it remembers.
+ * Draws the robot's map over the world: what it considers blocked, occupied or hard to drive on, its plan, the points and
+ * the graph that it remembers.
  * @param {Pen} pen
  * @param {DrawnRun} run
  * @param {number} step
@@ -73,6 +78,7 @@ export function drawMemory(pen, run, step) {
   context.fillStyle = colours.memory;
   context.globalAlpha = 0.3;
   for (const [x0, y0, x1, y1] of shapes[HELD_CELL]) context.fillRect(px(x0), py(y0), px(x1) - px(x0), py(y1) - py(y0));
+  drawDegrees(pen, shapes);
   context.globalAlpha = 1;
   const lines = (kind) => {
     context.beginPath();
@@ -85,8 +91,26 @@ export function drawMemory(pen, run, step) {
   stroke(pen, colours.memory, 1.25);
   lines(PLAN_PIECE);
   stroke(pen, colours.memory, 2.5, [2, 5]);
+  lines(GRAPH_EDGE);
+  stroke(pen, colours.memory, 1.5);
+  for (const [x, y] of shapes[GRAPH_NODE]) drawNode(pen, x, y);
   for (const [x, y, name] of shapes[PLACE_POINT]) drawPlace(pen, x, y, name);
   context.restore();
+}
+
+// Tints rectangles: the worse they are to drive on, the stronger.
+function drawDegrees({ context, px, py }, shapes) {
+  for (let kind = WORST_DEGREE; kind <= BEST_DEGREE; kind += 1) {
+    context.globalAlpha = 0.08 + (0.5 * (BEST_DEGREE - kind)) / (BEST_DEGREE - WORST_DEGREE);
+    for (const [x0, y0, x1, y1] of shapes[kind]) context.fillRect(px(x0), py(y0), px(x1) - px(x0), py(y1) - py(y0));
+  }
+}
+
+function drawNode({ context, px, py, colours }, x, y) {
+  context.beginPath();
+  context.arc(px(x), py(y), 3.5, 0, 2 * Math.PI);
+  context.fillStyle = colours.memory;
+  context.fill();
 }
 
 function drawPlace(pen, x, y, name) {

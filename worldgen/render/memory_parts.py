@@ -1,0 +1,60 @@
+"""Draw what a robot remembers at the end of a run: tinted floor below its path, lines and places above it."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.render.frame import Frame
+from worldgen.render.overlay import Remembered
+from worldgen.render.palette import MEMORY, PAPER
+from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
+
+__all__ = ["floor_of_memory", "lines_of_memory"]
+
+# More shapes than this are left out: they would only make a file large.
+_MOST_SHAPES = 20_000
+# Opacity of the strongest tint.
+_TINT = 0.5
+
+
+def floor_of_memory(memory: Remembered | None, frame: Frame) -> list[Primitive]:
+    """Return the rectangles that a robot remembers, tinted by their strength."""
+    if memory is None:
+        return []
+    parts: list[Primitive] = []
+    for x0, y0, x1, y1, strength in memory.fills[:_MOST_SHAPES].tolist():
+        corners = np.array(((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
+        paint = Paint(fill=MEMORY, opacity=_TINT * min(max(strength, 0.0), 1.0))
+        parts.append(DrawnLine(frame.points(corners), paint, closed=True))
+    return parts
+
+
+def lines_of_memory(memory: Remembered | None, frame: Frame) -> list[Primitive]:
+    """Return the lines, the plan and the places that a robot remembers."""
+    if memory is None:
+        return []
+    unit = frame.unit
+    # A grid of blocked lines is dense, so it must not hide the path below it.
+    faint = Paint(stroke=MEMORY, width=0.9 * unit, opacity=0.45)
+    edge = Paint(stroke=MEMORY, width=1.6 * unit)
+    parts: list[Primitive] = [
+        DrawnLine(frame.points(ends.reshape(2, 2)), paint)
+        for lines, paint in ((memory.blocked, faint), (memory.edges, edge))
+        for ends in lines[:_MOST_SHAPES]
+    ]
+    if len(memory.plan) > 1:
+        dotted = Paint(stroke=MEMORY, width=2.4 * unit, dash=(2.0 * unit, 4.0 * unit))
+        parts.append(DrawnLine(frame.points(memory.plan), dotted))
+    for x, y in _drawn(memory.nodes, frame):
+        parts.append(DrawnCircle(x, y, 4.2 * unit, Paint(fill=PAPER)))
+        parts.append(DrawnCircle(x, y, 3.2 * unit, Paint(fill=MEMORY)))
+    for name, place in memory.places.items():
+        x, y = frame.to_pixels(*place)
+        parts.append(DrawnCircle(x, y, 5.0 * unit, Paint(stroke=MEMORY, width=2.2 * unit)))
+        parts.append(Text(x + 8.0 * unit, y + 4.0 * unit, 11.0 * unit, name, MEMORY))
+    return parts
+
+
+def _drawn(points: npt.NDArray[np.float64], frame: Frame) -> list[list[float]]:
+    return frame.points(points[:_MOST_SHAPES]).tolist() if len(points) else []
