@@ -59,16 +59,16 @@ MAX_PLACEMENTS = 4  # of the robots, tried in each layout
 # that robots have to make way for each other; in those after that, two robots can pass.
 MAX_NARROW_ATTEMPTS = 3
 MAX_FLEET_ATTEMPTS = 12
-_PASSAGES = ("width", "passage")  # parameters of families that say how wide passages are
+_PASSAGES = ("width", "passage")  # parameters of families that set the width of passages
 ROBOTS = "robots"  # the parameter of every family that says how many robots its worlds have
 ROBOTS_PARAMETER = Parameter(
     ROBOTS,
     1,
     (),
-    "Robots of the world; the others are like the first, at places drawn by the seed.",
+    "Robots of the world; the others are like the first, at random places.",
     Bounds(1, MAX_ROBOTS),
 )
-MARGIN = "margin"  # of every parameter so called: seconds by which the witness may begin later
+MARGIN = "margin"  # every parameter with this name: seconds by which the witness may start late
 # parameters of generate(), and options of every family's command
 _TAKEN = (
     "name",
@@ -96,11 +96,11 @@ class Family:
     them.
 
     Args:
-        name: The world's noun, as on the command line.
+        name: The noun for its worlds, as on the command line.
         version: Must be raised whenever some seed yields a different world than before.
         build: ``build(rng, **params) -> World``, all parameters keyword-only with defaults.
-        changes: Whether its worlds change with time, so that no other family can change them.
-        constants: Further definition of its worlds, such as the text of a recipe; it is stored with
+        changes: True if its worlds change with time, so that no other family can change them.
+        constants: Further parts of its definition, such as the text of a recipe; it is stored with
             the parameters in provenance, and ``generate`` refuses any other.
     """
 
@@ -117,8 +117,8 @@ class Family:
         """Return a world with a witness that its target can be reached.
 
         Args:
-            seed: An integer, of which the low 64 bits count, or a NumPy generator. Equal seed and
-                parameters give an equal world.
+            seed: An integer, of which the low 64 bits count, or a NumPy generator. Equal seeds and
+                parameters give equal worlds.
             **params: The family's parameters. ``None`` lets the family choose, if it can.
 
         Raises:
@@ -171,7 +171,7 @@ class Family:
         return placed, decision
 
     def _wide_passages(self, own: Mapping[str, Value]) -> dict[str, Value]:
-        """Return widths for passages that were left open, so that two robots can pass."""
+        """Return widths for passages with no width given, so that two robots can pass."""
         wanted = [known for known in self.parameters if known.name in _PASSAGES]
         radius = own.get("robot_radius")
         cell_size = own.get("cell_size")
@@ -221,10 +221,10 @@ class Family:
         text = inspect.cleandoc(self.build.__doc__ or "")
         try:
             parameters = self.all_parameters
-        except InvalidParameter:  # it says so where the family is used
+        except InvalidParameter:  # an error says so when the family is used
             return text
         notes = [
-            "seed: Equal seed and parameters, equal world. A whole number or a NumPy generator."
+            "seed: An integer or a NumPy generator. Equal seeds and parameters give equal worlds."
         ]
         notes += [f"{known.name}: {known.note}".rstrip() for known in parameters]
         indented = [
@@ -287,14 +287,14 @@ class Family:
         """Return the parameters as stored in files, with defaults filled in.
 
         Raises:
-            InvalidParameter: If a name is unknown, or a value has a different type than the default, or
-                is out of bounds.
+            InvalidParameter: If a name is unknown, or a value has a different type than the
+                default, or is out of bounds.
         """
         known = {parameter.name: parameter for parameter in self.parameters}
         if ROBOTS in params and not self.places_robots:
             robots = ROBOTS_PARAMETER.accept(params[ROBOTS], self.name)
             rest = {name: value for name, value in params.items() if name != ROBOTS}
-            # A world of one robot has the provenance that it always had.
+            # The provenance of a world of one robot stays as it always was.
             return self.complete(rest) | ({ROBOTS: robots} if robots != 1 else {})
         for name in params:
             if name in self.constants:
@@ -312,7 +312,7 @@ class Family:
             raise InvalidParameter(
                 "other-version",
                 "{family}: {name} is {value!r}, here it is {here!r}",
-                "this version makes other worlds: take the one that the world was made with",
+                "this version makes other worlds: use the version that the world was made with",
                 family=self.name,
                 name=name,
                 value=str(value)[:60],
@@ -326,23 +326,23 @@ def _check_signature(name: str, build: Build) -> None:
         if parameter.name == MARGIN and type(parameter.default) is not float:
             raise InvalidParameter(
                 "reserved-name",
-                "family {name!r}: {parameter} is the margin in seconds that the witness gets",
-                "give it a default that is a float, or call the parameter something else",
+                "family {name!r}: {parameter} is the margin of the witness in seconds",
+                "give it a default that is a float, or rename the parameter",
                 name=name,
                 parameter=MARGIN,
             )
 
 
 def family(name: str, *, version: int, changes: bool = False) -> Callable[[Build], Family]:
-    """Make a family of a function ``(rng, *, size=..., ...) -> World``.
+    """Make a family from a function ``(rng, *, size=..., ...) -> World``.
 
     Register it as an entry point. A parameter called ``margin`` has a special meaning: the robot
     may set out this many seconds late on the world's witness and still arrive.
 
     Args:
-        name: The world's noun.
+        name: The noun for its worlds.
         version: Version of the worlds that seeds yield.
-        changes: Whether its worlds change with time.
+        changes: True if its worlds change with time.
 
     Raises:
         InvalidParameter: If a parameter is positional, has no plain default, or is called name or
@@ -369,7 +369,7 @@ def _accept(name: str, thing: Any) -> Family:
 
 
 class FamilyRegistry(Registry[Family]):
-    """Families by entry point.
+    """Look up families by entry point.
 
     Names can also be ``package.module:name``, ``./file.py:name`` or ``./recipe.toml``.
     """
@@ -415,15 +415,15 @@ class FamilyRegistry(Registry[Family]):
             other = made_by.name if made_by else "none"
             raise InvalidParameter(
                 "other-recipe",
-                "{name}: its recipe is that of {other}",
-                "name that, or give the other recipe",
+                "{name}: its recipe belongs to {other}",
+                "name that family, or give the other recipe",
                 name=name,
                 other=other,
             )
         return made_by
 
     def _from_recipe(self, recipe: str, **options: Any) -> Family:
-        # Recipes build on families, so they plug in here like everything else that does.
+        # Recipes build on families, so they register here like any other plugin.
         reader = next(point for point in points_of("worldgen.family_files") if point.name == "toml")
         made_by: Family = reader.load()(recipe, **options)
         return made_by

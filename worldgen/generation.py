@@ -1,4 +1,4 @@
-"""From (family, version, seed, parameters) to a world that carries its proof."""
+"""Generate a world with its proof from (family, version, seed, parameters)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def generate(name: str | Family, seed: Seed = 0, **params: Value | None) -> Worl
         name: Name of a registered family, ``./recipe.toml``, ``./file.py:name``, or the family
             itself.
         seed: An integer, of which the low 64 bits count, or a NumPy generator, from which the next
-            64 bits are taken. Equal seed and parameters give an equal world.
+            64 bits are taken. Equal seeds and parameters give equal worlds.
         **params: The family's parameters; see its documentation. ``None`` lets the family choose,
             if it can. A parameter called ``margin`` is the number of seconds by which the robot may
             begin the witness later.
@@ -62,7 +62,7 @@ def stream(
         raise InvalidParameter(
             "below-minimum",
             "count={count} is below 0",
-            "give how many worlds, or leave it out for no end",
+            "give the number of worlds, or omit it for endless worlds",
             count=count,
         )
     numbers = rising() if count is None else range(count)

@@ -1,8 +1,8 @@
 """``import worldgen.gym`` registers the environment ``worldgen/Navigate-v0`` with Gymnasium.
 
-The environments are registered as texts, which Gymnasium imports when one is made. Since version 1
-Gymnasium ignores entry points; but ``gymnasium.make("worldgen.gym:worldgen/Navigate-v0")`` imports
-this module automatically.
+The environments are registered as import paths, which Gymnasium imports when one is made. Since
+version 1 Gymnasium ignores entry points; but
+``gymnasium.make("worldgen.gym:worldgen/Navigate-v0")`` imports this module automatically.
 """
 
 from __future__ import annotations

@@ -48,7 +48,8 @@ _PLAIN = (bool, int, float, str)
 _KINDS = {int: "whole number", float: "number", str: "word", tuple: "list of numbers"}
 _LIST_EXAMPLE = "0.25:0.5"
 
-# ``./a+b/mine.py:Robot+noise`` ends in one option; a ``+`` in a folder's name does not begin one.
+# ``./a+b/mine.py:Robot+noise`` has one option at its end; a ``+`` in a folder's name does not begin
+# one.
 _OPTION = r"\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+/\\]*)?"
 _WRITTEN = re.compile(rf"(?P<name>.+?)(?P<options>(?:{_OPTION})*)", re.DOTALL)
 # After a registered name, which has no slash, a value may contain one: ``tiled+layer=walls/low``.
@@ -78,12 +79,12 @@ class Bounds:
     For example ``size: Annotated[int, Bounds(10, 2000, "cells")]``.
 
     Args:
-        low: Least value; None for no limit.
-        high: Greatest value; None for no limit.
+        low: Smallest value; None for no limit.
+        high: Largest value; None for no limit.
         unit: Unit of both, for people.
-        above: Whether the value must be above ``low``.
-        chosen: The number that stands for ``None`` in files: the family chooses. Python callers
-            pass ``None``.
+        above: True if the value must be above ``low``.
+        chosen: The number that stands for ``None`` in files, which lets the family choose. Python
+            callers pass ``None``.
     """
 
     low: float | None = None
@@ -128,7 +129,7 @@ class Bounds:
         )
         if not too_low and (self.high is None or value <= self.high):
             return
-        # Word the rule by the limits that there are.
+        # Word the rule according to the limits.
         facts: dict[str, Any] = {
             "name": name,
             "value": value,
@@ -136,7 +137,7 @@ class Bounds:
             "high": self.high,
             "unit": self.unit,
         }
-        or_chosen = "" if self.chosen is None else ", or leave it out"
+        or_chosen = "" if self.chosen is None else ", or omit it"
         if self.low is not None and self.high is not None and not self.above:
             raise InvalidParameter(
                 "out-of-range",
@@ -192,7 +193,7 @@ class Parameter:
     """A declared option: a parameter of a family or a format, or a field of an options dataclass.
 
     Args:
-        name: Name in Python; on the command line with dashes.
+        name: Name in Python; with dashes on the command line.
         default: Default value, which sets the type: bool, int, float or str; for a field also a
             tuple of floats or words, or None.
         choices: Allowed words, from a ``Literal`` annotation; empty if there are none.
@@ -226,19 +227,19 @@ class Parameter:
 
     @property
     def example(self) -> str:
-        """A value as a user could write it."""
+        """An example of a value as a user could write it."""
         if self.kind is tuple:
             return _LIST_EXAMPLE
         return self.choices[-1] if self.choices else str(self.default)
 
     @property
     def chosen(self) -> float | None:
-        """The number in files that stands for Python's ``None``: the family chooses."""
+        """The number in files that stands for Python's ``None``, which lets the family choose."""
         return None if self.bounds is None else self.bounds.chosen
 
     @property
     def python_default(self) -> Any:
-        """The default for Python callers: ``None`` if the family chooses."""
+        """The default for Python callers: ``None`` if the family chooses the value."""
         return None if self.chosen is not None and self.default == self.chosen else self.default
 
     @property
@@ -267,8 +268,8 @@ class Parameter:
         as Python's.
 
         Raises:
-            InvalidParameter: If it has a different type from the default, is out of bounds, or isn't
-                one of the choices.
+            InvalidParameter: If it has a different type from the default, is out of bounds, or
+                isn't one of the choices.
         """
         # None may stand for the family's choice, or be the default.
         kind = self.kind
@@ -344,7 +345,7 @@ class Parameter:
             raise InvalidParameter(
                 "not-a-number",
                 "{owner}: {name}={text!r} is not a {expected}",
-                "write one like {example}",
+                "write one such as {example}",
                 owner=owner,
                 name=self.name,
                 text=text[:40],
@@ -413,20 +414,23 @@ def split_options(
         The name, and each option's value as text; None for an option without ``=``.
 
     Raises:
-        InvalidParameter: If a name is missing, or an option is there twice.
+        InvalidParameter: If a name is missing, or an option is given twice.
     """
     # Split off the name.
     ways_to_read = (_REGISTERED, _CLASS_IN_FILE, _WRITTEN)
     parts = next(filter(None, (one.fullmatch(text.strip()) for one in ways_to_read)), None)
     if parts is None:
         raise InvalidParameter(
-            "empty-name", "an empty text is not a name", "write one like {example}", example=example
+            "empty-name",
+            "an empty text is not a name",
+            "write one such as {example}",
+            example=example,
         )
     if parts["name"].startswith("+") or re.search(r"\+(?:$|\+|=)", parts["name"]):
         raise InvalidParameter(
             "wrong-form",
             "{text!q} lacks a name next to a +",
-            "write one like {example}",
+            "write one such as {example}",
             text=text,
             example=example,
         )
@@ -466,7 +470,7 @@ def find_parameter(
         "unknown-name",
         "{owner} has no option {name!r}",
         ("did you mean {close!r}? " if close else "")
-        + ("it has {known!l}" if names else "it has none; leave it out"),
+        + ("it has {known!l}" if names else "it has no options; omit it"),
         owner=owner,
         name=name,
         close="".join(close),
@@ -491,7 +495,7 @@ def parse_options(
 
 
 def _plain(value: Any) -> Any:
-    """Convert a NumPy number to Python's; NumPy itself is not loaded for it."""
+    """Convert a NumPy number to Python's; NumPy itself is not imported for this."""
     numpy = sys.modules.get("numpy")
     return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
 
@@ -561,7 +565,7 @@ def check_declared(
             but = f", and be called none of {', '.join(taken)}" if taken else ""
             raise InvalidParameter(
                 "wrong-declaration",
-                "{owner}: parameter {name!r} must stand after *{arguments}",
+                "{owner}: parameter {name!r} must come after *{arguments}",
                 owner=owner,
                 name=parameter.name,
                 arguments=but,

@@ -40,7 +40,7 @@ __all__ = [
     "shown",
 ]
 
-# Seconds that one absurd value may take: it must be refused immediately.
+# Limit in seconds for one absurd value, which must be refused immediately.
 PATIENCE = 20
 _SEEDS = 5
 # Seeds that must not all give the same world.
@@ -55,7 +55,7 @@ _NOT_FINITE = (math.nan, math.inf, -math.inf)
 
 
 class BrokenContract(AssertionError):
-    """A family breaks a promise; the message names the seed and parameters that show it."""
+    """Raised if a family breaks a promise; the message names the seed and parameters."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def family_cases(family: Family) -> list[dict[str, Value]]:
 def layout_digest(family: Family, case: Mapping[str, Value] | None = None, seed: int = 7) -> str:
     """Return sixteen hex digits of a seed's world without its witness.
 
-    Pin it, and raise the family's version when it changes.
+    Pin it in a test, and raise the family's version when it changes.
     """
     return world_digest(replace(generate(family, seed, **(case or {})), certificate=None))[:16]
 
@@ -115,7 +115,7 @@ def layout_digest(family: Family, case: Mapping[str, Value] | None = None, seed:
 def run_checks(
     family: Family, cases: list[dict[str, Value]] | None = None, *, without: Collection[str] = ()
 ) -> Iterator[CheckOutcome]:
-    """Yield every check of every case; those of the family as a whole run once.
+    """Yield every check of every case; checks of the family as a whole run once.
 
     Args:
         family: The family.
@@ -166,8 +166,8 @@ def check_family(
         pinned = (golden or {}).get(key)
         if digest != pinned:
             faults.append(
-                f"seed 7{_told(case)} gives {digest}, pinned is {pinned}; raise the version, or "
-                f"pin it again"
+                f"seed 7{_told(case)} gives {digest}, but {pinned} is pinned; raise the version, "
+                f"or pin it again"
             )
     if faults:
         raise BrokenContract("\n".join((f"{family.name} breaks its contract:", *faults)))
@@ -188,7 +188,7 @@ def _demand(holds: bool, message: str) -> None:
         raise BrokenContract(message)
 
 
-# Checks of a case, which make a few of its worlds.
+# These checks of a case make a few of its worlds.
 
 
 def _equal_seed(family: Family, case: Mapping[str, Value]) -> None:
@@ -220,15 +220,15 @@ def _provenance(family: Family, case: Mapping[str, Value]) -> None:
     if made is not None:
         _demand(
             (made.family, made.version, made.seed) == (family.name, family.version, 8),
-            "the provenance is another's",
+            "the provenance is that of another world",
         )
         again = generate(family, made.seed, **made.params)
-        _demand(dumps(again) == dumps(world), "a world is not made again from its provenance")
+        _demand(dumps(again) == dumps(world), "a world cannot be rebuilt from its provenance")
 
 
 def _file(family: Family, case: Mapping[str, Value]) -> None:
     world = generate(family, 2, **case)
-    _demand(loads(dumps(world)) == world, "a world is another when it is read from its file")
+    _demand(loads(dumps(world)) == world, "a world differs after it is read from its file")
 
 
 def _no_global_state(family: Family, case: Mapping[str, Value]) -> None:
@@ -266,14 +266,15 @@ def _timeline(family: Family, case: Mapping[str, Value]) -> None:
         world = generate(family, seed, **case)
         _demand(
             family.changes or not world.is_dynamic,
-            "its worlds change with time; say @family(..., changes=True)",
+            "its worlds change with time; declare @family(..., changes=True)",
         )
         now = world.walls.astype(int)
         for event in world.timeline:
             said = int(event.state) != now[event.iy, event.ix]
             _demand(
                 bool(said),
-                f"seed {seed}: at {event.time} s cell ({event.ix}, {event.iy}) becomes what it is",
+                f"seed {seed}: at {event.time} s cell ({event.ix}, {event.iy}) changes to the "
+                f"state that it already has",
             )
             now[event.iy, event.ix] = int(event.state)
         _demand(
@@ -305,20 +306,20 @@ CHECKS = (
 )
 
 
-# Checks of the family as a whole: its parameters.
+# These checks are about the family as a whole: its parameters.
 
 
 def _low_bits(family: Family, case: Mapping[str, Value]) -> None:
     same = dumps(generate(family, -1, **case)) == dumps(generate(family, 2**64 - 1, **case))
-    _demand(same, "seeds -1 and 2**64 - 1, the same 64 bits, give two worlds")
+    _demand(same, "seeds -1 and 2**64 - 1, which are the same 64 bits, give two worlds")
 
 
 def _explained(family: Family, case: Mapping[str, Value]) -> None:
     silent = [parameter.name for parameter in family.parameters if not parameter.help]
-    _demand(bool(family.description), "it has no docstring; say in a sentence what its worlds are")
+    _demand(bool(family.description), "it has no docstring; describe its worlds in a sentence")
     _demand(
         not silent,
-        f"{', '.join(silent)}: not explained; say what they are under Args in the docstring",
+        f"{', '.join(silent)}: not explained; describe them under Args in the docstring",
     )
 
 
@@ -389,7 +390,7 @@ def _patience(what: str) -> Iterator[None]:
             yield
     except TimeLimitReached:
         raise BrokenContract(
-            f"{what} takes more than {PATIENCE} s; refuse what is too large"
+            f"{what} takes more than {PATIENCE} s; refuse values that are too large"
         ) from None
 
 

@@ -18,7 +18,7 @@ __all__ = ["CellState", "Event", "Timeline"]
 
 
 class CellState(IntEnum):
-    """The state of a cell. A burning cell stops nothing, but no robot may touch it."""
+    """The state of a cell. A burning cell does not stop anything, but no robot may touch it."""
 
     FREE = 0
     SOLID = 1
@@ -31,7 +31,7 @@ class CellState(IntEnum):
 
 
 class Event(NamedTuple):
-    """From ``time`` (s, inclusive) on, the cell (``iy``, ``ix``) has ``state``."""
+    """A change: from ``time`` (s, inclusive) on, the cell (``iy``, ``ix``) has ``state``."""
 
     time: float
     ix: int
@@ -81,7 +81,7 @@ class Timeline(HoldsFrozen):
             raise InvalidWorld(
                 "out-of-range",
                 "timeline: {name} {value:g} s of a change is later than {high:g} s",
-                "let it come earlier",
+                "make it earlier",
                 name="time",
                 value=self.times.max(),
                 high=LATEST,
@@ -123,7 +123,7 @@ class Timeline(HoldsFrozen):
         return Timeline(self.times[kept], self.ix[kept], self.iy[kept], self.states[kept])
 
     def is_within(self, width: int, height: int) -> bool:
-        """Return True if every event is about a cell of the grid.
+        """Return True if every event changes a cell of the grid.
 
         Args:
             width: Columns of the grid.

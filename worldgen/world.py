@@ -101,7 +101,7 @@ class Robot:
 class Provenance:
     """The origin of a world.
 
-    Equal family, version, seed and params give an equal world, byte for byte.
+    Worlds with equal family, version, seed and params are equal, byte for byte.
 
     Args:
         family: Name of the generator.
@@ -146,7 +146,7 @@ class FailureRecord:
 
     @property
     def outcome(self) -> str:
-        """The verdict; if an oracle objects to the run rather than the verdict, the oracle too."""
+        """The verdict; if an oracle found the violation, its name too."""
         return self.verdict + (
             f", oracle {self.evidence['oracle']} objects" if "oracle" in self.evidence else ""
         )
@@ -363,7 +363,7 @@ class World(HoldsFrozen):
         if not self.timeline.is_within(self.width, self.height):
             raise InvalidWorld(
                 "outside-grid",
-                "timeline: every cell must lie in the grid of {width} x {height} cells",
+                "timeline: every cell must be in the grid of {width} x {height} cells",
                 width=self.width,
                 height=self.height,
             )
@@ -434,7 +434,7 @@ class World(HoldsFrozen):
         if not (0.0 <= x <= width and 0.0 <= y <= height):
             raise InvalidWorld(
                 "outside-grid",
-                "{name} ({x}, {y}) m lies outside the grid of {width:g} x {height:g} m",
+                "{name} ({x}, {y}) m is outside the grid of {width:g} x {height:g} m",
                 "move it inside",
                 name=name,
                 x=x,

@@ -112,7 +112,7 @@ def test_the_radius_slider_shows_where_the_way_closes(page):
 @pytest.mark.nightly
 def test_the_generator_shows_a_family_s_bounds_and_does_not_send_what_is_outside(page):
     page.locator("#tab-maker").click()
-    page.get_by_text("Cells a side, the solid border included. 10 to 20000 cells.").wait_for()
+    page.get_by_text("Cells per side, including the solid border. 10 to 20000 cells.").wait_for()
     page.get_by_role("spinbutton", name="Size", exact=True).fill("9")
     assert (
         page.get_by_role("spinbutton", name="Size", exact=True).get_attribute("aria-invalid")

@@ -73,7 +73,7 @@ def test_an_svg_has_stripes_a_frame_for_each_wall_and_a_cross(run):
         len(re.findall(f'<polygon [^>]*stroke="{PIERCED}"', text))
         == len(penetrated_cells(episode, world)) + 1
     )  # a key
-    assert "a wall that it went into" in text
+    assert "a wall that it entered" in text
 
 
 @pytest.mark.gate

@@ -100,7 +100,7 @@ def test_what_stops_no_robot_is_left_out_and_what_is_not_read_is_named(found):
     back = found(body(BOX.format("1 1 1")) + flat + high + tilted + mesh + include)
     assert (
         back.walls.all()
-        and "2 shapes that lie flat on the floor, or above 2 m, are left out" in back.notes
+        and "2 shapes that lie flat on the floor, or above 2 m, are ignored" in back.notes
     )
     assert back.unread == ("1 model of other files", "1 shape of <mesh>", "1 tilted shape of <box>")
 

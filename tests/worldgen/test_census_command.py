@@ -202,7 +202,7 @@ def test_a_world_that_changes_with_time_is_refused(tmp_path):
     result = worldgen("census", tmp_path, "--seed", 1)
     assert (
         result.code == 2
-        and "f.grid: the world changes with time; a census judges still maps" in result.err
+        and "f.grid: the world changes with time; a census judges static maps" in result.err
     )
 
 
@@ -273,7 +273,7 @@ WRONG = [
     (["EMPTY"], "holds no map; `worldgen formats` lists"),
     (
         ["EMPTY/words.md"],
-        "no map could be judged; the first reason: words.md: is not a map that is known",
+        "no map could be judged; the first reason: words.md: is not a map in a known format",
     ),
     (["GEN:maps", "--radius", "0"], "radius=0 m is outside"),
     (["GEN:maps", "--radius", "1e10"], "radius=1e+10 m is outside"),

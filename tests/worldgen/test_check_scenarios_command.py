@@ -83,14 +83,14 @@ def test_rows_are_drawn_by_seed(check):
 @pytest.mark.parametrize(
     ("scenario", "told"),
     [
-        (problems((0, 0, 5, 0, 5)), "do not lie in the map"),
-        (problems((0, 0, 1, 0, 1), name="other.map"), "there is no map other.map"),
+        (problems((0, 0, 5, 0, 5)), "are not in the map"),
+        (problems((0, 0, 1, 0, 1), name="other.map"), "no map other.map"),
         (problems((0, 0, 1, 0, 1)) + problems((0, 0, 1, 0, 1), name="b.map")[10:], "give a file "
                                                                                    "for each map"),
-        (problems((0, 0, 1, 0, 1)) + problems((0, 0, 1, 0, 1), size=(6, 6))[10:], "give a file for "
+        (problems((0, 0, 1, 0, 1)) + problems((0, 0, 1, 0, 1), size=(6, 6))[10:], "give a separate file for "
                                                                                   "each"),
         (problems((0, 0, 1, 0, 1), size=(99999, 99999)), "sides of 1 to"),
-        (problems((0, 0, 1, 0, 1), size=(8000, 8000)), "as many as are solved"),
+        (problems((0, 0, 1, 0, 1), size=(8000, 8000)), "the limit for solving"),
         ("version 2\n", "belongs"),
     ],
     ids=["outside", "no-map", "two-maps", "two-sizes", "beyond", "too-large", "no-scenario"],

@@ -113,7 +113,7 @@ def test_a_wish_with_a_fault_is_one_line_with_a_mark():
 
 
 def test_tries_without_a_wish_are_refused():
-    assert "say with --where" in run("maze", "--tries", 3).err
+    assert "give --where or --difficulty" in run("maze", "--tries", 3).err
 
 
 @pytest.mark.parametrize("name", INPUTS)

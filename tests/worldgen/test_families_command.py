@@ -216,9 +216,9 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
         (["--count", 2, "--out", __file__], "is a file; name a folder for more than one world"),
         (
             ["--count", 2, "--out", "w.grid"],
-            "w.grid names one world's file; for 2 name a folder or an archive",
+            "w.grid names the file of one world; for 2 worlds, name a folder or an archive",
         ),
-        (["--out", "w.zip"], "w.zip names an archive; say with --count how many worlds go into it"),
+        (["--out", "w.zip"], "w.zip names an archive; give the number of its worlds with --count"),
     ],
     ids=lambda value: " ".join(map(str, value))[:30] if isinstance(value, list) else "",
 )

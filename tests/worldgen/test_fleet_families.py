@@ -61,7 +61,7 @@ def test_a_set_of_fleets_is_made_again(tmp_path):
     ("options", "word"),
     [
         (["--robots", "0"], "1 to 1000"),
-        (["--robots", "300", "--size", "12"], "room was found for"),
+        (["--robots", "300", "--size", "12"], "robots fit, not robots="),
         (["--robots", "1001"], "1 to 1000"),
     ],
 )

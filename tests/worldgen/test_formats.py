@@ -352,7 +352,7 @@ def test_coordinates_in_files_are_exact_sums_of_decimals(value, shift):
         ("grid", {"code": "only-read", "format": "grid"}),
         (
             "thesis+nois=on",
-            {"code": "unknown-name", "name": "nois", "owner": "format thesis on the way out"},
+            {"code": "unknown-name", "name": "nois", "owner": "format thesis on export"},
         ),
         ("thesis+noise=maybe", {"code": "unknown-name", "name": "noise", "value": "maybe"}),
         ("thesis+noise", {"code": "missing-value", "name": "noise", "owner": "thesis"}),
@@ -401,7 +401,7 @@ def test_a_file_that_import_refuses_for_its_size_is_said_to_be_so(monkeypatch, l
     monkeypatch.setattr(FORMATS, "get", lambda _: known)
     notes = export_world(room(), "npy").notes
     assert (
-        any(f"up to {size - less} bytes, and this one has {size}; keep" in note for note in notes)
+        any(f"up to {size - less} bytes, but this one has {size}; keep" in note for note in notes)
         == said
     )
 

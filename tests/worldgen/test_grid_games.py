@@ -97,7 +97,7 @@ def test_a_fault_in_a_pogema_map_has_its_line(write, text, line, expected):
 def test_start_and_target_in_one_cell_or_a_wall_are_left_to_the_sidecar():
     export = export_world(replace(drawn(ROOM), start=Pose(0.35, 0.25)), "pogema")
     assert export.data == POGEMA.replace("a", ".").replace("A", ".").encode()
-    assert "start and target are not drawn, for they are one cell" in export.lost
+    assert "start and target are not drawn, because they are the same cell" in export.lost
 
 
 @pytest.mark.parametrize(
@@ -113,7 +113,7 @@ def test_doors_things_and_lava_of_minigrid(write):
     path = write("WGWGWGWGWGWGWG\nWG__DRLYKBVRWB\nWGWGWGWGWGWGWG\n")
     assert rows_of(read_map(path))[1] == "#...###"
     assert rows_of(read_map(path, "minigrid+doors=solid+things=free"))[1] == "#.##.##"
-    assert "2 cells are closed doors; they are taken as free" in read_map(path).notes[0]
+    assert "2 cells are closed doors; they count as free" in read_map(path).notes[0]
 
 
 @pytest.mark.parametrize(

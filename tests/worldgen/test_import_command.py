@@ -92,7 +92,7 @@ def test_the_answer_is_the_file(run, tmp_path):
         "result": "reachable",
         "clearance": world.certificate.clearance,
         "radius": 0.04,
-        "radius_from": "0.4 cells, so that a corridor one cell wide lets it through",
+        "radius_from": "0.4 cells, so that it fits through a corridor one cell wide",
         "unread": [],
         "width": 32,
         "height": 32,
@@ -247,12 +247,12 @@ REFUSED = [
     (
         [HALL, "--cell-size", "1"],
         InvalidParameter,
-        {"code": "unknown-name", "name": "cell_size", "owner": "format ros on the way in"},
+        {"code": "unknown-name", "name": "cell_size", "owner": "format ros on import"},
     ),
     (
         [MAZE, "--unknown", "free"],
         InvalidParameter,
-        {"code": "unknown-name", "name": "unknown", "owner": "format movingai on the way in"},
+        {"code": "unknown-name", "name": "unknown", "owner": "format movingai on import"},
     ),
     ([MAZE, "--cell-size", "0"], InvalidParameter, {"code": "out-of-range", "name": "cell_size"}),
     ([MAZE, "--cell-size", "nan"], InvalidParameter, {"code": "not-finite", "name": "cell_size"}),

@@ -13,7 +13,7 @@ from worldgen.errors import FormatError
 from worldgen.interop import export_world, import_world, read_map, write_export
 
 TINY = """\
-# A world of worldgen for IR-SIM; m, rad, s.
+# A world made by worldgen for IR-SIM; m, rad, s.
 world:
   width: 0.4
   height: 0.2
@@ -76,7 +76,7 @@ def test_a_world_whose_walls_fit_larger_cells_keeps_its_cell_size_in_the_sidecar
 def test_a_step_longer_than_a_cell_is_said():
     notes = export_world(drawn("S..G"), "irsim").notes
     assert any(
-        "moves 0.2 m a step and looks for collisions at its end only" in note for note in notes
+        "moves 0.2 m per step and checks for collisions only at its end" in note for note in notes
     )
     assert not export_world(drawn("S..G"), "irsim+step_time=0.05").notes
 
@@ -191,7 +191,7 @@ def test_the_first_robot_is_taken_and_its_disc_covers_its_shape(found):
         back.start == (0.2, 0.1, 0.5) and back.target == (0.9, 0.5, 0.1) and back.robot_speed == 0.5
     )
     assert back.robot_radius == pytest.approx(math.sqrt(0.3**2 + 0.15**2))
-    assert "the file has 2 robots; the first was taken, the others left out" in back.notes
+    assert "the file has 2 robots; only the first was used" in back.notes
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,7 @@ def test_start_and_goal_come_from_the_only_problem_beside_the_map(tmp_path):
     again = import_world(path)
     assert again.world.start.x == world.start.x and again.world.target.y == world.target.y
     assert again.world.robot_radius == 0.04  # as with --scen
-    assert any("whose only problem is for this map" in note for note in again.notes)
+    assert any("the only problem in" in note for note in again.notes)
 
 
 def test_of_several_problems_beside_the_map_none_is_taken(tmp_path):
@@ -56,9 +56,7 @@ def test_a_problem_that_does_not_fit_the_map_is_passed_over_with_a_warning(tmp_p
     path = write_export(export_world(drawn(ROOM), "movingai", sidecar=False), tmp_path)[0]
     (tmp_path / "world.map.scen").write_text(text)
     found = read_map(path)
-    assert (
-        found.start is None and "world.map.scen beside the map was passed over" in found.warnings[0]
-    )
+    assert found.start is None and "world.map.scen next to the map was skipped" in found.warnings[0]
 
 
 def test_our_own_reader_of_scenarios_finds_the_same_cells(tmp_path):

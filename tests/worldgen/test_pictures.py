@@ -94,7 +94,7 @@ def test_other_kinds_of_pictures_have_the_scale_that_is_asked_for(write, kind):
 
 def test_the_picture_of_a_ros_pair_says_where_its_scale_may_be(tmp_path):
     path = write_export(export_world(drawn("###\n#SG\n###"), "ros"), tmp_path)[1]
-    assert any("world.yaml beside it may be the map" in note for note in read_map(path).notes)
+    assert any("world.yaml next to it may be the map" in note for note in read_map(path).notes)
 
 
 def test_a_folders_pictures_are_maps_only_if_they_say_so(write, tmp_path):

@@ -82,7 +82,7 @@ def test_a_signature_shows_types_bounds_and_units():
 
 def test_help_explains_the_parameters_that_a_caller_gives():
     text = pydoc.plain(pydoc.render_doc(maze))
-    assert "Cells a side, the solid border included.  [10 to 20000 cells]" in text
+    assert "Cells per side, including the solid border.  [10 to 20000 cells]" in text
     assert "seed: " in text and "rng" not in text
 
 

@@ -86,7 +86,7 @@ def test_a_witness_through_a_wall_is_refused():
 
 
 def test_a_world_without_a_certificate_proves_nothing():
-    assert refusal(drawn(ROOM), None) == "the world carries no certificate"
+    assert refusal(drawn(ROOM), None) == "the world has no certificate"
 
 
 def test_a_good_cut_is_accepted_and_measured():

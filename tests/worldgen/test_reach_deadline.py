@@ -197,7 +197,7 @@ def refusal(world, proof, **changes):
 def test_a_confinement_without_one_of_its_stays_is_refused(confined):
     world, proof = confined
     for index in range(0, len(proof.stays), max(1, len(proof.stays) // 6)):
-        assert "gets out of its stay into tile" in refusal(
+        assert "leaves its stay into tile" in refusal(
             world, proof, stays=np.delete(proof.stays, index, axis=0)
         )
 
@@ -208,7 +208,7 @@ def test_a_confinement_whose_stay_begins_late_or_ends_early_is_refused(confined)
     for column, less in ((2, 1), (3, -1)):
         stays = proof.stays.copy()
         stays[longest, column] += less
-        assert "gets out of its stay" in refusal(world, proof, stays=stays)
+        assert "leaves its stay" in refusal(world, proof, stays=stays)
 
 
 def test_a_confinement_that_claims_too_much_is_refused(confined):

@@ -48,7 +48,7 @@ def test_a_tiny_world_is_these_bytes():
     )
     text = export.data.decode()
     picture = np.asarray(Image.open(io.BytesIO(export.files["w.png"])))
-    assert text.endswith(PLACES) and text.startswith("# A world of worldgen for Stage")
+    assert text.endswith(PLACES) and text.startswith("# A world made by worldgen for Stage")
     assert (picture == 0).tolist() == [
         [True] * 6,
         *[[True, False, True, True, False, True]] * 2,
@@ -170,14 +170,11 @@ def test_definitions_build_on_each_other_and_the_first_robot_is_taken(found):
         and back.robot_radius == 0.4
         and back.robot_speed == 0.5
     )
-    assert (
-        back.target is None
-        and "the file has 2 robots; the first was taken, the others left out" in back.notes
-    )
+    assert back.target is None and "the file has 2 robots; only the first was used" in back.notes
     assert any(
         "'nowhere.inc' is not there" in note and "is not known" in note for note in back.notes
     )
-    assert back.unread == ("1 thing beside the floor plan: model",)
+    assert back.unread == ("1 thing besides the floor plan: model",)
 
 
 def test_units_of_the_file_count(found):
@@ -243,7 +240,7 @@ def test_a_fault_is_one_sentence_with_its_line(found, text, expected):
 def test_six_hundred_robots_of_a_definition_of_500_words_are_read(found):
     robot = "define robot position ( " + "ranger ( pose [ 0 0 0 30 ] ) " * 50 + ")\n"
     notes = found(OTHERS.format(unit="m") + robot + "robot ( )\n" * 600).notes
-    assert "the file has 602 robots; the first was taken, the others left out" in notes
+    assert "the file has 602 robots; only the first was used" in notes
 
 
 @pytest.mark.gate

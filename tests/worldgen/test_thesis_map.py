@@ -294,7 +294,7 @@ FAULTS = [
     (HEADER + b"\x73\x72\x00", {"code": "not-numbers", "at": 4, "what": "an object"}),
     (HEADER + b"\x74\x00\x03abc", {"code": "not-numbers", "at": 4, "what": "a string"}),
     (blocks(bytes(36)) + b"\x79", {"code": "not-numbers", "at": 42, "what": "a reset"}),
-    (HEADER + b"\x00", {"code": "not-numbers", "at": 4, "what": "no record of Java's"}),
+    (HEADER + b"\x00", {"code": "not-numbers", "at": 4, "what": "not a record of Java"}),
     (HEADER + b"\x77", {"code": "cut-short"}),
     (HEADER + b"\x7a\x00\x00", {"code": "cut-short"}),
     (HEADER + b"\x77\x00", {"code": "empty-block", "at": 4}),

@@ -139,12 +139,12 @@ def _value_of(
     if any(not isinstance(one, str | int | float) for one in values):
         raise InvalidParameter(
             "wrong-type",
-            "{where} {option}: write a text, a number, or true or false",
+            "{where} {option}: write text, a number, or true or false",
             where=where,
             option=key,
         )
     if option.is_flag != all(isinstance(one, bool) for one in values):
-        expected = "true or false" if option.is_flag else "a text or a number"
+        expected = "true or false" if option.is_flag else "text or a number"
         raise InvalidParameter(
             "wrong-type",
             "{where} {option}: write {expected}",
@@ -193,13 +193,13 @@ def _project(folder: Path) -> _Project | None:
         if "worldgen" not in text:
             continue
         if not _has_same_owner(file, folder):
-            # Even a fault in it is not our user's problem: in /tmp anybody could block every
-            # command with one.
+            # Even an error in it must not concern our user: in /tmp, anybody could block every
+            # command with such a file.
             if "tool.worldgen" in text:
                 say_once(
                     f"{file} belongs to another user and is not read, because it names code to "
                     f"run; "
-                    "copy its [tool.worldgen] into a file in a folder of your own"
+                    "copy its [tool.worldgen] into a file in your own folder"
                 )
                 return None
             continue

@@ -1,4 +1,4 @@
-"""Add what every command has, whoever wrote it.
+"""Add what every command has, no matter who wrote it.
 
 This is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, and the
 rejection of options that are given twice.
@@ -34,14 +34,14 @@ QUIET_AND_VERBOSE: tuple[click.Option, ...] = (
         is_flag=True,
         expose_value=False,
         callback=_be_quiet,
-        help="Print results and errors only, no progress and no notes.",
+        help="Print only results and errors, without progress or notes.",
     ),
     click.Option(
         ["-v", "--verbose"],
         is_flag=True,
         expose_value=False,
         callback=_be_verbose,
-        help="Print each piece of slow work as it begins and ends.",
+        help="Report when each slow step begins and ends.",
     ),
 )
 

@@ -209,7 +209,7 @@ def main() -> NoReturn:
 def _our_fault(error: BaseException) -> int:
     try:
         check_hidden()
-    # Then the error is not our fault.
+    # In that case the error is not our fault.
     except WorldgenError as hidden:
         note(f"worldgen: {hidden}", always=True)
         return 2
@@ -218,8 +218,9 @@ def _our_fault(error: BaseException) -> int:
 
         traceback.print_exception(error)
     click.echo(
-        f"worldgen: a bug in worldgen, not a fault of your input: {type(error).__name__}: {error}\n"
-        "Set WORLDGEN_DEBUG=1 and run it again for the details to report.",
+        f"worldgen: a bug in worldgen, not an error in your input: {type(error).__name__}: "
+        f"{error}\n"
+        "Set WORLDGEN_DEBUG=1 and run it again to get the details to report.",
         err=True,
     )
     return 3

@@ -1,4 +1,4 @@
-"""Shared by all commands: safe writing, JSON, options that mean the same everywhere."""
+"""Helpers shared by all commands: safe writing, JSON, and options that mean the same everywhere."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ json_option: Callable[[F], F] = click.option(
 seed_option: Callable[[F], F] = click.option(
     "--seed",
     type=click.IntRange(0, 2**64 - 1),
-    help="Seed of all random numbers, 64 bits; drawn and printed if left out.",
+    help="Seed of all random numbers, 64 bits; random, and printed, if omitted.",
 )
 
 
@@ -92,7 +92,7 @@ def note(message: str, *, always: bool = False) -> None:
 
     Args:
         message: One or more lines.
-        always: Whether ``--quiet`` prints it too, as it does errors and the seed.
+        always: True to print it even under ``--quiet``, like errors and the seed.
     """
     if always or not is_quiet():
         spoke()

@@ -10,10 +10,10 @@ __all__ = ["COMMANDS", "describe_versions"]
 COMMANDS: dict[str, dict[str, str]] = {
     "Make worlds": {
         "compose": "Make worlds from parts with a recipe, such as a trap in a maze.",
-        "regenerate": "Make a set of worlds again from its manifest, or check it.",
+        "regenerate": "Rebuild a set of worlds from its manifest, or check it.",
         "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
         "verify": "Check a world's proof, or decide whether a target can be reached.",
-        "check-family": "Check that your own family keeps the promises of every family.",
+        "check-family": "Check that your own family keeps the promises that every family makes.",
     },
     "Run controllers": {
         "behaviours": "List behaviours, or show how a controller arbitrates among its own.",

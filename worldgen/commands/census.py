@@ -37,7 +37,7 @@ EXAMPLES = (
     "  worldgen census ./examples/census/mazelib_maps.py:maps --count 500 --seed 1 --option side=20"
 )
 PATH = click.Path(path_type=Path)
-# Most characters of a map's name in a file's name: at most 200 of 255 bytes.
+# Limit on the characters of a map's name in a file name: at most 200 of its 255 bytes.
 _LONGEST = 50
 
 
@@ -60,7 +60,7 @@ _LONGEST = 50
 @click.option(
     "--clear-ends",
     is_flag=True,
-    help="Draw starts and targets where the largest of the discs has room.",
+    help="Draw starts and targets where the largest disc has room.",
 )
 @click.option(
     "--count",
@@ -82,7 +82,7 @@ _LONGEST = 50
 @click.option(
     "--unknown",
     type=click.Choice(["solid", "free"]),
-    help="Treat unknown ROS cells as this.  [default: solid]",
+    help="How to treat unknown ROS cells.  [default: solid]",
 )
 @click.option(
     "--csv",
@@ -95,7 +95,7 @@ _LONGEST = 50
     "--out",
     type=PATH,
     metavar="FOLDER",
-    help="Keep the worlds that only a point passes, with their cuts.",
+    help="Folder for the worlds that only a point can cross, with their cuts.",
 )
 @seed_option
 @json_option
@@ -185,7 +185,7 @@ def _maps(
         raise InvalidParameter(
             "only-for-generators",
             "option is for a generator, and none is named",
-            "name one as ./file.py:function",
+            "name one, such as ./file.py:function",
         )
     # Read the files and folders.
     found: list[FolderMaps | GeneratedMaps] = []
@@ -215,7 +215,7 @@ def _option(text: str) -> tuple[str, str]:
         raise InvalidParameter(
             "wrong-form",
             "option={text!r} is not NAME=VALUE",
-            "write it like side=20",
+            "write it as in side=20",
             text=text[:40],
         )
     return name.replace("-", "_"), value

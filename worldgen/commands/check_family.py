@@ -1,4 +1,4 @@
-"""``worldgen check-family``: check that your own family keeps what every family promises."""
+"""``worldgen check-family``: check that a family keeps the promises of every family."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ EXAMPLES = (
 )
 @json_option
 def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: bool) -> None:
-    """Check that your own family keeps the promises of every family.
+    """Check that your own family keeps the promises that every family makes.
 
     NAME is a registered family, ./file.py:name, package.module:name or ./recipe.toml. If a
     parameter has a fixed set of words, each word of the first such parameter is a case. Exit code 1

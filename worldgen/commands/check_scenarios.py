@@ -1,4 +1,4 @@
-"""``worldgen check-scenarios``: solve the MovingAI benchmark's problems on its maps as read here."""
+"""``worldgen check-scenarios``: solve the problems of the MovingAI benchmark."""
 
 from __future__ import annotations
 
@@ -20,14 +20,16 @@ PATH = click.Path(path_type=Path)
 @click.command("check-scenarios", epilog=EXAMPLES)
 @click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=PATH)
 @click.option(
-    "--rows", type=click.IntRange(1), help="Problems to draw of each scenario file.  [default: all]"
+    "--rows",
+    type=click.IntRange(1),
+    help="Number of problems to draw from each scenario file.  [default: all]",
 )
 @click.option(
     "--seed",
     type=click.IntRange(0, 2**64 - 1),
     default=0,
     show_default=True,
-    help="Seed of the draw.",
+    help="Seed for drawing the problems.",
 )
 @click.option(
     "--csv",
@@ -49,8 +51,8 @@ def check_scenarios(
     """Check the path lengths that MovingAI problems state.
 
     PATH is a .map or .scen file, or a folder with such files below it. A scenario file finds its
-    map by the name that it gives. Paths are octile and cut no corner; lengths are compared to the
-    published digits.
+    map by the name that it gives. Paths are octile and do not cut corners; lengths are compared to
+    the published digits.
 
     Exits with 0 if all agree, with 1 if some do not, with 2 if there is nothing to check.
     """

@@ -1,4 +1,4 @@
-"""``worldgen compose``: make worlds of a recipe, with its own options and those of every family."""
+"""``worldgen compose``: make worlds from a recipe, with its own options."""
 
 from __future__ import annotations
 

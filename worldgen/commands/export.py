@@ -1,4 +1,4 @@
-"""``worldgen export``: write a world as a file of another program."""
+"""``worldgen export``: write a world in another program's format."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ EXAMPLES = (
     "--to",
     "name",
     metavar="FORMAT[+OPTION=VALUE]",
-    help="Format to write, as `worldgen formats` lists it; by the ending of --out if left out.",
+    help="Format to write, as listed by `worldgen formats`; if omitted, it follows from the "
+    "ending of --out.",
 )
 @click.option(
     "--out", "-o", type=click.Path(path_type=Path), required=True, help="The file to write."
@@ -107,7 +108,7 @@ def _origin(text: str) -> tuple[float, float]:
         raise InvalidParameter(
             "wrong-form",
             "origin={text!r} has three numbers",
-            "give X,Y alone: worlds are not turned",
+            "give only X,Y: worlds are not turned",
             text=text[:60],
         )
     return point[0], point[1]

@@ -56,7 +56,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
         as_json: bool,
         **params: Any,
     ) -> None:
-        # Search for a world with the wished properties, or make one, or a set of them.
+        # Search for a world with the requested properties, or make one, or a set of them.
         place = _set_place(count, out)
         if where is not None or difficulty is not None:
             make_wanted(
@@ -66,7 +66,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
             )  # fmt: skip
         elif tries is not None:
             raise click.UsageError(
-                "--tries is for a search; say with --where or --difficulty what for"
+                "--tries is for a search; give --where or --difficulty to say what to search for"
             )
         elif place is None:
             _make_one(
@@ -94,7 +94,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
 
 
 def _set_place(count: int | None, out: Path | None) -> Path | None:
-    """Return the place for a set, if one is wanted and not a single file.
+    """Return the place for a set, or None if a single file is wanted.
 
     Raises:
         UsageError: If there is no place for it, or the output's name is for the other kind.
@@ -104,7 +104,7 @@ def _set_place(count: int | None, out: Path | None) -> Path | None:
 
     if count is None and out is not None and is_archive(out):
         raise click.UsageError(
-            f"{out} names an archive; say with --count how many worlds go into it"
+            f"{out} names an archive; give the number of its worlds with --count"
         )
     if count is None or (count == 1 and (out is None or is_world_file(out.name))):
         return None
@@ -114,7 +114,7 @@ def _set_place(count: int | None, out: Path | None) -> Path | None:
         )
     if count > 1 and is_world_file(out.name):
         raise click.UsageError(
-            f"{out} names one world's file; for {count} name a folder or an archive"
+            f"{out} names the file of one world; for {count} worlds, name a folder or an archive"
         )
     return out
 
@@ -134,18 +134,19 @@ _out_option = click.option(
 _workers_option = click.option(
     "--workers",
     type=click.IntRange(1, 256),
-    help="Processes that make a set [default: one a core, for large ones].",
+    help="Number of processes that make a set.  [default: one per core for large sets]",
 )
 _metrics_option = click.option(
     "--metrics/--no-metrics",
     default=None,
-    help="Measure each world, into its file's header.  [default: a single world up to 2000 x 2000 "
+    help="Measure each world, and store the result in its file's header.  [default: a single "
+    "world up to 2000 x 2000 "
     "cells, and sets]",
 )
 _SET_OPTIONS = (_count_option, _out_option, _workers_option, _metrics_option)
 
 
-# Cells of the largest world measured by default; more would take over a quarter of a minute.
+# Cells of the largest world measured by default; larger ones would take over 15 seconds.
 _MEASURED = 4_000_000
 
 
@@ -210,20 +211,23 @@ def _made(
     work.say("drawing it and proving that its target can be reached")
     world = generate(made_by, seed, **params)
     if metrics is None and world.walls.size > _MEASURED:
-        note(f"{world.width} x {world.height} cells are not measured unasked; --metrics does")
+        note(
+            f"{world.width} x {world.height} cells are not measured by default; --metrics "
+            f"measures them"
+        )
         return world
     if metrics is False:
         return world
     from worldgen.difficulty import with_metrics
 
-    work.say("measuring it; --no-metrics leaves that out")
+    work.say("measuring it; --no-metrics skips this")
     return with_metrics(world)
 
 
 def _result(world: World, file: Path | None) -> dict[str, Any]:
     from worldgen.files.grid import world_digest
 
-    # generate() gives no world without one.
+    # generate() never returns a world without one.
     witness = cast("Witness | JointWitness", world.certificate)
     return {
         "file": None if file is None else str(file),

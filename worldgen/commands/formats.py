@@ -67,7 +67,7 @@ def _print_one(known: Format) -> None:
 
     click.echo(
         f"{known.name} ({known.direction}): {known.summary}; for "
-        f"{known.client or 'whoever reads it'}"
+        f"{known.client or 'any program that reads it'}"
     )
     held = [HELD[name] for name in HELD if name in known.holds]
     click.echo(

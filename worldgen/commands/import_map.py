@@ -30,34 +30,40 @@ EXAMPLES = (
     "--from",
     "name",
     metavar="FORMAT[+OPTION=VALUE]",
-    help="Format of PATH, as `worldgen formats` lists it; recognised if left out.",
+    help="Format of PATH, as listed by `worldgen formats`; recognised if omitted.",
 )
 @click.option(
     "--radius",
     type=float,
-    help="Robot's radius, m.  [default: the file's, or what suits such maps]",
+    help="Robot's radius, m.  [default: the file's, or one that suits such maps]",
 )
 @click.option("--speed", type=float, help="Robot's top speed, m/s.  [default: 2.0]")
 @click.option(
     "--start",
     metavar="X,Y[,HEADING]",
-    help="m and rad, from the lower-left corner; placed if left out.",
+    help="m and rad, from the lower-left corner; placed automatically if omitted.",
 )
 @click.option(
-    "--target", metavar="X,Y[,RADIUS]", help="m; placed if left out, with the robot's radius."
+    "--target",
+    metavar="X,Y[,RADIUS]",
+    help="m; placed automatically if omitted, with the robot's radius.",
 )
 @click.option(
     "--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target."
 )
 @click.option(
-    "--row", type=click.IntRange(1), default=1, show_default=True, help="Which problem of --scen."
+    "--row",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    help="Number of the problem in --scen.",
 )
 @click.option(
     "--robots",
     type=click.IntRange(1, 1000),
     default=1,
     show_default=True,
-    help="Take this many problems of --scen, from --row on, as robots of one world.",
+    help="Use this many problems of --scen, starting at --row, as the robots of one world.",
 )
 @click.option(
     "--cell-size",
@@ -88,19 +94,19 @@ EXAMPLES = (
 @click.option(
     "--unknown",
     type=click.Choice(["solid", "free"]),
-    help="Treat unknown ROS cells as this.  [default: solid]",
+    help="How to treat unknown ROS cells.  [default: solid]",
 )
 @click.option(
     "--seed",
     type=click.IntRange(0, 2**64 - 1),
-    help="Where the search for far places begins.  [default: 0]",
+    help="Seed of the search for places that are far apart.  [default: 0]",
 )
 @click.option(
     "--ignore-unread",
     "--ignore-meshes",
     "ignore_unread",
     is_flag=True,
-    help="Judge the world without the obstacles that cannot be read, such as meshes.",
+    help="Judge the world without obstacles that cannot be read, such as meshes.",
 )
 @force_option
 @json_option
@@ -174,8 +180,8 @@ def import_map(
         click.echo("\n".join(interop.describe(file, imported)))
     if imported.withheld:
         note(
-            f"{out} was not written; --ignore-unread judges and writes the world without what was "
-            f"not read",
+            f"{out} was not written; --ignore-unread judges and writes the world without the "
+            f"unread obstacles",
             always=True,
         )
         raise click.exceptions.Exit(2)

@@ -45,7 +45,9 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     from worldgen.files.worlds import read_worlds
 
     if as_csv and as_json:
-        raise click.UsageError("--csv and --json are two forms of the same; give one of them")
+        raise click.UsageError(
+            "--csv and --json are two forms of the same output; give one of them"
+        )
     results: list[tuple[Path, dict[str, float]]] = []
     try:
         with working("measuring") as work:
@@ -53,7 +55,7 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
                 work.say(f"{path}, world {len(results) + 1}")
                 _check_its_own(path, world)
                 results.append((path, measured(world).as_dict()))
-    # Measurements are printed, however the work ends.
+    # Measurements are printed even if the work ends early.
     finally:
         if results:
             _tell(results, as_csv=as_csv, as_json=as_json)
@@ -71,7 +73,7 @@ def _check_its_own(path: Path, world: World) -> None:
         raise InvalidWorld(
             "certificate-invalid",
             "{path}: its certificate proves nothing, because {reason}",
-            "take it out, and the world is decided before it is measured",
+            "remove it, and the world is decided before it is measured",
             path=path,
             reason=report.reason,
         )

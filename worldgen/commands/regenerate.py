@@ -1,4 +1,4 @@
-"""``worldgen regenerate``: make a set again from its manifest, or check that it matches it."""
+"""``worldgen regenerate``: rebuild a set from its manifest, or check that the two match."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ EXAMPLES = (
     "again/\n"
     "  worldgen regenerate mazes.zip --out again.zip"
 )
-# Most differences in text; --json has all of them.
+# Limit on the differences listed as text; --json has all of them.
 SHOWN = 20
 
 
@@ -30,7 +30,7 @@ SHOWN = 20
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
-    help="Folder or archive to make; with --check, to look at.",
+    help="Folder or archive to make; with --check, the one to check.",
 )
 @click.option(
     "--check", is_flag=True, help="Make nothing; list files that are missing, changed or extra."
@@ -39,12 +39,12 @@ SHOWN = 20
     "--family",
     "families",
     multiple=True,
-    help="File of a family that is not registered: ./mine.py:pillars.",
+    help="File that defines a family that is not registered: ./mine.py:pillars.",
 )
 @click.option(
     "--workers",
     type=click.IntRange(1, 256),
-    help="Processes [default: one a core, for large sets].",
+    help="Number of processes.  [default: one per core for large sets]",
 )
 @force_option
 @json_option
@@ -57,14 +57,13 @@ def regenerate(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Make a set of worlds again from its manifest, or check it.
+    """Rebuild a set of worlds from its manifest, or check it.
 
     SET is a set's folder, its archive, or only its manifest. With --out the whole set is made
     there; without it, the missing worlds are made in the set's own folder. Every world is compared
     with the manifest before it is written.
 
-    Exits with 0 if the set matches its manifest, with 1 if it does not, or a world comes out
-    differently.
+    Exits with 0 if the set matches its manifest, with 1 if it does not or a rebuilt world differs.
     """
     from worldgen.sets import manifest_of
 
@@ -124,7 +123,7 @@ def _make(
         raise OutputError(
             "set-unfinished",
             "{path} is unfinished, with {count} of {planned} worlds",
-            "the command that began it continues it",
+            "run the command that started it to continue it",
             path=path,
             count=count,
             planned=manifest.header.count,
@@ -133,7 +132,7 @@ def _make(
         raise OutputError(
             "is-a-file",
             "{path} is one file",
-            "say with --out where to make the set, or give --check to compare",
+            "give --out to make the set somewhere else, or --check to compare",
             at_terminal=True,
             path=path,
         )
@@ -161,7 +160,7 @@ def _make(
                 differences=[{"kind": "changed", "file": error.facts["file"]}],
             )
         raise click.exceptions.Exit(1) from error
-    note(f"{place}: {count - done.resumed} worlds made, {done.resumed} were there")
+    note(f"{place}: {count - done.resumed} worlds made, {done.resumed} were there already")
     if as_json:
         _emit(path, place, manifest, made=count - done.resumed, ok=True, differences=[])
 

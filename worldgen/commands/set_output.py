@@ -1,4 +1,4 @@
-"""Output shared by the commands that make sets: progress, interruptions, and the JSON object."""
+"""Helpers shared by the commands that make sets: progress, interruptions, and the JSON object."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ def make_many(
     """Make a set, or continue one.
 
     Args:
-        plan: The set, from any seed on.
+        plan: The set; its first seed may still change.
         seed: Seed of the first world; if omitted, that of an unfinished set there, or else a random
             one.
         out: Folder or archive.
         workers: Number of processes.
-        force: Whether to replace what exists.
-        as_json: Whether to print one object.
+        force: True to replace what exists.
+        as_json: True to print one JSON object.
     """
     from worldgen.random_streams import MASK64
     from worldgen.sets import make_set, manifest_of

@@ -1,4 +1,4 @@
-// A binary heap of triples, the least first.
+// A binary heap of triples, smallest first.
 
 #ifndef WG_HEAP_H
 #define WG_HEAP_H
@@ -27,7 +27,7 @@ static inline bool wg_before(WgEntry a, WgEntry b)
     return a.second != b.second ? a.second < b.second : a.third < b.third;
 }
 
-// Returns false if there is no memory.
+// Returns false if memory runs out.
 static inline bool wg_heap_push(WgHeap *heap, WgEntry entry)
 {
     if (heap->count == heap->room) {
@@ -48,7 +48,7 @@ static inline bool wg_heap_push(WgHeap *heap, WgEntry entry)
     return true;
 }
 
-// Takes the least entry; the heap must not be empty.
+// Removes and returns the smallest entry; the heap must not be empty.
 static inline WgEntry wg_heap_pop(WgHeap *heap)
 {
     WgEntry least = heap->entries[0];

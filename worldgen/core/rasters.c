@@ -1,5 +1,4 @@
-// Where a disc is clear, for all nodes and middles of a graph together: rows of cells, compared 16
-// at a time.
+// Finds where a disc is clear, for all nodes and middles of a graph at once, by comparing rows of cells 16 at a time.
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,8 +19,8 @@ typedef struct DiscRow {
 typedef struct DiscRows {
     DiscRow *rows;
     int64_t *begins;  // (2 k^2 + 1,)
-    int64_t pad;      // reach of the farthest of them, plus one
-    int64_t longest;  // the most cells of any
+    int64_t pad;      // reach of the farthest row, plus one
+    int64_t longest;  // largest number of cells in a row
 } DiscRows;
 
 int64_t wg_root_floor(int64_t square)
@@ -70,8 +69,7 @@ static bool list_rows(DiscRows *all, int64_t k, int64_t limit)
     return true;
 }
 
-// Free cells from each cell on to the right, up to 255 or 65,535, so that many can be compared at a
-// time.
+// Counts the free cells to the right of each cell, up to 255 or 65,535, so that many can be compared at a time.
 #define COUNT_GAPS(NAME, TYPE, MOST)                                                                        \
     static void NAME(const uint8_t *solid, int64_t height, int64_t width, int64_t pad, TYPE *gaps)          \
     {                                                                                                       \
@@ -100,8 +98,7 @@ COUNT_GAPS(count_gaps_16, uint16_t, 65535)
 COMPARE_ROW(compare_row_8, uint8_t)
 COMPARE_ROW(compare_row_16, uint16_t)
 
-// Arranges the lines of one height within a cell next to each other: line a has the points at a/k
-// of each cell.
+// Puts the lines of one height within a cell next to each other: line a has the points at a/k of each cell.
 static void interleave(const uint8_t *restrict lines, int64_t room, int64_t k, int64_t width, uint8_t *restrict out)
 {
     // Half cells are the usual case, which the compiler vectorises to 16 at a time.
@@ -149,7 +146,7 @@ WgStatus wg_disc_rasters(const uint8_t *solid, int64_t height, int64_t width, in
         count_gaps_16(solid, height, width, all.pad, gaps);
     }
 
-    // Row by row of the graph: nodes, then middles.
+    // Go through the graph row by row: nodes, then middles.
     int64_t stride = k * width + 1;
     for (int64_t j = 0; j <= height; j++) {
         int64_t heights = j < height ? k : 1;

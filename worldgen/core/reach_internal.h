@@ -38,14 +38,15 @@ static inline int64_t wg_cell_of(int64_t lu)
     return wg_floor_div(lu, WG_UNIT);
 }
 
-// Returns whether a cell is solid; all cells outside the grid are.
+// Returns true if a cell is solid; all cells outside the grid are.
 static inline bool wg_is_solid(const WgWalls *walls, int64_t ix, int64_t iy)
 {
     bool inside = ix >= 0 && iy >= 0 && ix < walls->width && iy < walls->height;
     return !inside || walls->solid[iy * walls->width + ix] != 0;
 }
 
-// What each of eight steps adds to a node's number, four along the axes first; and where the middles of the others are.
+// Offsets that the eight steps add to a node's number, the four along the axes first, and offsets of the middles of
+// the other four.
 static inline void wg_eight_steps(int64_t stride, int64_t shifts[8], int64_t corners[8])
 {
     const int64_t steps[8] = {1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, 1 - stride};
@@ -56,7 +57,7 @@ static inline void wg_eight_steps(int64_t stride, int64_t shifts[8], int64_t cor
     }
 }
 
-// The next entry of a list that is its own root, from ``v`` on; halves the path there for later.
+// Returns the first entry from ``v`` on that is its own root, and halves the path there for later calls.
 static inline int64_t wg_next_unseen(int32_t *skip, int64_t v)
 {
     while (skip[v] != v) {
@@ -66,7 +67,7 @@ static inline int64_t wg_next_unseen(int32_t *skip, int64_t v)
     return v;
 }
 
-// The square root rounded down; the square is less than 2^62.
+// Returns the square root, rounded down, of a number below 2^62.
 int64_t wg_root_floor(int64_t square);
 
 // A piece of a path, lu.
@@ -88,13 +89,13 @@ typedef struct WgFinePose {
 
 // The result of a scan of a piece.
 typedef struct WgScan {
-    int64_t least;      // least whole square of a distance, lu^2
+    int64_t least;      // smallest integer square of a distance, lu^2
     int64_t side;       // of the nearest corner next to the line, its distance times the length; 0 for none
     int64_t length_sq;  // squared length of the piece if side is of interest, else 0
     bool nearer;        // certainly nearer than requested
 } WgScan;
 
-// Returns whether the disc may sweep a piece; WG_UNSURE if only fractions can decide.
+// Reports whether the disc may sweep a piece; WG_UNSURE if only fractions can decide.
 WgAnswer wg_sweep(const WgWalls *walls, WgPiece piece, const WgDisc *disc);
 
 #endif

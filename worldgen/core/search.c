@@ -1,11 +1,9 @@
-// The shortest path over the eight neighbours of a graph's nodes, with buckets and bits instead of
-// a heap.
+// Finds the shortest path over the eight neighbours of a graph's nodes, with buckets and bits instead of a heap.
 //
-// The search takes the node with the least estimate, and among equals the one with the least
-// number. Estimates never fall, and a step raises one by at most 198. So waiting nodes are in a
-// ring of buckets, one for each estimate, and those of the present estimate are bits in a tree of
-// words, 64 to a word, which gives the least in a few steps. A heap took two to four times as long
-// on open ground.
+// The search takes the node with the lowest estimate, and among equals the one with the lowest number. Estimates
+// never fall, and a step raises one by at most 198. So waiting nodes are in a ring of buckets, one for each estimate,
+// and those of the present estimate are bits in a tree of words, 64 to a word, which yields the lowest in a few
+// steps. A heap took two to four times as long on open ground.
 //
 // Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost Paths" (1968).
 // Dial, "Algorithm 360: Shortest-Path Forest with Topological Ordering" (1969), for the buckets.
@@ -19,10 +17,10 @@
 enum {
     AXIS_COST = 70,
     DIAGONAL_COST = 99,
-    REACHED = 15,  // the bits of the step: 0 not yet, 1 to 8 by that step, or one of the next two
+    REACHED = 15,  // the bits of the step: 0 if not reached, 1 to 8 for a step, or one of the next two
     BY_BRIDGE = 9,
     AT_SOURCE = 10,
-    CLOSED = 16,  // finished, or never clear
+    CLOSED = 16,  // finished, or not clear
     IS_END = 32,
     IS_SPARE = 64,
 };
@@ -60,8 +58,8 @@ struct WgSearch {
     int64_t begins[MOST_LEVELS];
     int64_t levels;
 
-    int64_t level;   // the present estimate; -1 while the sources are taken, by number
-    int64_t lowest;  // least estimate that the sources lead to
+    int64_t level;   // the current estimate; -1 while the sources are processed, by number
+    int64_t lowest;  // lowest estimate that the sources lead to
     int64_t end;
     bool content;  // whether a spare end is acceptable, because no other can be reached
     bool done;
@@ -93,7 +91,7 @@ static void set_bit(WgSearch *search, int64_t node)
     }
 }
 
-// Takes the least node of the present estimate, which must exist.
+// Removes and returns the lowest node of the current estimate, which must exist.
 static int64_t take_least(WgSearch *search)
 {
     int64_t node = 0;
@@ -117,7 +115,7 @@ static bool has_present(const WgSearch *search)
     return search->bits[search->begins[search->levels - 1]] != 0;
 }
 
-// Advances to the least estimate of a waiting node, and makes its bucket the present nodes.
+// Advances to the lowest estimate of a waiting node, and makes its bucket the current nodes.
 static void next_level(WgSearch *search)
 {
     int64_t mask = search->ring - 1;
@@ -187,7 +185,7 @@ static bool widen_ring(WgSearch *search, int64_t spread)
     if (ring == search->ring) {
         return true;
     }
-    // Nothing waits now, so nothing has to be moved.
+    // Nothing is waiting now, so nothing has to be moved.
     free(search->first);
     free(search->filled);
     search->ring = 0;
@@ -201,7 +199,7 @@ static bool widen_ring(WgSearch *search, int64_t spread)
     return true;
 }
 
-// Begins, or begins again, at nodes that cost nothing; ``step`` apart in the list.
+// Starts or restarts the search at nodes of cost 0, which are ``step`` apart in the list.
 static bool begin_at(WgSearch *search, const int64_t *sources, int64_t count, int64_t step, uint8_t how)
 {
     int64_t least = INT64_MAX;
@@ -230,7 +228,7 @@ static bool in_graph(const WgGraph *graph, const int64_t *nodes, int64_t count)
     return true;
 }
 
-// Lays out the levels of bits; returns how many words they take.
+// Lays out the levels of bits; returns the number of words they take.
 static int64_t lay_out_bits(WgSearch *search)
 {
     int64_t words = 0;
@@ -302,8 +300,7 @@ WgStatus wg_search_new(const WgGraph *graph, const int64_t *sources, int64_t sou
     return WG_OK;
 }
 
-// Begins again on the far sides of all bridges that the search has reached; returns whether there
-// are any.
+// Restarts on the far sides of all bridges that the search has reached; returns true if there are any.
 static bool cross_bridges(WgSearch *search, bool *has_room)
 {
     int64_t *crossed = search->crossed + 2 * search->crossed_count;
@@ -316,7 +313,7 @@ static bool cross_bridges(WgSearch *search, bool *has_room)
         if ((search->state[from] & CLOSED) == 0 || (search->state[onto] & CLOSED) != 0) {
             continue;
         }
-        // Of several bridges to one node, the last one counts.
+        // If several bridges lead to one node, the last one counts.
         if ((search->state[onto] & REACHED) == BY_BRIDGE) {
             int64_t known = 0;
             while (crossed[2 * known] != onto) {
@@ -424,7 +421,7 @@ void wg_search_be_content(WgSearch *search)
     search->done = search->done || search->end >= 0;
 }
 
-// The node before one on the path, or NO_NODE; ``how`` is the step between them.
+// Returns the node before another on the path, or NO_NODE; ``how`` is the step between them.
 static int64_t node_before(const WgSearch *search, int64_t node, uint8_t *how)
 {
     *how = search->state[node] & REACHED;

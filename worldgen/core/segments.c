@@ -1,10 +1,10 @@
-// Tests straight pieces of a path against solid cells in machine numbers; doubtful cases are left
-// to the caller.
+// Tests straight pieces of a path against solid cells with integers and floats; doubtful cases are left to the
+// caller.
 //
-// All lengths are whole lu. Whether a piece meets a box, and every distance between boxes, is exact
-// in 64 bits. The distance of a slanted piece from a corner is side / length, both whole; only its
-// comparison with the radius uses floats, with an error below 1e-15. If the two are within 1e-13 of
-// each other, the answer is "unsure", and the caller compares fractions.
+// All lengths are whole lu. Intersections of pieces with boxes, and distances between boxes, are exact in 64 bits.
+// The distance of a slanted piece from a corner is side / length, both whole; only its comparison with the radius
+// uses floats, with an error below 1e-15. If the two are within 1e-13 of each other, the answer is "unsure", and the
+// caller compares fractions.
 
 #include <math.h>
 
@@ -12,10 +12,10 @@
 
 // The length to compare a piece with, and how far to look.
 typedef struct Bound {
-    int64_t reach;  // no cell within it is missed, lu
+    int64_t reach;  // lu; no cell within it is missed
     double radius_sq;  // square of the distance in question, lu^2
-    int64_t limit;     // the same for whole numbers: squares below it are nearer
-    bool stop;         // whether the first nearer cell ends the scan
+    int64_t limit;     // the same for integers: squares below it are nearer
+    bool stop;         // true if the first nearer cell ends the scan
 } Bound;
 
 // A scan in progress: the piece, rising, and its result so far.
@@ -25,7 +25,7 @@ typedef struct Scan {
     int64_t ey;
     int64_t length_sq;
     int64_t least;
-    int64_t nearest_side;  // -1 before there is one
+    int64_t nearest_side;  // -1 if there is none yet
 } Scan;
 
 // Squared distance from a point to a box with its lower left corner at (x0, y0).
@@ -87,7 +87,7 @@ static WgScan scan_piece(const WgWalls *walls, WgPiece piece, Bound bound)
     int64_t reach = bound.reach;
     const WgScan met = {0, 0, 0, true};
 
-    // Go row by row; of the outside, the ring of cells next to the grid is enough.
+    // Go row by row; outside the grid, the ring of cells next to it is enough.
     int64_t last = wg_min(walls->height, wg_cell_of(piece.qy + reach) + 1);
     for (int64_t iy = wg_max(-1, wg_cell_of(piece.py - reach) - 1); iy <= last; iy++) {
         int64_t low = wg_min(piece.px, piece.qx);
@@ -124,8 +124,7 @@ static WgScan scan_piece(const WgWalls *walls, WgPiece piece, Bound bound)
         }
     }
 
-    // The corner next to the line counts if it is nearer than everything else, or if floats cannot
-    // tell.
+    // Keep the corner next to the line if it is nearer than everything else, or if floats cannot tell.
     WgScan found = {scan.least, 0, 0, scan.least < bound.limit};
     if (scan.nearest_side >= 0) {
         double square = (double)scan.nearest_side * (double)scan.nearest_side;
@@ -157,8 +156,7 @@ WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, 
     int64_t far = state[2];
     int64_t found = state[3];
     WgAnswer answer = (WgAnswer)state[4];
-    // At most as many corners are kept as were passed, so there is always room; and the search only
-    // looks ahead.
+    // Corners kept never outnumber corners passed, so there is always room; and the search only looks ahead.
     if (at < 0 || at >= count || found < 1 || found > at + 1 || seen <= at || far <= at) {
         return WG_BAD_VALUE;
     }

@@ -2,7 +2,7 @@
 // difficulty, foreign maps.
 //
 // Grids are row-major. A grid that is searched is solid on its rim, so that no step leaves it;
-// functions check that, and all given sizes. None keeps a pointer.
+// functions check this and all sizes they are given. They keep no pointers.
 
 #ifndef WG_MAKING_H
 #define WG_MAKING_H
@@ -19,9 +19,9 @@
 //
 // On the board, 0 to 3 is the direction to the parent of a chamber in the maze.
 enum {
-    WG_ROOT = 4,     // in the maze, and leads nowhere
+    WG_ROOT = 4,     // in the maze, without a parent
     WG_OUTSIDE = 5,  // not a chamber
-    WG_FREE = 8,     // not yet in the maze; Wilson's walk adds the direction that it left by
+    WG_FREE = 8,     // not yet in the maze; Wilson's walk adds the direction by which it left
 };
 
 // Bits of a chamber's links.
@@ -47,7 +47,7 @@ typedef enum WgMazeAlgorithm {
     WG_MAZE_ALGORITHMS,
 } WgMazeAlgorithm;
 
-// A growing maze: its definition, set by the caller, and its progress, kept between two calls.
+// A growing maze: its definition, set by the caller, and its progress between calls.
 typedef struct WgMaze {
     WgMazeAlgorithm algorithm;
     int64_t columns;   // chambers in x
@@ -56,10 +56,10 @@ typedef struct WgMaze {
     int64_t oldest;    // growing tree: picks of 65536 that take the oldest
     int64_t left;      // chambers still to be joined; 0 when the maze is done
     int64_t at;        // position of the walk, or the beginning of the sidewinder's row
-    int64_t first;     // hunt: no free chamber comes before it. Wilson: where the present walk began
+    int64_t first;     // hunt: no free chamber comes before it. Wilson: where the current walk began
     int64_t lowest;    // hunt: no chamber of the maze comes before it
     int64_t column;    // sidewinder: chambers of its row that are done
-    int64_t edge;      // Kruskal: edges looked at
+    int64_t edge;      // Kruskal: edges examined
     int64_t head;      // growing tree: the list of active chambers begins here
     int64_t tail;      // growing tree: and ends before this
     int64_t alive;     // growing tree: entries of the list that are still active
@@ -67,12 +67,13 @@ typedef struct WgMaze {
     int64_t waiting;   // Prim: edges in the heap. Recursive division: rectangles to be cut
 } WgMaze;
 
-// Bytes of work space that a maze needs; -1 if its algorithm or its size is out of range.
+// Returns the bytes of work space that a maze needs; -1 if its algorithm or its size is out of
+// range.
 int64_t wg_maze_work_bytes(const WgMaze *maze);
 
 // Sets up the board and everything in a maze that the caller has not set.
 //
-// mask:   (rows, columns) 1 where there is a chamber; connected. All of them, for algorithms that go row by row.
+// mask:   (rows, columns) 1 where there is a chamber; connected. Algorithms that go row by row need all of them.
 // number: the chamber to begin with, counted in rows.
 // board:  (places,) to be filled.
 // work:   (work_bytes,) work space, aligned for int64_t.
@@ -84,7 +85,7 @@ WgStatus wg_maze_begin(WgMaze *maze, const uint8_t *mask, int64_t number, int8_t
 // words:    (places,) random bits; the low half of a chamber's word weighs its edge east, the high half its edge north.
 // board:    (places,) as wg_maze_begin left it.
 // keys:     (2 * places,) to be filled: the weight, then the number of the edge, in 63 bits.
-// returned: how many.
+// returned: number of keys.
 WgStatus wg_maze_edge_keys(const WgMaze *maze, const uint64_t *words, const int8_t *board, int64_t places,
                            int64_t *keys, int64_t *returned);
 
@@ -118,16 +119,16 @@ WgStatus wg_free_windows(const uint8_t *walls, int64_t rows, int64_t columns, in
 // windows: (size,) 1 where one may be; 0 on the rim.
 // came:    (size,) work space.
 // path:    (size,) to be filled: the places from start to goal, both included.
-// length:  how many; 0 if there is no path.
+// length:  number of places; 0 if there is no path.
 WgStatus wg_shortest_path(const uint8_t *windows, int64_t size, int64_t stride, int64_t start, int64_t goal,
                           int32_t *came, int32_t *path, int64_t *length);
 
-// Counts the steps from a place to all that can be reached, breadth first.
+// Counts the steps from a place to every place that can be reached, breadth first.
 //
 // windows: (size,) 1 where one may be; 0 on the rim.
 // steps:   (size,) to be filled; -1 where there is no path.
 // order:   (size,) to be filled: the places reached, the nearest first.
-// reached: how many.
+// reached: number of places reached.
 WgStatus wg_steps_from(const uint8_t *windows, int64_t size, int64_t stride, int64_t start, int32_t *steps,
                        int32_t *order, int64_t *reached);
 
@@ -136,15 +137,14 @@ WgStatus wg_steps_from(const uint8_t *windows, int64_t size, int64_t stride, int
 // windows: (size,) 1 where one may be; 0 on the rim.
 // owner:   (size,) to be filled; -1 where there is none.
 // queue:   (size,) work space.
-// found:   how many.
+// found:   number of components.
 WgStatus wg_components(const uint8_t *windows, int64_t size, int64_t stride, int32_t *owner, int32_t *queue,
                        int64_t *found);
 
-// Lets owners grow over the grid, all at the same pace, each place taking as many rounds as it is
-// hard.
+// Lets owners grow over the grid, all at the same pace; harder places take more rounds.
 //
 // waits: (size,) rounds that a place takes, 0 where none may be, as on the rim; used up.
-// owner: (size,) whose a place is, -1 for nobody's; to be filled.
+// owner: (size,) number of the place's owner, -1 if it has none; to be filled.
 // came:  (size,) to be filled: the place from which each was reached; itself at the beginnings.
 // depth: (size,) to be filled: rounds in which each was reached; 0 at the beginnings.
 // queue: (size,) work space.
@@ -154,9 +154,9 @@ WgStatus wg_dig(uint8_t *waits, int64_t size, int64_t stride, int32_t *owner, in
 // Floods every region that has a place in first .. last - 1.
 typedef struct WgRegions {
     int64_t root;      // of the largest region; -1 if there is none
-    int64_t largest;   // places in it
-    int64_t regions;   // how many there are
-    int64_t places;    // in all of them
+    int64_t largest;   // number of places in it
+    int64_t regions;   // number of regions
+    int64_t places;    // number of places in all regions
 } WgRegions;
 
 // clear: (size,) 1 where one may be; 0 on the rim.
@@ -167,14 +167,14 @@ WgStatus wg_regions(const uint8_t *clear, int64_t size, int64_t stride, int64_t 
 
 // making/planting.c
 
-// Visits places in turn and puts a thing down wherever none of its cells is barred.
+// Visits places in turn, and places a thing wherever none of its cells is blocked.
 //
-// barred:     (size,) 1 where no cell of a thing may be; grows with every thing put down.
+// barred:     (size,) 1 where no cell of a thing may be; grows with every thing placed.
 // places:     (turns,) where to try.
 // which:      (turns,) the kind of thing to try there.
 // cells:      offsets of the cells of all kinds, one kind after the other.
 // cell_ends:  (kinds,) where each kind's offsets end.
-// halos:      offsets that a thing bars, in the same manner.
+// halos:      offsets that a thing blocks, in the same order.
 // halo_ends:  (kinds,) where these end.
 // stands:     (turns,) to be filled: 1 where the thing of that turn stands.
 WgStatus wg_plant(uint8_t *barred, int64_t size, const int64_t *places, const int64_t *which, int64_t turns,
@@ -187,7 +187,7 @@ WgStatus wg_plant(uint8_t *barred, int64_t size, const int64_t *places, const in
 // Squared distance from each node to the nearest marked one, exactly.
 //
 // marked: (rows, columns) 1 where a node is marked.
-// most:   instead of a square above this, any number above it is given; that takes less time.
+// most:   squares above this may be reported as any number above it, which takes less time.
 // found:  (rows, columns) to be filled; above 2^30 if none is marked, or (rows + columns)^2 if that is less.
 WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t columns, int64_t most, int32_t *found);
 
@@ -196,12 +196,12 @@ WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t colum
 //
 // clear:    (rows, columns) 1 where the disc is clear; 0 on the rim.
 // squared:  (rows, columns) squared distances to the nearest wall.
-// away:     (rows, columns) squared distances to that.
+// away:     (rows, columns) squared distances to that something.
 // found:    (rows, columns) to be filled.
 WgStatus wg_largest_discs(const uint8_t *clear, const int32_t *squared, const int32_t *away, int64_t rows,
                           int64_t columns, uint8_t *found);
 
-// Returns which places are not in a larger disc of another place.
+// Marks the places that are not in a larger disc of another place.
 //
 // places:  (count,) nodes, flat, in ascending order.
 // sizes:   (count,) squared radii of their discs.
@@ -240,7 +240,7 @@ WgStatus wg_pockets(const int64_t *places, const int64_t *squared, int64_t count
 // middle: (size,) 1 where it is clear half a step right of and above each node.
 // places: (count,) nodes that are clear.
 // sizes:  (count,) squared radii of their free discs, in nodes.
-// found:  (count,) to be filled; fewer than three may be any such number.
+// found:  (count,) to be filled; counts below three may be inexact, but stay below three.
 WgStatus wg_openings(const uint8_t *clear, const uint8_t *middle, int64_t size, int64_t stride, const int64_t *places,
                      const int64_t *sizes, int64_t count, int64_t *found);
 
@@ -256,7 +256,7 @@ WgStatus wg_unite(const int64_t *ones, const int64_t *others, const uint8_t *odd
 
 // making/surroundings.c: what is around points. Cells are closed; what is outside is solid.
 
-// Distance from each point to the nearest wall, cells.
+// Finds the distance from each point to the nearest wall, cells.
 //
 // solid: (rows, columns) 1 is solid.
 // x, y:  (count,) cells.
@@ -264,7 +264,7 @@ WgStatus wg_unite(const int64_t *ones, const int64_t *others, const uint8_t *odd
 WgStatus wg_nearest_walls(const uint8_t *solid, int64_t rows, int64_t columns, const double *x, const double *y,
                           int64_t count, double *found);
 
-// How far rays get before they touch a wall, in steps of their directions.
+// Finds how far rays get before they touch a wall, in steps of their directions.
 //
 // directions: (rays, 2) steps in x and y, in cells.
 // reach:      cells along the longer axis, beyond which rays between the axes and diagonals are not followed.

@@ -1,7 +1,7 @@
 // Proofs of reachability.
 //
-// Arrays are row-major. Functions check the sizes they are given; none keeps a pointer longer than
-// stated. Lengths in lu are 1/1024 of a cell's side. A graph has nodes at multiples of 1/k cell.
+// Arrays are row-major. Functions check the sizes they are given; they keep no pointer longer than stated. Lengths in
+// lu are 1/1024 of a cell's side. A graph has nodes at multiples of 1/k cell.
 
 #ifndef WG_REACH_H
 #define WG_REACH_H
@@ -12,11 +12,11 @@
 
 // rasters.c
 
-// Where a disc is clear, for every node of a graph and every middle of four.
+// Finds where a disc is clear, for every node of a graph and every midpoint of four nodes.
 //
-// solid:      (height, width) 1 is solid; everything outside is.
+// solid:      (height, width) 1 is solid; everything outside is solid.
 // k:          nodes in a cell's side, 1 to 64.
-// limit:      least squared distance, in 1/(2 k) cell, at which the disc is clear; at most (2 k * 20,000)^2.
+// limit:      smallest squared distance, in 1/(2 k) cell, at which the disc is clear; at most (2 k * 20,000)^2.
 // clear:      (k height + 1, k width + 1) gets 1 where the disc is clear at the node, else 0.
 // middle:     the same, half a step right of and above each node; 0 in the last row and column.
 WgStatus wg_disc_rasters(const uint8_t *solid, int64_t height, int64_t width, int64_t k, int64_t limit,
@@ -24,14 +24,14 @@ WgStatus wg_disc_rasters(const uint8_t *solid, int64_t height, int64_t width, in
 
 // flood.c
 
-// Marks every node of a graph that a source leads to by steps to its eight neighbours.
+// Marks every node of a graph that can be reached from a source by steps to the eight neighbours.
 //
 // clear:      (nodes,) 1 where the disc is clear; 0 on the rim of the grid.
 // middle:     (nodes,) 1 where it is clear half a step right of and above each node.
 // stride:     nodes in a row.
 // sources:    (source_count,) clear nodes.
-// stops:      (stop_count,) few nodes; once one of them is reached, that is enough.
-// seen:       (nodes,) zeros; 1 for what is reached.
+// stops:      (stop_count,) a few nodes; the flood ends once one of them is reached.
+// seen:       (nodes,) zeros; set to 1 for nodes that are reached.
 WgStatus wg_flood(const uint8_t *clear, const uint8_t *middle, int64_t nodes, int64_t stride,
                   const int64_t *sources, int64_t source_count, const int64_t *stops, int64_t stop_count,
                   uint8_t *seen);
@@ -51,17 +51,18 @@ typedef enum WgProgress {
     WG_EXHAUSTED = 2,  // there is no path
 } WgProgress;
 
-// A search for the shortest path from any source to any end; bounded work at a time.
+// A search for the shortest path from any source to any end; it does bounded work per call.
 typedef struct WgSearch WgSearch;
 
 // Begins a search. The graph's rasters and the bridges must outlive it.
 //
 // sources:    (source_count,) clear nodes.
 // ends:       (end_count,) nodes at which the search stops.
-// spare:      (spare_count,) nodes to be content with where no end can be reached.
-// toward_x:   node that the search leans to, across; toward_y: up.
-// bridges:    (bridge_count, 2) pairs of clear nodes that are joined too, either way; used once there is no other way.
-// made:       gets the search, for wg_search_free.
+// spare:      (spare_count,) nodes to accept if no end can be reached.
+// toward_x:   column of the node that guides the search; toward_y: its row.
+// bridges:    (bridge_count, 2) pairs of clear nodes that are also connected, in both directions; used only when
+//             nothing else is left.
+// made:       receives the search, to be released by wg_search_free.
 WgStatus wg_search_new(const WgGraph *graph, const int64_t *sources, int64_t source_count, const int64_t *ends,
                        int64_t end_count, const int64_t *spare, int64_t spare_count, int64_t toward_x,
                        int64_t toward_y, const int64_t *bridges, int64_t bridge_count, WgSearch **made);
@@ -72,11 +73,10 @@ WgStatus wg_search_advance(WgSearch *search, int64_t most, WgProgress *progress)
 // Declares that no end can be reached, so that the first spare one is enough.
 void wg_search_be_content(WgSearch *search);
 
-// Number of nodes of the path found, without those in the middle of a straight line; 0 if none was
-// found.
+// Returns the number of nodes of the path found, without those in the middle of a straight line; 0 if none was found.
 int64_t wg_search_path_length(const WgSearch *search);
 
-// These nodes, from source to end.
+// Copies these nodes, from source to end.
 void wg_search_path(const WgSearch *search, int64_t *nodes);
 
 void wg_search_free(WgSearch *search);
@@ -84,19 +84,19 @@ void wg_search_free(WgSearch *search);
 // segments.c
 
 typedef struct WgWalls {
-    const uint8_t *solid;  // (height, width) 1 is solid; everything outside is
+    const uint8_t *solid;  // (height, width) 1 is solid; everything outside is solid
     int64_t height;        // cells, at most 20,000
     int64_t width;         // cells, at most 20,000
 } WgWalls;
 
-// A disc, so that whole numbers and floats can be compared with its radius.
+// A disc, with its radius as integers and as floats for comparisons.
 typedef struct WgDisc {
     int64_t reach;     // at least the radius, lu
-    int64_t limit;     // least whole square that is not below the radius's, lu^2
+    int64_t limit;     // smallest integer that is at least the squared radius, lu^2
     double radius_sq;  // its square, lu^2
 } WgDisc;
 
-// Returns whether the disc may sweep a piece; unsure if only fractions can decide.
+// Reports whether the disc may sweep a piece; unsure if only fractions can decide.
 typedef enum WgAnswer {
     WG_CLEAR = 0,
     WG_MEETS = 1,
@@ -107,23 +107,23 @@ typedef enum WgAnswer {
 // decide.
 //
 // x, y:       (count,) corners, lu, rounded down.
-// whole:      (count,) 0 where a corner is not a whole point: each piece there is asked about.
-// patience:   corners in a row that may be out of sight.
-// state:      (5,) index of the corner gone from, of the farthest one seen, of the one looked at; number of corners
-//             kept; the WgAnswer to the question, WG_UNSURE for none. At first 0, 1, 2, 1, WG_UNSURE.
-// kept:       (count,) gets the indices of the corners kept; the first is 0.
-// done:       gets 1; or 0 if the piece from state[0] to state[2] is asked about.
+// whole:      (count,) 0 where a corner is not an integer point: the caller decides each piece there.
+// patience:   limit on consecutive hidden corners.
+// state:      (5,) index of the current corner, of the farthest one seen, of the one being tested; number of corners
+//             kept; the caller's WgAnswer, WG_UNSURE for none. At first 0, 1, 2, 1, WG_UNSURE.
+// kept:       (count,) receives the indices of the corners kept; the first is 0.
+// done:       1; or 0 if the caller must decide the piece from state[0] to state[2].
 WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, const int64_t *y,
                     const uint8_t *whole, int64_t count, int64_t patience, int64_t *state, int64_t *kept,
                     int64_t *done);
 
-// Least distance from a path to a solid cell, up to ``reach``.
+// Finds the smallest distance from a path to a solid cell, up to ``reach``.
 //
-// x, y:       (count,) whole corners, lu; two or more, or one.
-// sides:      (count,) gets, of the pieces that may be nearest by a corner next to them, the distance times length.
-// lengths_sq: (count,) gets the squared lengths of these.
-// found:      gets their number.
-// least:      gets the least other square, lu^2; at most reach^2.
+// x, y:       (count,) integer corners, lu; at least one.
+// sides:      (count,) receives, for pieces that may be nearest to a corner next to them, distance times length.
+// lengths_sq: (count,) receives the squared lengths of these pieces.
+// found:      receives their number.
+// least:      receives the smallest other square, lu^2; at most reach^2.
 WgStatus wg_sweep_least(const WgWalls *walls, const int64_t *x, const int64_t *y, int64_t count, int64_t reach,
                         int64_t *sides, int64_t *lengths_sq, int64_t *found, int64_t *least);
 
@@ -142,7 +142,7 @@ typedef struct WgTarget {
     double disc_radius;
 } WgTarget;
 
-// The clear poses of a disc that decide for all of them.
+// The clear poses of a disc that are sufficient to decide for all of them.
 typedef struct WgPoses WgPoses;
 
 // The state of a list of poses.
@@ -172,8 +172,8 @@ typedef struct WgPoseOf {
     int64_t side;   // 1 or -1: which of two points
 } WgPoseOf;
 
-// Lists the poses. made gets them, to be freed by wg_poses_free; listed gets whether that was
-// possible. The walls must outlive the call.
+// Lists the poses. made receives them, to be freed by wg_poses_free; listed receives the outcome. The walls must
+// outlive the call.
 WgStatus wg_poses_new(const WgWalls *walls, const WgTarget *target, WgPoses **made, WgListed *listed);
 
 int64_t wg_poses_count(const WgPoses *poses);
@@ -181,8 +181,8 @@ int64_t wg_poses_count(const WgPoses *poses);
 // Describes one of them; index is below their number.
 void wg_poses_describe(const WgPoses *poses, int64_t index, WgPoseOf *described);
 
-// The first pose, from ``begin`` on, that a chain winds around as often as ``winds`` says; their
-// number if there is none.
+// Returns the first pose, from ``begin`` on, that a chain winds around as often as ``winds``; the number of poses if
+// there is none.
 int64_t wg_poses_next(const WgPoses *poses, const int64_t *cells, int64_t count, int64_t winds, int64_t begin);
 
 void wg_poses_free(WgPoses *poses);
@@ -214,19 +214,19 @@ typedef struct WgStill {
     int64_t has_goal;  // 0 if no lattice point next to the target's centre is in the target
     int64_t goal_x;    // this point, lu
     int64_t goal_y;
-    int64_t toward_x;  // node over half cells that the search leans to
+    int64_t toward_x;  // node over half cells that guides the search
     int64_t toward_y;
-    int64_t clear_from;  // least squared distance, in quarters of a cell, at which the disc is clear
-    int64_t limit;       // least squared gap, cells, that stops no disc; 0 if poses in lu are too coarse to tell
+    int64_t clear_from;  // smallest squared distance, in quarters of a cell, at which the disc is clear
+    int64_t limit;       // smallest squared gap, cells, that lets the disc through; 0 if lu are too coarse to tell
     WgDisc disc;
-    WgDisc start_disc;  // if it is clear at start_x, start_y, the disc is clear at the start itself and on the way there
-    WgDisc start_core;  // if it is not, the disc is not clear at the start
-    WgDisc goal_disc;  // on the way to the goal: a touch smaller
+    WgDisc start_disc;  // if clear at start_x, start_y, so is the robot's disc at the start and on the way
+    WgDisc start_core;  // if this disc is not clear, the robot's disc is not clear at the start
+    WgDisc goal_disc;  // for the path to the goal: slightly smaller
     WgDisc both;       // as wide as robot and target together
     WgTarget target;   // its scale is 0 if the numbers have too many digits
     WgPace pace;
-    int64_t wants_path;  // 0 if it is enough to know that there is one
-    int64_t wants_cut;   // 0 if it is enough to know whether there is one
+    int64_t wants_path;  // 0 if it is enough to know that one exists
+    int64_t wants_cut;   // 0 if it is enough to know whether one exists
 
     int64_t outcome;     // a WgOutcome
     int64_t goal_clear;  // 1 if the robot may be at the goal
@@ -234,12 +234,12 @@ typedef struct WgStill {
     int64_t room;        // of each part of the following
     int64_t *points;     // (4 room,) x, y in lu; then sides and squared lengths, as from wg_sweep_least
     double *metres;      // (3 room,) x, y in m; then times in s
-    int64_t least;       // least whole square of the distance to a solid cell, lu^2
+    int64_t least;       // smallest integer square of the distance to a solid cell, lu^2
     int64_t corners;     // number of sides
 } WgStill;
 
-// Looks for a path over half cells from a lattice pose to the target, and failing that for chains,
-// unless the cut itself is wanted.
+// Searches for a path over half cells from a lattice pose to the target; if there is none, searches for chains unless
+// the cut itself is wanted.
 WgStatus wg_still_decide(const WgWalls *walls, WgStill *still);
 
 // Releases what an answer holds.
@@ -255,17 +255,17 @@ typedef struct WgBlocked {
     int64_t k;                   // points in a cell's side
     const int64_t *class_first;  // (k^2 + 1,) where the steps of each point of a cell begin
     const int64_t *steps;        // to cells that make the point unsafe, added to the number of its own
-    int64_t pad;                 // cells around the grid
-    int64_t stride;              // cells in a row, those around included
+    int64_t pad;                 // cells of padding around the grid
+    int64_t stride;              // cells in a row, including the padding
     int64_t cells;
     const int64_t *span_first;  // (cells + 1,) where each cell's spans begin
     const int64_t *span_begin;  // ticks
     const int64_t *span_end;
-    int64_t most;  // spans around one point at most
+    int64_t most;  // limit on the spans around one point
 } WgBlocked;
 
-// Counts the safe intervals of points from to to - 1, each in first[point + 1], or writes them from
-// first[point] on.
+// Counts the safe intervals of the points ``from`` to ``to - 1``, each in first[point + 1], or writes them starting
+// at first[point].
 //
 // writes:     0 to count.
 // begin, end: ticks; unused while counting.
@@ -287,14 +287,14 @@ typedef struct WgTimed {
     int64_t states;
     const int32_t *node_of;  // (states,)
     const uint8_t *goal;     // (nodes,) 1 where the search stops
-    int64_t toward_x;        // node that the search leans to
+    int64_t toward_x;        // node that guides the search
     int64_t toward_y;
     int64_t slack;           // ticks by which an end may be nearer than that
     int64_t axis_ticks;      // that a step along an axis takes
     int64_t diagonal_ticks;  // and a diagonal one
-    int64_t *cost;           // (states,) at first later than everything; gets the earliest arrival
-    int32_t *came;           // (states,) gets the state before
-    int64_t *depart;         // (states,) gets the departure from that
+    int64_t *cost;           // (states,) later than everything at first; receives the earliest arrival
+    int32_t *came;           // (states,) receives the state before
+    int64_t *depart;         // (states,) receives the departure from that state
 } WgTimed;
 
 typedef struct WgTimedSearch WgTimedSearch;
@@ -302,7 +302,8 @@ typedef struct WgTimedSearch WgTimedSearch;
 // begun: (begun_count, 2) states and arrivals.
 WgStatus wg_timed_new(const WgTimed *asked, const int64_t *begun, int64_t begun_count, WgTimedSearch **made);
 
-// Continues with ``most`` entries of its queue; final gets the state at which it stopped, or -1.
+// Processes ``most`` more entries of its queue; final receives the state at which it stopped, or
+// -1.
 WgStatus wg_timed_advance(WgTimedSearch *search, int64_t most, WgProgress *progress, int64_t *final);
 
 void wg_timed_free(WgTimedSearch *search);
@@ -318,15 +319,15 @@ typedef struct WgTiles {
     const int64_t *tile;  // (states,)
     const int64_t *low;   // (states,) first slab in which the tile is alive
     const int64_t *high;  // (states,) last one
-    const uint8_t *goal;     // (rows columns,) 1 where it stops
-    int64_t *came;        // (states,) at first -1; gets the slab in which a state is reached
+    const uint8_t *goal;     // (rows columns,) 1 where the spread stops
+    int64_t *came;        // (states,) -1 at first; receives the slab in which a state is reached
 } WgTiles;
 
 typedef struct WgSpread WgSpread;
 
 WgStatus wg_spread_new(const WgTiles *tiles, const int64_t *sources, int64_t source_count, WgSpread **made);
 
-// Continues with ``most`` states; slab gets the one in which the goal is reached, or -1.
+// Processes ``most`` more states; slab receives the one in which the goal is reached, or -1.
 WgStatus wg_spread_advance(WgSpread *spread, int64_t most, WgProgress *progress, int64_t *slab);
 
 void wg_spread_free(WgSpread *spread);
@@ -339,38 +340,38 @@ typedef struct WgCutSearch WgCutSearch;
 
 // Begins a search. No argument has to outlive the call.
 //
-// limit:      least squared gap, cells, that stops no disc.
-// targets:    1 to 6 poses that the chain parts from the start.
+// limit:      smallest squared gap, cells, that does not stop the disc.
+// targets:    1 to 6 poses that the chain separates from the start.
 // poses:      (1 + targets, 2) start and targets: x, y in half cells, rounded down.
 // limbs:      at least 1.
-// rest:       (1 + targets, 2, limbs) what the rounding left off: digits to the base 2^32, the highest first.
-// made:       gets the search, for wg_cut_search_free.
+// rest:       (1 + targets, 2, limbs) what rounding removed, as digits in base 2^32, highest first.
+// made:       receives the search, to be released by wg_cut_search_free.
 WgStatus wg_cut_search_new(const WgWalls *walls, int64_t limit, int64_t targets, const int64_t *poses, int64_t limbs,
                            const uint32_t *rest, WgCutSearch **made);
 
 // Continues for about ``most`` rows and cells.
 WgStatus wg_cut_search_advance(WgCutSearch *search, int64_t most, WgProgress *progress);
 
-// Number of cells in the chain found; 0 if nothing separates the poses.
+// Returns the number of cells in the chain found; 0 if nothing separates the poses.
 int64_t wg_cut_length(const WgCutSearch *search);
 
-// These cells, in chain order: ix, iy of each.
+// Copies these cells in chain order: ix, iy of each.
 void wg_cut_cells(const WgCutSearch *search, int64_t *cells);
 
 void wg_cut_search_free(WgCutSearch *search);
 
-// How often, 0 for even and 1 for odd, a chain winds around a pose, and whether its line stays
-// outside a radius. Lengths are multiples of 1/scale half cell, less than 2^59; so are scale times
-// a chain's coordinates.
+// Reports whether a chain winds around a pose an even (0) or odd (1) number of times, and whether its line stays
+// outside a radius. Lengths are multiples of 1/scale half cell, less than 2^59; so are scale times a chain's
+// coordinates.
 //
 // cells:      (count, 2) ix, iy in chain order, -2 to 20,001.
 // radius:     -1 if it is not a multiple.
 // rough:      the same as a float.
-// away:       gets 1 or 0; -1 if floats cannot tell, and there is nothing better.
+// away:       receives 1 or 0; -1 if floats cannot tell and there is no exact value.
 WgStatus wg_chain_around(const int64_t *cells, int64_t count, int64_t scale, int64_t x, int64_t y, int64_t radius,
                          double rough, int64_t *winds, int64_t *away);
 
-// The widest gap between neighbours of a closed chain, cells squared.
+// Returns the widest gap between neighbours of a closed chain, cells squared.
 int64_t wg_chain_gap_sq(const int64_t *cells, int64_t count);
 
 // coarse.c
@@ -379,17 +380,17 @@ int64_t wg_chain_gap_sq(const int64_t *cells, int64_t count);
 typedef struct WgSquares WgSquares;
 
 // side:       of the squares, cells.
-// source:     where to begin: (row + 1) (width + 2) + column + 1 of a square's first cell; goal: where to end.
+// source:     where to start: (row + 1) (width + 2) + column + 1 of a square's first cell; goal: where to end.
 WgStatus wg_squares_new(const WgWalls *walls, int64_t side, int64_t source, int64_t goal, WgSquares **made);
 
-// Continues with about ``most`` cells.
+// Processes about ``most`` more cells.
 WgStatus wg_squares_advance(WgSquares *squares, int64_t most, WgProgress *progress);
 
-// Number of squares from source to goal, without those in the middle of a straight line; 0 if there
-// is no path.
+// Returns the number of squares from source to goal, without those in the middle of a straight line; 0 if there is no
+// path.
 int64_t wg_squares_way_length(const WgSquares *squares);
 
-// These squares.
+// Copies these squares.
 void wg_squares_way(const WgSquares *squares, int64_t *way);
 
 void wg_squares_free(WgSquares *squares);
@@ -399,10 +400,10 @@ void wg_squares_free(WgSquares *squares);
 // Several robots on one lattice of nodes, in ticks: in each tick every robot waits or takes one of eight steps, all at
 // the same speed. All arrays must outlive a search.
 //
-// Robots with equal radii are of the same class. Two robots are clear of each other in a tick if the segment that one makes
-// relative to the other keeps away from the origin: the squared distance, in nodes, times the squared length of that
-// segment (0, 1, 2, 4, 5 or 8) is at least a whole number. limits[(a classes + b) 9 + length squared] is that number
-// for two classes, with 1 for the ends.
+// Robots with equal radii are in the same class. Two robots are clear of each other in a tick if the segment that one
+// traces relative to the other stays away from the origin: the squared distance, in nodes, times the squared length
+// of that segment (0, 1, 2, 4, 5 or 8) is at least a whole number. limits[(a classes + b) 9 + length squared] is that
+// number for two classes, with 1 for the ends.
 typedef struct WgJoint {
     int64_t robots;   // at most 32,767
     int64_t classes;
@@ -412,12 +413,12 @@ typedef struct WgJoint {
     const uint8_t *clear;      // (rasters, classes, nodes) as in WgGraph
     const uint8_t *middle;
     int64_t ticks;             // at least 1
-    const int64_t *raster_of;  // (ticks,) raster of each tick; that of the last one holds from then on
+    const int64_t *raster_of;  // (ticks,) raster of each tick; the last one stays valid from then on
     const int64_t *class_of;   // (robots,)
     const int64_t *limits;     // (classes, classes, 9)
     int64_t reach;             // two robots that are farther apart than this, in nodes, across or up, are clear
     const int64_t *starts;     // (robots,) nodes
-    const int32_t *distances;  // (robots, nodes) steps to the target at least; 0 in it, where the robot parks; -1 if
+    const int32_t *distances;  // (robots, nodes) lower bound of steps to the target; 0 in it, where it parks; -1 if
                                // no steps lead there
     const int64_t *crossed_from;  // (robots + 1,) where each robot's crossings begin
     const int64_t *crossings;     // (crossed_from[robots],) rising for each robot: 8 times a node outside its target, plus
@@ -432,36 +433,36 @@ typedef struct WgJointPlan WgJointPlan;
 //
 // order:      (robots,) their numbers from 0, the first planned first.
 // most:       states that one robot may take.
-// made:       gets the plan, or NULL.
-// failed:     gets the robot for which there is no way; -1 if there is a plan.
+// made:       receives the plan, or NULL.
+// failed:     receives the robot that has no path; -1 if there is a plan.
 WgStatus wg_joint_prioritised(const WgJoint *joint, const int64_t *order, int64_t most, WgJointPlan **made,
                               int64_t *failed);
 
-// Searches all joint states, those first that look nearest; complete.
+// Searches all joint states, the most promising first; complete.
 //
-// most:       joint states looked at.
-// made:       gets the plan, or NULL.
+// most:       limit on joint states examined.
+// made:       receives the plan, or NULL.
 // progress:   WG_FOUND; WG_EXHAUSTED if there is no plan at all; WG_GOING if there were too many states.
 WgStatus wg_joint_exhaust(const WgJoint *joint, int64_t most, WgJointPlan **made, WgProgress *progress);
 
-// The same depth first with lazily added constraints (LaCAM), for many robots.
+// Does the same depth first with lazily added constraints (LaCAM), for many robots.
 //
-// most:       joint states kept.
+// most:       limit on joint states kept.
 WgStatus wg_joint_lacam(const WgJoint *joint, int64_t most, WgJointPlan **made, WgProgress *progress);
 
-// Ticks until the last robot parks.
+// Returns the ticks until the last robot parks.
 int64_t wg_joint_length(const WgJointPlan *plan);
 
-// nodes:      (length + 1, robots) gets the nodes.
+// nodes:      (length + 1, robots) receives the nodes.
 void wg_joint_nodes(const WgJointPlan *plan, int64_t *nodes);
 
 void wg_joint_free(WgJointPlan *plan);
 
-// Fewest steps from every node to a goal.
+// Counts the fewest steps from every node to a goal.
 //
 // clear, middle: (nodes,) as in WgGraph.
 // goals:      (nodes,) 1 for nodes in the target; those that are not clear do not count.
-// distances:  (nodes,) gets them; -1 where none leads there.
+// distances:  (nodes,) receives them; -1 where no path exists.
 WgStatus wg_joint_distances(const WgGraph *graph, const uint8_t *goals, int32_t *distances);
 
 #endif

@@ -122,7 +122,7 @@ class _Tar:
 
 
 def is_archive(path: Path) -> bool:
-    """Return True if a file's name is an archive's."""
+    """Return True if the name is that of an archive."""
     return path.name.lower().endswith(ENDINGS)
 
 
@@ -130,7 +130,7 @@ def writer_for(path: Path, stream: IO[bytes]) -> ArchiveWriter:
     """Return a writer for the archive format of the path's suffix.
 
     Args:
-        path: Path, of which the suffix counts.
+        path: Path; only its suffix matters.
         stream: Stream to write to.
     """
     name = path.name.lower()
@@ -167,17 +167,17 @@ def _told(source: str) -> Iterator[None]:
             raise
         raise FormatError(
             "damaged-file",
-            "no sound archive: {reason}",
+            "not a valid archive: {reason}",
             "copy it again",
             reason=error or "it is cut off",
             source=source,
         ) from error
-    # Another compression, or encryption.
+    # Another compression method, or encryption.
     except (NotImplementedError, RuntimeError) as error:
         raise FormatError(
             "unsupported",
             "cannot be unpacked: {reason}",
-            "pack it again without that",
+            "pack it again without it",
             reason=str(error),
             source=source,
         ) from error
@@ -237,13 +237,13 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
                     data = file.read(limit + 1)
                 return data if len(data) <= limit else None
 
-            # A broken one may have no name.
+            # A broken archive may have no name.
             if entry.filename and not entry.is_dir():
                 yield Member(entry.filename, min(entry.compress_size, most), read)
 
 
 def _tar_members(stream: SupportsRead, source: str, packed: int) -> Iterator[Member]:
-    """Read tar by hand, because the library trusts the length of a long header."""
+    """Parse tar here, because the library trusts the length of a long header."""
     # Read the headers, block by block.
     while len(head := stream.read(_BLOCK)) == _BLOCK and head.strip(b"\0"):
         entry = tarfile.TarInfo.frombuf(head, "utf-8", "surrogateescape")

@@ -1,4 +1,4 @@
-"""Lock a file for one process at a time, however that process ends."""
+"""Lock a file for one process at a time; the lock ends with the process, however it ends."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 try:
     import fcntl
-# Windows, where nothing locks out a second command.
+# On Windows, nothing locks out a second command.
 except ImportError:
     fcntl = None  # type: ignore[assignment]
 
@@ -25,7 +25,7 @@ def lock(descriptor: int) -> bool:
     On another host the lock only holds if the file system carries it there, as NFS 4 does.
 
     Returns:
-        Whether the lock is ours; False if another process has it.
+        True if the lock is ours; False if another process has it.
     """
     if fcntl is not None:
         try:
@@ -41,7 +41,7 @@ def sign(descriptor: int) -> None:
     :func:`holder` reads it.
     """
     if fcntl is not None:
-        # A full disk: then nobody learns which process it is.
+        # The disk is full, so nobody learns which process it is.
         with contextlib.suppress(OSError):
             os.ftruncate(descriptor, 0)
             os.pwrite(descriptor, f"{os.getpid()} {socket.gethostname()}\n".encode(), 0)
@@ -50,7 +50,7 @@ def sign(descriptor: int) -> None:
 def holder(path: Path) -> int | None:
     """Return the process of this machine that holds a signed file.
 
-    Return ``None`` if none does, or that cannot be known here.
+    Return ``None`` if there is none, or it cannot be determined here.
     """
     if fcntl is not None:
         try:
@@ -64,7 +64,7 @@ def holder(path: Path) -> int | None:
                     or not 1 < int(number) < 1 << 31
                 ):
                     return None
-                # So that an abandoned file is available to a process that wants it.
+                # This frees an abandoned file for a process that wants it.
                 os.kill(
                     int(number),
                     0,

@@ -30,7 +30,7 @@ def check_output(path: Path, force: bool) -> None:
     if path.is_file() and not force:
         raise OutputError(
             "file-exists",
-            "{path} is there already",
+            "{path} already exists",
             "give --force to overwrite it, or another name",
             at_terminal=True,
             path=path,

@@ -9,7 +9,7 @@
 typedef enum WgStatus {
     WG_OK = 0,
     WG_BAD_SIZE = 1,       // an array is smaller than the arguments say it must be
-    WG_BAD_VALUE = 2,      // a number lies outside its range
+    WG_BAD_VALUE = 2,      // a number is outside its range
     WG_OUT_OF_MEMORY = 3,
 } WgStatus;
 

@@ -67,7 +67,7 @@ def export_world(
         at: For a world that changes, the time, s, whose cells are exported.
         origin: x and y, m, of the grid's lower-left corner in the file's frame; if omitted, the
             origin of the map that the world was imported from, otherwise 0.
-        sidecar: Whether to write a sidecar with what the file does not store.
+        sidecar: True to write a sidecar with what the file does not store.
 
     Raises:
         InvalidParameter: If the format does not exist, is read-only, or lacks one of the options.
@@ -85,7 +85,7 @@ def export_world(
     if still.is_dynamic and not known.changes:
         raise InvalidWorld(
             "world-changes",
-            "the world changes {changes} times, and {format} files stand still",
+            "the world changes {changes} times, and {format} files are static",
             "give --at 0 for the cells at that time, or another format",
             at_terminal=True,
             changes=len(world.timeline),
@@ -105,7 +105,7 @@ def export_world(
     beside = f"{destination.name}{SUFFIX}" if sidecar and (missing or written.altered) else None
     if beside is not None:
         files[beside] = sidecar_text(still, destination, [*missing, *written.altered])
-    # Tell the user what got lost.
+    # Tell the user what was lost.
     lost = [f"not stored: {', '.join(missing.values())}"] if missing else []
     notes = (
         *written.notes,
@@ -116,7 +116,7 @@ def export_world(
 
 
 def _check_robots(world: World, known: Format) -> None:
-    """Refuse several robots where a file has one; a map that has none may be of any world."""
+    """Refuse several robots where a file has one; a map without robots can come from any world."""
     if not world.others or known.robots or "start" not in known.holds:
         return
     able = [other.name for other in map(FORMATS.get, FORMATS) if other.write and other.robots]
@@ -159,7 +159,7 @@ def _missing(world: World, known: Format, destination: Destination) -> Iterator[
 def _too_large(known: Format, data: bytes) -> Iterator[str]:
     if known.read is not None and len(data) > known.most_bytes:
         yield (
-            f"import reads {known.name} files of up to {known.most_bytes} bytes, and this one has "
+            f"import reads {known.name} files of up to {known.most_bytes} bytes, but this one has "
             f"{len(data)}; "
             "keep the .grid, or export a smaller world"
         )
@@ -228,8 +228,8 @@ def guess_format(file: str) -> str:
     if found:
         raise InvalidParameter(
             "ambiguous-format",
-            "{file}: files of several formats end so: {known!l}",
-            "say which with --to",
+            "{file}: files of several formats have this ending: {known!l}",
+            "choose one with --to",
             at_terminal=True,
             file=file,
             known=list(found),
@@ -237,8 +237,8 @@ def guess_format(file: str) -> str:
     names = ", ".join(known.name for known in writable)
     raise InvalidParameter(
         "unknown-suffix",
-        "{file}: no format's files end so",
-        "say which with --to: {known}",
+        "{file}: no format has this file ending",
+        "choose one with --to: {known}",
         at_terminal=True,
         file=file,
         known=names,
@@ -251,7 +251,7 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
     Args:
         export: The export to write.
         folder: Folder for the files.
-        force: Whether to overwrite existing files; an overwritten file's sidecar is deleted.
+        force: True to overwrite existing files; an overwritten file's sidecar is deleted.
 
     Returns:
         The paths, the main file's first.
@@ -274,7 +274,8 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
             )
             written.append(path)
     except OutputError:
-        # Delete what is useless alone; keep what another program has written meanwhile.
+        # Delete files that are useless alone; keep what another program has written in the
+        # meantime.
         for path in new.intersection(written):
             path.unlink(missing_ok=True)
         raise

@@ -38,7 +38,7 @@ MAX_CELLS = (
     # 8000 x 8000 cells. A small compressed picture can claim far more than a machine can hold.
     64_000_000
 )
-# A plain PGM takes up to 4 bytes a cell.
+# A plain PGM takes up to 4 bytes per cell.
 MAX_FILE_BYTES = 256 << 20
 
 
@@ -48,8 +48,8 @@ class UsualRobot:
 
     Args:
         size: Radius of its disc, in m or in cells.
-        in_cells: Whether ``size`` counts cells.
-        source: Whose robot it is, as shown to the user.
+        in_cells: True if ``size`` counts cells.
+        source: Where this robot comes from, as shown to the user.
     """
 
     size: Fraction
@@ -61,9 +61,9 @@ class UsualRobot:
         return float(self.size * exact(cell_size) if self.in_cells else self.size)
 
 
-THESIS_ROBOT = UsualRobot(Fraction(7, 10), True, "0.7 cells, as the thesis's robot has")
+THESIS_ROBOT = UsualRobot(Fraction(7, 10), True, "0.7 cells, like the thesis's robot")
 GRID_AGENT = UsualRobot(
-    Fraction(2, 5), True, "0.4 cells, so that a corridor one cell wide lets it through"
+    Fraction(2, 5), True, "0.4 cells, so that it fits through a corridor one cell wide"
 )
 FLOOR_ROBOT = UsualRobot(Fraction(11, 50), False, "Nav2's default, a TurtleBot's")
 
@@ -74,8 +74,8 @@ class ForeignRobot(NamedTuple):
     Args:
         start: x and y, m, and, if the file has it, the heading, rad.
         target: x and y, m, and, if the file has it, the radius, m.
-        radius: Of the robot, m; that of the first robot if None.
-        speed: Top speed, m/s; that of the first robot if None.
+        radius: Radius of the robot, m; None to use that of the first robot.
+        speed: Top speed, m/s; None to use that of the first robot.
     """
 
     start: tuple[float, ...]

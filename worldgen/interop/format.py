@@ -36,7 +36,7 @@ __all__ = [
     "held_values",
 ]
 
-# Limit on coordinates, m; beyond it a float cannot tell apart cells of a millimetre.
+# Limit on coordinates, m; beyond it a float cannot distinguish cells of a millimetre.
 _FURTHEST = 1e12
 
 HELD = {
@@ -84,8 +84,8 @@ class Destination:
         if beside == self.name:
             raise InvalidParameter(
                 "reserved-name",
-                "{name}: a file of that name goes next to it",
-                "let it end in something else",
+                "{name}: a second file next to it needs that name",
+                "give it another ending",
                 name=self.name,
             )
         return beside
@@ -121,7 +121,7 @@ class Exported:
         files: Contents by file name; the main file comes first, the others are written next to it.
         altered: The facts of :data:`HELD` that this file stores differently, each with a sentence
             about the difference; the true value goes into the sidecar.
-        notes: Sentences about what else gets lost, or how the other program treats the file.
+        notes: Sentences about what else is lost, or how the other program treats the file.
     """
 
     files: Mapping[str, bytes]
@@ -150,8 +150,8 @@ class Format:
         write: ``write(world, destination, *, ...) -> Exported``; None for a format that is only
             read.
         holds: The facts of :data:`HELD` that its files can store.
-        changes: Whether its files can store worlds that change with time.
-        robots: Whether its files can store several robots.
+        changes: True if its files can store worlds that change with time.
+        robots: True if its files can store several robots.
         client: The programs that read it, in a few words.
         usual_robot: The robot that its maps are drawn for, used if neither the file nor the user
             gives one.
@@ -177,8 +177,8 @@ class Format:
         if unknown or not self.suffixes:
             raise InvalidParameter(
                 "wrong-declaration",
-                "format {name!r}: holds {unknown!l:nothing wrong}, suffixes {suffixes}; it "
-                "needs a suffix, and holds some of {held!l}",
+                "format {name!r}: holds {unknown!l:nothing wrong}, suffixes {suffixes}; it needs "
+                "a suffix, and may hold only {held!l}",
                 name=self.name,
                 unknown=list(unknown),
                 suffixes=self.suffixes,
@@ -208,13 +208,13 @@ class Format:
 
         Args:
             given: Values by name; an option from the command line is the text after ``=``, or None.
-            out: Whether the options are for ``write``.
+            out: True if the options are for ``write``.
 
         Raises:
             InvalidParameter: If the format lacks an option, or a value has the wrong type.
         """
         known = self.write_options if out else self.read_options
-        owner = f"format {self.name} on the way {'out' if out else 'in'}"
+        owner = f"format {self.name} on {'export' if out else 'import'}"
         accepted = {}
         for name, value in given.items():
             option = find_parameter(name, known, owner)
@@ -264,7 +264,7 @@ def held_lines(world: World, destination: Destination) -> list[str]:
     """
     values = {"size": [world.width, world.height], **held_values(world, destination)}
     return [
-        "Below: m, rad, m/s; start and target from the grid's lower-left corner, which lies at "
+        "Below: m, rad, m/s; start and target from the grid's lower-left corner, which is at "
         "origin.",
         *(f"{name} = {value_text(value, name)}" for name, value in values.items()),
     ]

@@ -45,11 +45,11 @@ class ImportedRobot:
         speed: Top speed, m/s.
         scenario: A MovingAI scenario file with start and target.
         row: Number of the scenario's problem, from 1.
-        seed: Where the search for distant places begins. Without it, a ``.grid`` keeps its own
-            places, and a thesis map its program's start.
-        ignore_unread: Whether to judge the map without those obstacles of the file that could not
-            be read.
-        robots: Number of the scenario's problems, from ``row`` on, that are robots of one world.
+        seed: Seed of the search for distant places. Without it, a ``.grid`` keeps its own places,
+            and a thesis map its program's start.
+        ignore_unread: True to judge the map without obstacles that could not be read.
+        robots: Number of the scenario's problems, starting at ``row``, that become robots of one
+            world.
     """
 
     start: tuple[float, ...] | None = None
@@ -70,13 +70,13 @@ class Imported:
     Args:
         world: The world with its certificate and provenance.
         decision: Result, proof, and a sentence. It is ``undecided`` if a path was found on a map
-            that lacks obstacles of its file; a world that is blocked without them is also blocked
-            with them.
+            that lacks some obstacles of its file; a world that is blocked without them is also
+            blocked with them.
         notes: Sentences worth knowing.
         warnings: Sentences about likely mistakes.
         radius_from: Where the robot's radius comes from.
         unread: Obstacles of the file that the world lacks.
-        withheld: Whether a path was found that does not count because of them.
+        withheld: True if a path was found that does not count because of them.
     """
 
     world: World
@@ -99,7 +99,7 @@ def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
         raise InvalidParameter(
             "wrong-form",
             "{name}={text!r} is not X,Y or X,Y,{third}",
-            "write numbers like 1.5,0.35",
+            "write numbers, as in 1.5,0.35",
             name=name,
             text=text[:60],
             third=third,
@@ -150,7 +150,7 @@ def import_world(
             decision = Decision(
                 "undecided",
                 None,
-                f"what was not read might block the path: {'; '.join(found.unread)}",
+                f"unread obstacles might block the path: {'; '.join(found.unread)}",
             )
 
     # Record the origin in the world.
@@ -172,7 +172,7 @@ def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
     if robot.radius is not None:
         return "as given"
     if robot.scenario is not None:
-        return "0.4 cells, as a scenario's agent"
+        return "0.4 cells, like a scenario's agent"
     if found.world is not None or found.robot_radius is not None:
         return "from the file"
     return found.usual_robot.source
@@ -190,7 +190,7 @@ def _with_scenario(
         )
     if robot.start is not None or robot.target is not None:
         raise InvalidParameter(
-            "conflict", "scen gives start and target", "leave out start and target, or scen"
+            "conflict", "scen gives start and target", "omit start and target, or scen"
         )
     height, width = found.walls.shape
     problem = read_scenario(robot.scenario, robot.row, width, height, found.cell_size)
@@ -206,8 +206,8 @@ def _with_more_problems(
     if robot.scenario is None:
         raise InvalidParameter(
             "conflict",
-            "robots={robots}: only a scenario file has several robots that can be counted",
-            "name it with --scen, or let the map's own robots be read",
+            "robots={robots}: the number of robots can be chosen only with a scenario file",
+            "name it with --scen, or use the map's own robots",
             at_terminal=True,
             robots=robot.robots,
         )
@@ -257,7 +257,8 @@ def _at_programs_start(
     ):
         return replace(robot, start=found.start), ()
     return robot, (
-        f"the map's own start ({x:g}, {y:g}) m is not clear for the robot; it starts elsewhere",
+        f"the map's own start ({x:g}, {y:g}) m is not clear for the robot, so another one was "
+        f"chosen",
     )
 
 

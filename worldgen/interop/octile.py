@@ -1,8 +1,8 @@
 """Lengths of shortest octile paths.
 
-Such a path leads from centre to centre of free cells, straight or diagonally, and cuts no corner:
-a diagonal move needs both cells next to it free. SciPy's Dijkstra searches; this module only draws
-the graph.
+Such a path leads from centre to centre of free cells, straight or diagonally, and does not cut
+corners: a diagonal move needs both cells next to it free. SciPy's Dijkstra searches; this module
+only draws the graph.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def octile_lengths(
     searches the whole map only if that was too short.
 
     Args:
-        walls: (height, width) bool, True is solid; what is outside is solid too.
+        walls: (height, width) bool, True is solid; everything outside is solid too.
         starts: (n, 2) column and row of cells; rows count as in ``walls``.
         goals: (n, 2) column and row of cells.
         expected: (n,) guessed lengths, in cells.
@@ -83,12 +83,12 @@ def _searched(graph: Any, begin: Cells, end: Cells, limits: npt.NDArray[np.float
 def octile_moves(
     walls: npt.NDArray[np.bool_], start: tuple[int, int], goal: tuple[int, int]
 ) -> tuple[int, int] | None:
-    """Return how many straight and diagonal moves a shortest octile path has, None if none exists.
+    """Return the straight and diagonal moves of a shortest octile path; None if there is none.
 
     As ``straight + diagonal * sqrt(2)`` they give the length without rounding.
 
     Args:
-        walls: (height, width) bool, True is solid; what is outside is solid too.
+        walls: (height, width) bool, True is solid; everything outside is solid too.
         start: Column and row of a cell.
         goal: Column and row of a cell.
     """
@@ -128,7 +128,7 @@ def _graph(walls: npt.NDArray[np.bool_]) -> Any:
     numbers = np.arange(walls.size, dtype=np.int32).reshape(walls.shape)
     across = free[:, :-1] & free[:, 1:]
     down = free[:-1] & free[1:]
-    # Two by two free cells: both of their diagonals cut no corner.
+    # Both diagonals of a free square of two by two cells are allowed moves.
     square = across[:-1] & across[1:]
     moves = (
         (across, numbers[:, :-1], numbers[:, 1:], 1.0),

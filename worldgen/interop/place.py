@@ -73,7 +73,7 @@ def place(
         walls: (height, width) bool, row 0 the lowest y.
         cell_size: m.
         radius: Radius of the robot's disc, m.
-        seed: Where in the region the sweeps begin.
+        seed: Selects where in the region the sweeps begin.
         start: x and y, m; moved to the nearest point of the pose lattice.
         target: x and y, m; need not be clear itself.
 
@@ -106,8 +106,8 @@ def place(
     if region.share < _SCATTERED:
         warnings.append(
             f"a disc of radius {radius:g} m finds {region.regions} separate regions; start and "
-            f"target lie in "
-            f"the largest, {100 * region.share:.0f} % of the room; a smaller radius may join them"
+            f"target are in the largest, with {100 * region.share:.0f} % of the free space; a "
+            f"smaller radius may join them"
         )
     return Placement(places.metres(first), places.metres(last), tuple(warnings))
 
@@ -188,8 +188,8 @@ class _ClearPoints:
         if not found:
             raise InvalidWorld(
                 "no-room",
-                "no room for a disc of radius {radius:g} m near ({x:g}, {y:g}) m to place the "
-                "other end from",
+                "there is no room for a disc of radius {radius:g} m near ({x:g}, {y:g}) m, so the "
+                "other end cannot be placed",
                 "give both start and target, or a smaller radius",
                 radius=self._radius,
                 x=point[0],
@@ -230,7 +230,7 @@ def _check_inside(name: str, point: _Point, walls: npt.NDArray[np.bool_], cell_s
     if not (0.0 <= point[0] <= width and 0.0 <= point[1] <= height):
         raise InvalidWorld(
             "outside-grid",
-            "{name} ({x:g}, {y:g}) m lies outside the map of {width:g} x {height:g} m",
+            "{name} ({x:g}, {y:g}) m is outside the map of {width:g} x {height:g} m",
             "give m from its lower-left corner, x right, y up",
             name=name,
             x=point[0],

@@ -24,8 +24,7 @@ _COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", "
 _OURS = "worldgen.interop."
 _WAY_OUT = (
     "give the .grid file that it was made from, or a file of another format, as `worldgen formats` "
-    "lists them; if it "
-    "is one, say which with --from"
+    "lists them; if it is one of these, name it with --from"
 )
 
 
@@ -53,7 +52,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
         if known.read is None:
             raise InvalidParameter(
                 "only-written",
-                "{format} is written, not read",
+                "{format} can be written but not read",
                 "give a file of another format",
                 format=known.name,
             )
@@ -78,7 +77,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
         if written.read is None and written.magic and written.magic.match(head):
             raise FormatError(
                 "only-written",
-                "is {format} ({summary}), which is written, not read",
+                "is {format} ({summary}), which can be written but not read",
                 _WAY_OUT,
                 format=written.name,
                 summary=written.summary,
@@ -95,7 +94,7 @@ def _unknown(suffix: str) -> Message:
     """Return an error for a file of an unreadable format, with a remedy."""
     written = [name for name in sorted(FORMATS.entry_points()) if _is_only_written(name, suffix)]
     if written:
-        problem = "ends in {suffix}, and {formats} is written, not read"
+        problem = "ends in {suffix}, and {formats} can be written but not read"
         return Message(
             "only-written",
             problem,
@@ -106,8 +105,8 @@ def _unknown(suffix: str) -> Message:
         )
     return Message(
         "unknown-format",
-        "is not a map that is known",
-        "`worldgen formats` lists those that are; if it is one, say which with --from",
+        "is not a map in a known format",
+        "`worldgen formats` lists the known ones; if it is one of these, name it with --from",
         at_terminal=True,
     )
 
@@ -122,7 +121,7 @@ def _only(found: list[Format], path: Path) -> Format:
         raise FormatError(
             "ambiguous-format",
             "might be of several formats: {known!l}",
-            "say which with --from",
+            "choose one with --from",
             at_terminal=True,
             known=[known.name for known in found],
             source=str(path),
@@ -185,7 +184,8 @@ def read_map(
         options: Settings that the file leaves open; they take precedence over those in ``name``.
 
     Raises:
-        FormatError: If the file or its sidecar breaks the format's rules, or is of an unknown format.
+        FormatError: If the file or its sidecar breaks the format's rules, or is of an unknown
+            format.
         InvalidParameter: If the format is unknown, or lacks an option.
     """
     format_name, worded = (None, {}) if name is None else split_options(name)
@@ -200,6 +200,6 @@ def read_map(
         check_between("cell_size", cell_size, *CELL_SIZES, "m")
     # find_format has already refused it.
     if known.read is None:
-        raise InvalidParameter("only-written", "{format} is not read", format=known.name)
+        raise InvalidParameter("only-written", "{format} cannot be read", format=known.name)
     found = replace(known.read(path, **given), usual_robot=known.usual_robot)
     return found if sidecar is None else with_sidecar(found, sidecar)

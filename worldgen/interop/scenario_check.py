@@ -1,7 +1,4 @@
-"""MovingAI problems solved.
-
-Is each published length that of a shortest octile path in our reading of the map?
-"""
+"""Solve MovingAI problems, to check that published lengths are those of shortest octile paths."""
 
 from __future__ import annotations
 
@@ -55,7 +52,7 @@ class ScenarioReport:
     Args:
         scenario: Path of the scenario file.
         map: Path of the map; empty if no map of that name was found.
-        problems: How many problems the file has, or how many were drawn from it.
+        problems: Number of problems in the file, or drawn from it.
         agree: Problems whose shortest path has the published length.
         no_path: Problems among those without a path, published with length 0.
         differ: Problems whose shortest path has another length.
@@ -112,7 +109,7 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
         if not path.exists():
             raise InvalidParameter(
                 "no-such-file",
-                "{path} is not there",
+                "{path} does not exist",
                 "name scenario files, maps, or folders of them",
                 path=path,
             )
@@ -151,7 +148,7 @@ def check_scenario(
     Args:
         scenario: The ``.scen`` file.
         maps: Maps of the name that it gives.
-        rows: How many problems to draw; all of them if omitted.
+        rows: Number of problems to draw; all of them if omitted.
         seed: Seed of the draw.
     """
     try:
@@ -160,7 +157,7 @@ def check_scenario(
         yield ScenarioReport(str(scenario), "", fault=_sentence(error))
         return
     if not maps:
-        fault = f"there is no map {problems.map_name} in the named files; name its folder too"
+        fault = f"no map {problems.map_name} is in the named files; name its folder too"
         yield ScenarioReport(
             str(scenario), "", len(problems.published), misfit=len(problems.published), fault=fault
         )
@@ -176,7 +173,7 @@ def check_scenario(
 
 
 def _terrain(path: Path) -> npt.NDArray[np.uint8] | str:
-    """Return the map, or a sentence that says why it cannot be read."""
+    """Return the map, or a sentence with the reason why it cannot be read."""
     try:
         return read_terrain(path)
     except FormatError as error:
@@ -202,7 +199,7 @@ def _solve(
     height, width = terrain.shape
     count = len(problems.published)
     report = ScenarioReport(str(scenario), str(path), count)
-    if problems.size == (height, width) != (width, height):  # a scaled map is not one on its side
+    if problems.size == (height, width) != (width, height):  # swapped sides are not a scale
         fault = (
             f"made for {height} x {width} cells, the map has {width} x {height}; swap the two "
             f"in one of the files"
@@ -212,7 +209,7 @@ def _solve(
         return replace(
             report,
             misfit=count,
-            fault=f"more than {_MOST_CELLS} cells, which is as many as are solved",
+            fault=f"more than {_MOST_CELLS} cells, the limit for solving",
         )
     if problems.size != (width, height):
         terrain = _scaled(terrain, *problems.size)
@@ -221,9 +218,9 @@ def _solve(
 
 
 def _scaled(terrain: npt.NDArray[np.uint8], width: int, height: int) -> npt.NDArray[np.uint8]:
-    """Return the map in another size, scaled as the benchmark scales.
+    """Return the map in another size, scaled as the benchmark does it.
 
-    Cell x of the new is cell x * old // new of the old.
+    Cell x of the new map is cell x * old // new of the old one.
     """
     rows = np.arange(height) * terrain.shape[0] // height
     columns = np.arange(width) * terrain.shape[1] // width
@@ -278,7 +275,7 @@ def _fault(
     came = "there is no path" if blocked[row] else f"the shortest path has {ours[row]:.10g} cells"
     told = f"published are {problems.published[row]:.10g} cells"
     return (
-        f"from {start} to {goal} {came}, {told}; the map is another than the problems were made on"
+        f"from {start} to {goal} {came}, {told}; this is not the map that the problems were made on"
     )
 
 
@@ -287,7 +284,7 @@ def _sentence(error: FormatError) -> str:
 
 
 def total(reports: Sequence[ScenarioReport]) -> dict[str, int | float]:
-    """Return the sums over all reports, the largest ``worst``, and how many maps and files."""
+    """Return the sums over all reports, the largest ``worst``, and the counts of maps and files."""
     counts = ("problems", "agree", "no_path", "differ", "unreachable", "misfit", "scaled")
     sums: dict[str, int | float] = {
         name: sum(getattr(report, name) for report in reports) for name in counts
@@ -318,10 +315,10 @@ def as_text(reports: Sequence[ScenarioReport]) -> str:
         aligned(
             [
                 ["shortest path as published", str(sums["agree"])],
-                ["  of these no path, published as 0", str(sums["no_path"])],
+                ["  of these, no path, published as 0", str(sums["no_path"])],
                 ["another length", str(sums["differ"])],
                 ["no path, but one is published", str(sums["unreachable"])],
-                ["left out: no map of that size", str(sums["misfit"])],
+                ["skipped: no map of that size", str(sums["misfit"])],
                 ["largest difference that rounding explains", f"{sums['worst']:.6f}"],
             ],
             right=[1],

@@ -59,7 +59,7 @@ def sidecar_text(world: World, destination: Destination, missing: Collection[str
     kept: dict[str, Value] = {"worldgen": _VERSION, _SIZE: [world.width, world.height]}
     kept |= {name: value for name, value in values.items() if name in missing}
     lines = [
-        f"# What {destination.name!r} has no room for; m, rad, m/s, from the grid's lower-left "
+        f"# Facts that {destination.name!r} cannot store; m, rad, m/s, from the grid's lower-left "
         f"corner, y up."
     ]
     lines += [f"{name} = {value_text(value, name)}" for name, value in kept.items()]
@@ -106,7 +106,7 @@ def read_sidecar(path: Path) -> Sidecar | None:
         raise header.fault(
             Message(
                 "other-version",
-                "worldgen = {version} must say the sidecar's version",
+                "worldgen = {version} must be the sidecar's version",
                 "export the world again",
                 version=_VERSION,
             ),
@@ -156,9 +156,9 @@ def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
     height, width = found.walls.shape
     if (width, height) != sidecar.size:
         warning = (
-            f"{sidecar.name} is of a map of {sidecar.size[0]} x {sidecar.size[1]} cells, not "
+            f"{sidecar.name} belongs to a map of {sidecar.size[0]} x {sidecar.size[1]} cells, not "
             f"{width} x {height}; "
-            "it was passed over; delete it, or export the world again"
+            "it was ignored; delete it, or export the world again"
         )
         return replace(found, warnings=(*found.warnings, warning))
     values = sidecar.values
@@ -180,7 +180,7 @@ def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
 def _joined(
     point: tuple[float, ...] | None, third: tuple[float, ...] | None, own: tuple[float, ...] | None
 ) -> tuple[float, ...] | None:
-    """Return a point of the sidecar or the file, with the sidecar's third number or the file's own."""
+    """Return a point; its third number comes from the sidecar if that has one, else the file."""
     if point is None and own is None:
         return None
     rest = third or (own[2:] if own else ())

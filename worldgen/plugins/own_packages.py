@@ -1,8 +1,8 @@
 """Keep a user's folder or file named ``sim`` or ``fuzz`` from hiding our packages.
 
 Many robot projects have such a folder. Our own program calls :func:`prefer_own_packages` first, so
-it always imports ours, and :func:`check_not_ours` says how to name a module of the user's folder. A
-user's process, such as a test run, imports whatever comes first on Python's path; there,
+it always imports ours, and :func:`check_not_ours` tells how to name a module of the user's folder.
+A user's process, such as a test run, imports whatever comes first on Python's path; there,
 :func:`check_hidden` reports a hidden package.
 """
 
@@ -37,7 +37,7 @@ def prefer_own_packages() -> None:
 
 
 def _hides(entry: str) -> bool:
-    """Return True if one of our names means something else in this folder of Python's path."""
+    """Return True if this folder of Python's path has something else under one of our names."""
     if Path(entry).resolve() == _ROOT:
         return False
     finder = importlib.machinery.PathFinder
@@ -74,7 +74,7 @@ def check_hidden() -> None:
         "hidden-package",
         "your {kind} {place} hides the package {name!r} of worldgen, because {parent} comes first "
         "on Python's path",
-        "take that folder out of Python's path (PYTHONPATH; call `pytest --import-mode=importlib`, "
+        "remove that folder from Python's path (PYTHONPATH; call `pytest --import-mode=importlib`, "
         "not "
         "`python -m pytest`), or rename {folder}",
         at_terminal=True,

@@ -103,7 +103,7 @@ def user_code(doing: str) -> Iterator[None]:
         raise InvalidParameter(
             "code-failed",
             "{doing} ends Python (SystemExit: {reason})",
-            "take that exit out, or put it under if __name__ == '__main__'",
+            "remove that exit, or put it under if __name__ == '__main__'",
             doing=doing,
             reason=str(error),
         ) from error
@@ -130,7 +130,8 @@ def _loading(doing: str) -> Iterator[None]:
         raise InvalidParameter(
             "load-timeout",
             "{doing} takes longer than {seconds:g} s",
-            "put what waits for input or runs on under if __name__ == '__main__', or give it more "
+            "put code that waits for input or keeps running under if __name__ == '__main__', or "
+            "give it more "
             "time with {variable}",
             doing=doing,
             seconds=seconds,
@@ -256,7 +257,7 @@ class Registry(Generic[T]):
             "unknown-name",
             "no {noun} is called {name!r}",
             ("did you mean {near!r}? known: {known!l}; " if near else "known: {known!l}; ")
-            + "your own: package.module:name or ./file.py:name",
+            + "for your own, give package.module:name or ./file.py:name",
             noun=self.noun,
             name=name,
             near=near,

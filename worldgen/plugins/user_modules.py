@@ -1,6 +1,6 @@
 """Import the files next to a user's file: ``import geometry`` in ``./mine.py``.
 
-As with ``python mine.py``, files in the folder come before installed packages. Unlike there, the
+As with ``python mine.py``, files in the folder come before installed packages. In contrast, the
 folder is not added to ``sys.path``, which would affect every import in the process. Instead, each
 folder becomes a package with a private name, and only imports in files of that folder look there.
 Two folders may therefore each have a ``geometry.py``, and a folder named ``sim`` hides nothing of
@@ -39,7 +39,7 @@ _READ: dict[str, str] = {}  # digest of each source file, as it was last read
 
 
 class SourceLoader(importlib.machinery.SourceFileLoader):
-    """Load a user's file from its source, and remember what the source was.
+    """Load a user's file from its source, and remember that source.
 
     Python's cache of compiled files compares times in whole seconds and sizes. A number that is
     edited twice within a second would run as it was before.
@@ -55,14 +55,14 @@ class SourceLoader(importlib.machinery.SourceFileLoader):
 
 
 def digest_of_source(data: bytes) -> str:
-    """Return a digest of a file's contents, which tells an edited file from the one before."""
+    """Return a digest of a file's contents, which changes when the file is edited."""
     return hashlib.sha256(data).hexdigest()[:16]
 
 
 def sources_read() -> dict[str, str]:
     """Return the user's files that this process has read as code, with the digest of each.
 
-    A file that was read and failed is among them.
+    This includes files that were read but failed.
     """
     return dict(_READ)
 
@@ -200,7 +200,7 @@ class _ByBareName(importlib.abc.MetaPathFinder):
     """Find a folder's module by its bare name if nothing else has that name.
 
     Pickles and ``import_module`` need this. They get the same module object as the folder's own
-    imports. A name that two folders have is an error.
+    imports. A name that occurs in two folders is an error.
     """
 
     def find_spec(
@@ -215,7 +215,7 @@ class _ByBareName(importlib.abc.MetaPathFinder):
             folders = " and ".join(str(_FOLDERS[package]) for package in found)
             raise InvalidParameter(
                 "ambiguous-module",
-                "module {module!r} is imported by name, and it is in {folders}",
+                "module {module!r} is imported by name, but it is in several folders: {folders}",
                 "write `import {module}` in the file that needs it, or rename one",
                 module=fullname,
                 folders=folders,

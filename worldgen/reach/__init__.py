@@ -4,15 +4,15 @@ Contents:
     decide, decide_many: prove it, in one world and in many.
     Decision, REACHABLE, BLOCKED, UNDECIDED: the result.
     decide_in_time, latest_start, until: with a deadline; how long the robot may wait.
-    Confinement: what proves that a deadline cannot be met.
-    Swap: what proves that two robots cannot both arrive.
+    Confinement: the proof that a deadline cannot be met.
+    Swap: the proof that two robots cannot both arrive.
     reachable_cells, coverage_tour: which cells' centres the disc can reach, and a tour of them.
     widest_disc: the largest disc that gets through.
 Imported when they are first used, because they load shapely:
     check_certificate, CheckReport: check a proof.
-    check_confinement: check that of a deadline.
-    check_swap: check that of two robots that cannot pass each other.
-    witness_margin, delayed: how much later a timed witness may begin; the witness that does.
+    check_confinement: check the proof about a deadline.
+    check_swap: check the proof about two robots that cannot pass each other.
+    witness_margin, delayed: how much later a timed witness may begin; the delayed witness.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Limits on where a robot can be, and when: the proof that it cannot be at the target in time."""
+"""Bounds on where a robot can be, and when: the proof that it cannot be at the target in time."""
 
 from __future__ import annotations
 

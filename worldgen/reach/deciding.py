@@ -1,4 +1,4 @@
-"""Reachability of one robot's target, or of those of several robots together."""
+"""Decide reachability of one robot's target, or of the targets of several robots together."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ def decide(
     certificate: bool = True,
     cut: bool = True,
 ) -> Decision:
-    """Decide whether a disc can get from the start to the target; all discs, if there are several.
+    """Decide whether a disc, or each of several discs, can get from its start to its target.
 
     Args:
         world: The world; its own certificate is ignored.
         radius: Radius of the disc, m; the robot's, or each robot's, if omitted.
-        margin: s. The witness of a world that changes also holds when the robot first waits at the
-            start for any time up to this long, and then does everything so much later.
-        certificate: Whether the proof is wanted, if the world is still. Without it, small worlds
-            take a fraction of the time: that there is a path or a cut is shown all the same, but
-            neither is made.
-        cut: Whether the proof is wanted if it is a cut, too.
+        margin: s. The witness of a world that changes also holds if the robot first waits at the
+            start for any time up to this, and then does everything that much later.
+        certificate: True to return the proof, if the world is static. Without it, small worlds take
+            a fraction of the time: the existence of a path or a cut is still proved, but neither is
+            constructed.
+        cut: True to return the proof also if it is a cut.
 
     Raises:
         InvalidParameter: If the radius is not a finite number above 0, or the margin is negative or
@@ -52,7 +52,7 @@ def decide_many(
     Args:
         worlds: Any worlds.
         radius: Radius of the disc, m; each world's robot's if omitted.
-        certificate: Whether the proofs of still worlds are wanted.
+        certificate: True to return the proofs of static worlds.
 
     Raises:
         InvalidParameter: If the radius is not a finite number above 0.

@@ -42,16 +42,16 @@ class Swap:
 
 @dataclass(frozen=True)
 class Decision:
-    """The answer whether the target can be reached, with the proof.
+    """The answer to whether the target can be reached, with its proof.
 
     Args:
         result: ``REACHABLE`` with a witness, ``BLOCKED`` with a cut, or ``UNDECIDED`` with neither.
         certificate: The proof, for :func:`worldgen.reach.check_certificate`.
         reason: One sentence for people.
-        confinement: The proof of ``BLOCKED`` where no cut is one; for
-            :func:`worldgen.reach.check_confinement`. A file holds none.
-        swap: The proof of ``BLOCKED`` where two robots would have to pass each other; for
-            :func:`worldgen.reach.check_swap`. A file holds none.
+        confinement: The proof of ``BLOCKED`` if no cut proves it, for
+            :func:`worldgen.reach.check_confinement`. It cannot be stored in a file.
+        swap: The proof of ``BLOCKED`` if two robots would have to pass each other, for
+            :func:`worldgen.reach.check_swap`. It cannot be stored in a file.
     """
 
     result: str
@@ -96,7 +96,7 @@ def check_deadline(deadline: float | None) -> None:
     """Reject an invalid deadline.
 
     Raises:
-        InvalidParameter: If it is given, and isn't above 0 or exceeds `worldgen.domain.LATEST`.
+        InvalidParameter: If it is given, and isn't above 0, or exceeds `worldgen.domain.LATEST`.
     """
     fault = None if deadline is None else number_fault("deadline", deadline, (0.0, LATEST), "s")
     if fault is not None:

@@ -3,9 +3,9 @@
 Each of these is imported when it is first used, so that Pillow is loaded only for a PNG. Trail,
     EventMark, WallPenetration: what a robot did, as plain data to draw over a world. draw_png,
     draw_svg, draw_html, draw_terminal: the pictures. Drive, draw_gif: moving robots, as an animated
-    GIF. Panel, draw_sheet: many worlds with the paths of several robots. wants_color: whether a
-    stream should get colours. Frame: converts metres to pixels, for drawing over a picture or
-    reading one.
+    GIF. Panel, draw_sheet: many worlds with the paths of several robots. wants_color: decides
+    whether a stream should get colours. Frame: converts metres to pixels, for drawing over a
+    picture or reading one.
 """
 
 from __future__ import annotations

@@ -47,11 +47,11 @@ from worldgen.world import World
 __all__ = ["MOST_FRAMES", "draw_gif"]
 
 MOST_FRAMES = 120
-# Length of an animation, s, then extended by another loop.
+# Length of an animation, s, before it is extended by another loop.
 SECONDS = 9.0
-# Share of a run: a loop that takes less is shown once more.
+# Fraction of a run: a loop that takes less is shown once more.
 BLINK = 0.2
-# Time that the last frame stays, ms.
+# Time that the last frame is shown, ms.
 HELD = 1500
 # Sizes, px.
 DEFAULT_SIDE = 480
@@ -100,7 +100,8 @@ def draw_gif(
 def _times(drives: Sequence[Drive]) -> list[float]:
     """Return the times of the frames, s.
 
-    They are even over the longest run, then slower once around a loop that would pass too fast.
+    They are evenly spaced over the longest run; a loop that would pass too fast is shown once more,
+    slower.
     """
     longest = max(drives, key=lambda drive: drive.end)
     end = longest.end
@@ -127,7 +128,7 @@ class _Stage:
         height = frame.bottom + frame.top + round((2.4 if title else 1.4) * self.line)
         self.size = frame.picture_width, height
         self.cells = world.cells_after(0)
-        # Marks in the cells.
+        # Add the marks in the cells.
         self.changes = 0
         self.ground: Image.Image | None = None
         self.trails = [
@@ -143,7 +144,7 @@ class _Stage:
         return colour_of(robot) if len(self.drives) > 1 else LOOP
 
     def at(self, time: float) -> Image.Image:
-        """Return the picture at a time later than all before."""
+        """Return the picture at a time later than all earlier ones."""
         # Draw the trails on the ground.
         picture = self._ground_at(time).copy()
         for trail, mask in zip(self.trails, self.masks, strict=True):
@@ -195,7 +196,7 @@ class _Stage:
         x, y, heading = drive.pose(drive.moment(time))
         left, top = self.frame.to_pixels(x, y)
         unit = self.frame.unit
-        # Drives of one robot show what several controllers make of it.
+        # Drives of one robot show several controllers in the same world.
         robots = self.world.robots
         robot = robots[number] if len(robots) > 1 else robots[0]
         radius = max(robot.radius * self.frame.scale, 3.5 * unit)
@@ -227,7 +228,7 @@ class _Stage:
         left += text_width("00000.00 s", size) + 12.0 * self.frame.unit
         for k, drive in enumerate(self.drives if len(self.drives) > 1 else ()):
             name = _fitted(drive.name, self.size[0] / len(self.drives), size)
-            # Names that don't fit on the line are left out.
+            # Names that don't fit on the line are dropped.
             if left + text_width(name, size) > self.size[0]:
                 break
             parts.append(Text(left, top, size, name, self._colour(k)))
@@ -255,7 +256,7 @@ class _GrowingTrail:
         if until <= max(self.done, 1):
             return
         pen = ImageDraw.Draw(mask)
-        # Only the new piece is drawn, from the last point of the one before.
+        # Only the new piece is drawn, from the last point of the previous one.
         piece = [(float(x), float(y)) for x, y in self.points[max(0, self.done - 1) : until]]
         pen.line(piece, fill=255, width=self.width)
         reach = 0.5 * self.width

@@ -71,7 +71,7 @@ def facts(world: World) -> str:
 
 
 def printable(text: str) -> str:
-    """Replace line ends and everything that no file format can hold.
+    """Replace line ends and characters that no file format can hold.
 
     They become a blank or ``?``.
     """
@@ -89,7 +89,7 @@ def text_width(text: str, size: float) -> float:
 
 
 def wrapped(text: str, width: float, size: float, most: int) -> list[str]:
-    """Wrap the text into at most ``most`` lines; end in three dots what does not fit."""
+    """Wrap the text into at most ``most`` lines; end text that does not fit in three dots."""
     lines: list[str] = []
     for word in text.split():
         joined = f"{lines[-1]} {word}" if lines else word
@@ -105,7 +105,7 @@ def wrapped(text: str, width: float, size: float, most: int) -> list[str]:
 def _cut_off(line: str, width: float, size: float) -> str:
     if text_width(line, size) <= width:
         return line
-    # No letter is narrower, which bounds the work on a long line.
+    # No letter is narrower than this, which bounds the work on a long line.
     line = line[: int(width / (0.25 * size))]
     while line and text_width(line + "...", size) > width:
         line = line[:-1]
@@ -196,7 +196,7 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
         keys.append(("a path that fits", _line(START, 1.8, dash=(7.0, 5.0))))
     if content.witness and isinstance(world.certificate, Cut):
         keys.append(("cut: every gap too narrow", _line(TUNNEL, 3.0)))
-    # The run, and what changes.
+    # Add the run, and the changes.
     if trail is not None:
         keys += _trail_keys(trail, on_the_spot=stays_put(trail, content.frame, world.robot_radius))
     if changes.burns.any():
@@ -209,7 +209,7 @@ def _keys(content: Content) -> list[tuple[str, Sample]]:
 
 
 def _robot_keys(content: Content) -> list[tuple[str, Sample]]:
-    """Return the key to a picture of several robots: their colours, as far as there are some."""
+    """Return the key to a picture of several robots: their colours, as long as they differ."""
     robots = content.world.robots
     shown = min(len(robots), len(COLOURS))
     keys: list[tuple[str, Sample]] = [
@@ -239,7 +239,7 @@ def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
     if "bump" in kinds:
         keys.append(("bump", _dot(INK, 2.4)))
     if trail.pierced:
-        keys.append(("a wall that it went into", _pierced_sample))
+        keys.append(("a wall that it entered", _pierced_sample))
     if "overlap" in kinds and not trail.pierced:
         keys.append(("overlap", _overlap_sample))
     if "tunnel" in kinds and not trail.pierced:

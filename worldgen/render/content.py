@@ -50,9 +50,9 @@ class Content:
     Args:
         world: What to draw.
         trail: A run in it.
-        trails: Instead, in a world of several robots, a path for each robot.
-        signal: Whether to tint the floor by the target's signal.
-        witness: Whether to draw the proof's path, or its cut.
+        trails: Instead of ``trail`` in a world of several robots, a path for each robot.
+        signal: True to tint the floor by the target's signal.
+        witness: True to draw the proof's path, or its cut.
         title: First line of the caption.
         frame: The map's place in the picture.
         changes: The cells that the world's timeline changes.

@@ -1,4 +1,4 @@
-"""Convert cells to pixels: how much of each pixel is covered, for any two sizes."""
+"""Convert cells to pixels of any size: the share of each pixel that is covered."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from worldgen.support.rows import flip_rows
 
 __all__ = ["coverage"]
 
-# Rows shrunk together, which bounds the memory for worlds of 20,000 cells a side.
+# Rows shrunk together, which bounds the memory for worlds of 20,000 cells per side.
 BLOCK = 1024
 
 
@@ -24,7 +24,7 @@ def coverage(mask: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArra
         height: Pixels down.
 
     Returns:
-        (height, width) uint8: the covered area as a share, times 255, rounded.
+        (height, width) uint8: the covered share of the area, times 255, rounded.
     """
     top_first = flip_rows(mask)
     blocks = [_means(top_first[row : row + BLOCK], width) for row in range(0, len(mask), BLOCK)]

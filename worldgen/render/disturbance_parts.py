@@ -1,6 +1,6 @@
-"""What disturbs a robot besides walls, on the map and in its key: pushes, drift, decoys.
+"""Draw what disturbs a robot besides walls, on the map and in its key: pushes, drift, decoys.
 
-And what a coverage task leaves undone.
+Cells that a coverage task missed are drawn too.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _DRIFT_ARROWS = 6
 
 
 def under_the_walls(disturbances: Disturbances, frame: Frame) -> list[Primitive]:
-    """A field of faint arrows where the floor carries the robot, hidden by walls."""
+    """Draw a field of faint arrows where the floor carries the robot, hidden by walls."""
     if disturbances.drift_heading is None:
         return []
     pitch = max(frame.width, frame.height) / _DRIFT_ARROWS
@@ -47,7 +47,7 @@ def under_the_walls(disturbances: Disturbances, frame: Frame) -> list[Primitive]
 
 
 def missed_cells(missed: npt.NDArray[np.bool_] | None, frame: Frame) -> list[Primitive]:
-    """Stripes over the cells that the robot should have been in and was not."""
+    """Draw stripes over the cells that the robot should have visited but did not."""
     if missed is None or not missed.any():
         return []
     stripes = 7.0 * frame.unit if frame.cell >= 4.0 * frame.unit else 0.0
@@ -58,11 +58,11 @@ def missed_cells(missed: npt.NDArray[np.bool_] | None, frame: Frame) -> list[Pri
 
 
 def above_the_trail(disturbances: Disturbances, frame: Frame, cell_size: float) -> list[Primitive]:
-    """Places that push, with their arrows; pushes where they happened; decoys.
+    """Draw places that push, with their arrows; pushes where they happened; and decoys.
 
     Args:
         disturbances: What to draw.
-        frame: Where the map lies.
+        frame: The map's place in the picture.
         cell_size: m.
     """
     parts: list[Primitive] = []
@@ -79,7 +79,7 @@ def above_the_trail(disturbances: Disturbances, frame: Frame, cell_size: float) 
 
 
 def _place(place: Shove, frame: Frame, cell_size: float) -> list[Primitive]:
-    """The cell's frame, and an arrow from its middle in the direction of the push."""
+    """Draw the cell's frame, and an arrow from its middle in the direction of the push."""
     left = math.floor(place.x / cell_size + 1e-9) * cell_size
     low = math.floor(place.y / cell_size + 1e-9) * cell_size
     corners = np.array(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))) * cell_size
@@ -92,7 +92,7 @@ def _place(place: Shove, frame: Frame, cell_size: float) -> list[Primitive]:
     length = math.hypot(place.dx, place.dy)
     if length == 0.0:
         return parts
-    # Short pushes get an arrow that can be seen.
+    # Short pushes get an arrow that is long enough to be visible.
     reach = max(length * frame.scale, 14.0 * frame.unit)
     tip = (middle[0] + reach * place.dx / length, middle[1] - reach * place.dy / length)
     return parts + push_arrow(middle, tip, frame.unit)
@@ -101,7 +101,7 @@ def _place(place: Shove, frame: Frame, cell_size: float) -> list[Primitive]:
 def push_arrow(
     start: tuple[float, float], end: tuple[float, float], unit: float
 ) -> list[Primitive]:
-    """An arrow in the pushes' colour; a dot where a push only turns the robot."""
+    """Draw an arrow in the colour of pushes, or a dot if a push only turns the robot."""
     if math.dist(start, end) < 1.0:
         ring = Paint(stroke=PUSH, width=2.4 * unit)
         return [DrawnCircle(*start, 8.0 * unit, ring)]
@@ -115,7 +115,7 @@ def push_arrow(
 
 
 def decoy_mark(x: float, y: float, unit: float) -> list[Primitive]:
-    """A dashed ring in the target's colour, without its cross: it shines, but is not the target."""
+    """Draw a dashed ring in the target's colour, without the cross that marks the target."""
     dashed = Paint(stroke=TARGET, width=2.4 * unit, dash=(3.0 * unit, 4.0 * unit))
     return [
         DrawnCircle(x, y, 8.0 * unit, Paint(fill=PAPER, opacity=0.75)),

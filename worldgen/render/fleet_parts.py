@@ -1,4 +1,4 @@
-"""What several robots of one world look like: each in its own colour, with its number."""
+"""Draw several robots of one world, each in its own colour and with its number."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def robot_parts(world: World, trails: Sequence[Trail], frame: Frame) -> list[Pri
     """
     robots = world.robots
     parts: list[Primitive] = []
-    # Starts lie below paths, targets and ends above them.
+    # Starts are drawn below paths, targets and ends above them.
     for number, robot in enumerate(robots):
         parts += _start(robot, colour_of(number), frame)
     for number, trail in enumerate(trails):
@@ -87,7 +87,7 @@ def _start(robot: Robot, colour: str, frame: Frame) -> list[Primitive]:
 
 
 def _path(trail: Trail, colour: str, frame: Frame) -> list[Primitive]:
-    """Return a robot's path; what repeats endlessly is drawn stronger."""
+    """Return a robot's path; the part that repeats endlessly is drawn stronger."""
     unit = frame.unit
     points = frame.points(np.column_stack((trail.x, trail.y)))
     pieces = [(points, 1.8)]
@@ -111,7 +111,7 @@ def _target(robot: Robot, number: int, frame: Frame) -> list[Primitive]:
     unit = frame.unit
     colour = colour_of(number)
     x, y = frame.to_pixels(robot.target.x, robot.target.y)
-    # A target smaller than a few pixels would not be seen.
+    # A target smaller than a few pixels would not be visible.
     radius = max(robot.target.radius * frame.scale, 5.0 * unit)
     reach = radius + 4.0 * unit
     parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.6))]

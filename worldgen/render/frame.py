@@ -25,7 +25,7 @@ CRISP_CELL = (
 BAND = 7.0
 # Width of the white paper around the band, units.
 MARGIN = 12.0
-# Least width of a picture, units, to fit the caption.
+# Minimum width of a picture, units, to fit the caption.
 NARROWEST = 380.0
 
 
@@ -103,7 +103,7 @@ class Frame:
         return self.left + x * self.scale, self.bottom - y * self.scale
 
     def points(self, metres: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """Return a (n, 2) float64 array in px: for (n, 2) m."""
+        """Return a (n, 2) float64 array of px for (n, 2) places in m."""
         return _placed(metres, self.left, self.bottom, self.scale)
 
     def corners(self, cells: npt.ArrayLike) -> npt.NDArray[np.float64]:

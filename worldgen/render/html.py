@@ -44,9 +44,9 @@ def draw_html(
 
     Args:
         world: What to draw.
-        trail: What a robot did in it; of several robots, one for each.
-        signal: Whether to tint the floor by the strength of the target's signal.
-        witness: Whether to draw the certificate's path, or its cut.
+        trail: What a robot did in it; for several robots, one trail for each.
+        signal: True to tint the floor by the strength of the target's signal.
+        witness: True to draw the certificate's path, or its cut.
         title: The page's title, and the first line of the caption.
         pixels: Longer side of the map in the SVG's units; the page scales it to the window.
 
@@ -72,7 +72,7 @@ def draw_html(
 def _known(world: World) -> list[tuple[str, str]]:
     start = world.start
     target = world.target
-    # The world.
+    # Describe the world.
     rows = [
         ("world", facts(world)),
         ("cells", f"{world.width} x {world.height}, {world.solid_cells} solid"),
@@ -82,7 +82,7 @@ def _known(world: World) -> list[tuple[str, str]]:
     ]
     if world.is_dynamic:
         rows.append(("changes", f"{len(world.timeline)} until {world.timeline.last_time:.6g} s"))
-    # Its proof.
+    # Describe its proof.
     proof = world.certificate
     if isinstance(proof, Witness):
         rows.append(
@@ -99,10 +99,10 @@ def _known(world: World) -> list[tuple[str, str]]:
         rows.append(
             (
                 "proof",
-                f"a cut of {len(proof.cells)} cells that stops all above {proof.clearance:.6g} m",
+                f"a cut of {len(proof.cells)} cells that stops discs above {proof.clearance:.6g} m",
             )
         )
-    # Its origin and its failure.
+    # Describe its origin and its failure.
     made = world.provenance
     if made is not None:
         rows.append(("made by", f"{made.family}, version {made.version}, seed {made.seed}"))

@@ -80,10 +80,10 @@ class WallPenetration:
 
 @dataclass(frozen=True, slots=True)
 class Shove:
-    """A displacement that something else than its wheels gives the robot.
+    """A displacement of the robot that its wheels did not cause.
 
     Args:
-        x: Where it begins, m; of a place that pushes, a point of its cell.
+        x: Where it begins, m; for a place that pushes, a point of its cell.
         y: m.
         dx: m.
         dy: m.
@@ -100,10 +100,10 @@ class Disturbances:
     """What disturbs a robot besides walls.
 
     Args:
-        pushes: Pushes that happened, as far as they went.
+        pushes: Pushes that happened, with their actual lengths.
         places: Cells that push the robot when it is in them.
         decoys: Where other sources of the signal are, x and y in m.
-        drift_heading: Where the floor carries the robot, rad; ``None`` if it is level.
+        drift_heading: Direction in which the floor carries the robot, rad; ``None`` if it is level.
     """
 
     pushes: tuple[Shove, ...] = ()
@@ -245,7 +245,7 @@ class Drive:
             raise InvalidParameter(
                 "wrong-length",
                 "drive: {times} times for {points} points, {headings} headings",
-                "give a time for each point, and a heading at least",
+                "give a time for each point, and at least one heading",
                 times=len(self.times),
                 points=len(self.trail.x),
                 headings=len(self.headings),

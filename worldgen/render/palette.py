@@ -37,11 +37,11 @@ __all__ = [
 TARGET = "#0072B2"
 # Bluish green: the robot's start, and the path that it could take.
 START = "#009E73"
-# Vermillion: what it does instead.
+# Vermillion: the path that it takes instead.
 LOOP = "#D55E00"
 # Orange: cells that burn at some time.
 FIRE = "#E69F00"
-# Sky blue: what moves the robot besides its wheels.
+# Sky blue: anything that moves the robot besides its wheels.
 PUSH = "#56B4E9"
 # Yellow: cells of a coverage task that the robot missed.
 MISSED = "#E3C800"
@@ -58,7 +58,7 @@ FLOOR = "#F9FBFD"
 WALL = "#343A43"
 INK = "#1B1F24"
 GREY = "#5F6773"
-# A tint of LOOP: the same robot, earlier.
+# A tint of LOOP, for earlier positions of the same robot.
 APPROACH = "#E8A37C"
 
 
@@ -73,7 +73,7 @@ def mix(first: str, second: str, share: float) -> str:
     return "#" + "".join(f"{part:02X}" for part in parts)
 
 
-# Arrow heads, which stand out from the line.
+# Arrow heads, which must stand out from the line.
 LOOP_HEAD = mix(LOOP, "#000000", 0.4)
 PUSH_HEAD = mix(PUSH, "#000000", 0.45)
 # The floor that the robot covers in its loop.

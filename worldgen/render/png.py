@@ -52,9 +52,9 @@ def draw_png(
 
     Args:
         world: What to draw.
-        trail: What a robot did in it; of several robots, one for each.
-        signal: Whether to tint the floor by the strength of the target's signal.
-        witness: Whether to draw the certificate's path, or its cut.
+        trail: What a robot did in it; for several robots, one trail for each.
+        signal: True to tint the floor by the strength of the target's signal.
+        witness: True to draw the certificate's path, or its cut.
         title: First line of the caption.
         pixels: Longer side of the map, px; margins and caption are added.
 

@@ -40,12 +40,12 @@ from worldgen.world import Cut, JointWitness, Witness, World
 __all__ = ["Picture", "Trails", "compose", "map_parts", "moment_parts"]
 
 Trails: TypeAlias = Trail | Sequence[Trail] | None
-"""What a robot did, or what each of several did; ``None`` without a run."""
+"""What a robot did, or what each of several robots did; ``None`` without a run."""
 
 # A robot with a smaller radius, units, gets a ring of this radius.
 HIDDEN = 6.0
 FINDER = 11.0
-# Most dotted outlines; more turn into a grey blur.
+# Limit on dotted outlines; more of them turn into a grey blur.
 MOST_CORNERS = 4000
 
 
@@ -75,9 +75,9 @@ def compose(
 
     Args:
         world: What to draw.
-        trail: A run in it; of several robots, one for each.
-        signal: Whether to tint the floor by the target's signal.
-        witness: Whether to draw the proof's path, or its cut.
+        trail: A run in it; for several robots, one trail for each.
+        signal: True to tint the floor by the target's signal.
+        witness: True to draw the proof's path, or its cut.
         title: First line of the caption.
         pixels: Longer side of the map, px.
 
@@ -108,7 +108,7 @@ def moment_parts(
     burning: npt.NDArray[np.bool_],
     height: int,
 ) -> list[Primitive]:
-    """Return a world's map at one moment, lowest layer first, with room for words below.
+    """Return a world's map at one moment, lowest layer first, with room for text below.
 
     Args:
         world: What to draw.
@@ -195,7 +195,7 @@ def _floor(world: World, frame: Frame, *, signal: bool) -> list[Primitive]:
     gap = 12.0 * frame.unit
     line = Paint(stroke=TARGET, width=1.0 * frame.unit, opacity=0.22)
     while ring < far:
-        # The signal halves.
+        # The signal halves here.
         ring *= math.sqrt(2.0)
         if ring * (1.0 - math.sqrt(0.5)) >= gap:
             parts.append(DrawnCircle(x, y, ring, line, clipped=True))
@@ -232,7 +232,7 @@ def _certificate(world: World, frame: Frame) -> list[Primitive]:
         return joint_witness_parts(proof, frame)
     if isinstance(proof, Cut) and len(proof.cells):
         points = _onto_the_border(frame.corners(proof.cells + 0.5), frame)
-        # The cut must be seen on walls and floor alike, hence the light casing.
+        # The light casing makes the cut visible on both walls and floor.
         casing = DrawnLine(points, Paint(stroke=PAPER, width=5.0 * unit, opacity=0.8), closed=True)
         return [casing, DrawnLine(points, Paint(stroke=TUNNEL, width=3.0 * unit), closed=True)]
     return []
@@ -253,7 +253,7 @@ def _target(world: World, frame: Frame) -> list[Primitive]:
     radius = max(world.target.radius * frame.scale, 5.0 * unit)
     reach = radius + 6.0 * unit
     parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.75))]
-    # First the casing, then the colour above it.
+    # Draw the casing first, then the colour above it.
     for colour, width in ((PAPER, 5.0 * unit), (TARGET, 2.4 * unit)):
         parts.append(DrawnCircle(x, y, radius, Paint(stroke=colour, width=width)))
         for dx, dy in ((reach, 0.0), (0.0, reach)):

@@ -81,7 +81,7 @@ def draw_sheet(
     if len(robots) > len(COLOURS):
         raise InvalidParameter(
             "too-many-robots",
-            "{robots} robots are more than a picture tells apart",
+            "{robots} robots are more than a picture can distinguish",
             "give at most {most}",
             robots=len(robots),
             most=len(COLOURS),
@@ -96,7 +96,7 @@ def draw_sheet(
     sheet = Image.new("RGB", (columns * (width + _GAP) + _GAP, legend + sum(heights) + _GAP), PAPER)
     if robots:
         _draw_legend(sheet, robots)
-    # Paste them.
+    # Paste the panels.
     top = legend + _GAP
     for row, height in zip(rows, heights, strict=True):
         for k, image in enumerate(row):
@@ -112,7 +112,7 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     frame = Frame.of(panel.world, pixels)
     parts = map_parts(panel.world, frame)
     for k, trail in enumerate(panel.trails):
-        # Robots of one world have the colours of their starts, and no equal paths.
+        # Robots of one world have the colours of their starts, and their paths never coincide.
         colour = colour_of(k) if panel.world.others else COLOURS[k]
         shift = 0.0 if panel.world.others else (k - (len(panel.trails) - 1) / 2) * _WIDTH * 0.6
         parts += _way(trail, frame, shift, colour)

@@ -22,7 +22,7 @@ from worldgen.world import World
 
 __all__ = ["draw_svg", "svg_element"]
 
-# Most corners of cells drawn as a path; beyond that, an image of them is smaller.
+# Limit on the corners of cells drawn as a path; beyond that, an image of them is smaller.
 MOST_CORNERS = 40_000
 # Stops of the floor's gradient: it is logarithmic, and SVG's are linear between stops.
 STOPS = 12
@@ -41,9 +41,9 @@ def draw_svg(
 
     Args:
         world: What to draw.
-        trail: What a robot did in it; of several robots, one for each.
-        signal: Whether to tint the floor by the strength of the target's signal.
-        witness: Whether to draw the certificate's path, or its cut.
+        trail: What a robot did in it; for several robots, one trail for each.
+        signal: True to tint the floor by the strength of the target's signal.
+        witness: True to draw the certificate's path, or its cut.
         title: First line of the caption.
         pixels: Longer side of the map in SVG units; the picture can be shown at any size.
 

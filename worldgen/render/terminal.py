@@ -34,9 +34,9 @@ from worldgen.world import JointWitness, Witness, World
 
 __all__ = ["draw_terminal", "wants_color"]
 
-# Most rows of dots or letters; a higher world is scaled down.
+# Limit on the rows of dots or letters; a taller world is scaled down.
 MOST_ROWS = 100
-# Side, dots, up to about which a smaller world is scaled up in colour.
+# Approximate side, in dots, to which a smaller world is scaled up in colour.
 SMALL = 60
 # The signal's steps if only 256 colours are available: those of one hue, and where each step ends.
 BLUES = ("#5FAFFF", "#87D7FF", "#AFD7FF", "#D7FFFF", "#FFFFFF")
@@ -101,16 +101,16 @@ def draw_terminal(
     """Return a world, and a run in it, as lines of text.
 
     Without colours one character is one cell, as in a ``.grid`` file. With colours a character is
-    two dots, one above the other, and a small world gets several dots a cell. A world too large for
-    the terminal is scaled down; then a dot is several cells, and shows a wall if any of them is
+    two dots, one above the other, and a small world gets several dots per cell. A world too large
+    for the terminal is scaled down; then a dot is several cells, and shows a wall if any of them is
     solid.
 
     Args:
         world: What to draw.
         trail: What a robot did in it.
         width: Columns to use; the terminal's width if omitted.
-        color: Half-block characters with ANSI colours, or plain ASCII.
-        truecolor: 24-bit colours instead of 256; taken from COLORTERM if omitted.
+        color: True for half-block characters with ANSI colours, False for plain ASCII.
+        truecolor: True for 24-bit colours instead of 256; taken from COLORTERM if omitted.
 
     Returns:
         The picture, a key to its signs, and its scale; ends with a line end.
@@ -136,7 +136,7 @@ def draw_terminal(
 class _Grid:
     """The dots of a picture.
 
-    Each covers ``cells`` cells a side, or each cell ``dots_per_cell`` dots.
+    Each covers ``cells`` cells per side, or each cell covers ``dots_per_cell`` dots.
     """
 
     cells: int
@@ -174,7 +174,7 @@ class _Grid:
         if world.is_dynamic:
             changes = Changes.of(world)
             for mask, sign in (
-                # The later a sign, the higher it lies: what burns covers what opens and closes.
+                # Later signs are drawn on top: burning cells cover those that open and close.
                 (changes.closes, CLOSES),
                 (changes.opens, OPENS),
                 (changes.burns, BURNS),

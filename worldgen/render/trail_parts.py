@@ -45,10 +45,10 @@ THIN = (
     0.5,
     1.5,
 )
-# Most points of a drawn trail; more make an SVG of megabytes.
+# Limit on the points of a drawn trail; more make an SVG of megabytes.
 MOST_POINTS = 20_000
 MOST_FOOTPRINTS = 6
-# More bumps than this hide the map, and those that overlap merge anyway.
+# More bumps than this would hide the map, and overlapping ones merge anyway.
 MOST_DOTS = 400
 
 
@@ -59,7 +59,7 @@ def swept_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
 
     Args:
         trail: The run.
-        frame: Where the map lies.
+        frame: The map's place in the picture.
         robot_radius: Radius of the robot, m.
     """
     if trail.loop_from is None or stays_put(trail, frame, robot_radius):
@@ -75,14 +75,14 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
 
     Args:
         trail: The run.
-        frame: Where the map lies.
+        frame: The map's place in the picture.
         robot_radius: Radius of the robot, m.
     """
     radius = robot_radius * frame.scale
     unit = frame.unit
     approach = _thinned(frame.points(trail.approach))
     parts: list[Primitive] = []
-    # Without a loop, the path and its end are everything.
+    # Without a loop, there is only the path and its end.
     if trail.loop_from is None:
         parts += _way(approach, 2.2 * unit, unit)
         if not len(trail.places("end")):
@@ -152,7 +152,7 @@ def _spot(centre: Points, radius: float, unit: float) -> list[Primitive]:
 
 
 def _footprint_places(loop: Points, radius: float) -> Points:
-    """Return where the robot's disc is drawn: the cycle's corners, where it hit something."""
+    """Return where the robot's disc is drawn: the cycle's corners, and where it hit something."""
     found: list[npt.NDArray[np.float64]] = []
     # Show the robot at corners of the loop, if there are few that don't overlap.
     for point in corners(simplified(loop, max(1.0, 0.2 * radius))):
@@ -189,7 +189,7 @@ def pierced_parts(
     Args:
         cells: The wall cells.
         shape: Rows and columns of the grid.
-        frame: Where the map lies.
+        frame: The map's place in the picture.
     """
     mask = np.zeros(shape, np.bool_)
     unit = frame.unit

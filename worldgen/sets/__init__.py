@@ -3,8 +3,8 @@
 Contents:
     plan_set, plan_wanted_set, plan_stratified_set: plan the contents of a set.
     make_set: make a folder or an archive with a manifest; an interrupted set is continued.
-    manifest_of, regenerate_set, restore_set: make the same set again from its manifest.
-    strata_of: how its worlds are spread over strata of difficulty.
+    manifest_of, regenerate_set, restore_set: rebuild the same set from its manifest.
+    strata_of: the distribution of its worlds over strata of difficulty.
     check_set: compare a set with its manifest.
     ManifestHeader, ManifestEntry, Manifest: the contents of a manifest.
 

@@ -14,7 +14,7 @@ from worldgen.sets.manifest import MANIFEST, Manifest, parse_manifest, read_mani
 
 __all__ = ["SetDifference", "check_set", "manifest_of"]
 
-# Most bytes of a file; a .grid file has no more.
+# Limit on the bytes of a file; a .grid file is never larger.
 _MOST = 512 << 20
 
 
@@ -80,7 +80,7 @@ def check_set(place: Path, manifest: Manifest) -> list[SetDifference]:
     for name, sha256 in (
         _archived(place) if is_archive(place) and place.is_file() else _in_folder(place)
     ):
-        # It is twice in an archive, and programs that unpack it take the first.
+        # The archive has this file twice, and programs that unpack it use the first.
         if found.setdefault(name, sha256) != sha256:
             extra.append(name)
     differences = []

@@ -20,8 +20,8 @@ def entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) -
         families: Where to find unregistered families, as ``./file.py:name``.
 
     Raises:
-        InvalidParameter: If a family is unknown or has a different version than in the manifest, or a
-            parameter does not exist.
+        InvalidParameter: If a family is unknown or has a different version than in the manifest, or
+            a parameter does not exist.
     """
     places = {FAMILIES.get(place).name: place for place in families}
     checked: dict[tuple[str, int], str] = {}
@@ -45,7 +45,7 @@ def _place(entry: ManifestEntry, place: str) -> str:
         raise InvalidParameter(
             "unknown-name",
             "the set is of family {family!r}, which is not one of {known!l}",
-            "say where it is: --family ./file.py:name",
+            "give its file: --family ./file.py:name",
             at_terminal=True,
             family=place,
             known=list(FAMILIES.names()),
@@ -54,8 +54,8 @@ def _place(entry: ManifestEntry, place: str) -> str:
     if found.version != entry.version:
         raise InvalidParameter(
             "other-version",
-            "the set is of {family} version {version}, and this is version {found}, which makes "
-            "other worlds",
+            "the set was made by {family} version {version}, but this is version {found}, which "
+            "makes other worlds",
             "install the worldgen that the manifest names",
             family=entry.family,
             version=entry.version,

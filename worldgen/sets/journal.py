@@ -30,10 +30,10 @@ class Journal:
         self._end = 0
 
     def read(self, *, force: bool = False) -> Manifest | None:
-        """Return what is there already, and lock it against other processes until ``close``.
+        """Return the existing manifest, and lock it against other processes until ``close``.
 
         Args:
-            force: Whether the file may be something else, which is then replaced.
+            force: True if the file may be something else, which is then replaced.
 
         Returns:
             The manifest; ``None`` if there is none, or not even a complete first line, or, with
@@ -66,7 +66,7 @@ class Journal:
             OutputError: If it cannot be written, or another process has begun, or even finished,
                 since ``read``.
         """
-        # There was none to read.
+        # There was nothing to read.
         if self._file is None:
             self._open(os.O_RDWR | os.O_CREAT)
             with refused_writes(self.path):
@@ -74,8 +74,8 @@ class Journal:
             if begun:
                 raise OutputError(
                     "written-meanwhile",
-                    "{path} was written by another command meanwhile",
-                    "look at it, or name another",
+                    "{path} was written by another command in the meantime",
+                    "look at it, or name another place",
                     path=self.path,
                 )
         self.cut(0)
@@ -121,7 +121,7 @@ class Journal:
             raise OutputError(
                 "written-meanwhile",
                 "{path} is being written by another command",
-                "let that one end first",
+                "wait until it ends",
                 path=self.path,
             )
         # It was removed between opening and locking.
@@ -129,8 +129,8 @@ class Journal:
             self.close()
             raise OutputError(
                 "written-meanwhile",
-                "{path} was finished by another command meanwhile",
-                "look at what it made",
+                "{path} was finished by another command in the meantime",
+                "look at the set that it made",
                 path=self.path,
             )
 

@@ -29,7 +29,7 @@ class SetDone:
 
     Args:
         worlds: Number of worlds.
-        resumed: Number of worlds that were there before.
+        resumed: Number of worlds that existed already.
     """
 
     worlds: int
@@ -45,7 +45,7 @@ class _Work:
         count: Number of worlds.
         made: Makes the worlds from this one on.
         named: A file's name, and its line in the manifest.
-        refuse: Raises if the existing set is another one, or is finished.
+        refuse: Raises an error if the existing set is another one, or is finished.
     """
 
     header: bytes
@@ -56,11 +56,11 @@ class _Work:
 
 
 def begun_set(out: Path) -> ManifestHeader | None:
-    """Return what an unfinished set in this place is meant to be; ``None`` if unreadable."""
+    """Return the header of an unfinished set in this place; ``None`` if unreadable."""
     folder = out if out.is_dir() else out.with_name(out.name + PART)
     try:
         found = read_manifest(folder / MANIFEST)
-    # The process that writes there will report what is wrong.
+    # The process that writes there will report the problem.
     except WorldgenError:
         return None
     return None if found.finished else found.header
@@ -81,7 +81,7 @@ def make_set(
         out: A folder, or a file that ends in ``.zip``, ``.tar.gz`` or ``.tar.bz2``.
         workers: Number of processes; the bytes are the same for any number. A search uses only this
             process.
-        force: Whether to replace what exists.
+        force: True to replace what exists.
         progress: Called with the progress.
 
     Raises:
@@ -116,14 +116,14 @@ def regenerate_set(
     force: bool = False,
     progress: Progress | None = None,
 ) -> SetDone:
-    """Make a set again from its manifest, byte for byte, each world compared before it is written.
+    """Rebuild a set from its manifest, byte for byte; each world is compared before it is written.
 
     Args:
         manifest: The manifest.
         out: As for :func:`make_set`; an unfinished set is continued, too.
         families: Where to find unregistered families, as ``./file.py:name``.
         workers: Number of processes.
-        force: Whether to replace what exists.
+        force: True to replace what exists.
         progress: Called with the progress.
 
     Raises:
@@ -156,14 +156,14 @@ def restore_set(
     force: bool = False,
     progress: Progress | None = None,
 ) -> SetDone:
-    """Make the missing worlds of a set's folder again.
+    """Rebuild the missing worlds of a set's folder.
 
     Args:
         manifest: The manifest.
         folder: Folder for its files.
         families: As for :func:`regenerate_set`.
         workers: Number of processes.
-        force: Whether to overwrite files with other content.
+        force: True to overwrite files with other content.
         progress: Called with the progress.
 
     Raises:
@@ -199,7 +199,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
             if len(old.entries) == work.count == resumed and isinstance(store, SetFolder):
                 raise OutputError(
                     "set-finished",
-                    "{out} holds this set already, finished",
+                    "{out} already holds this set, finished",
                     "give --force to make it again",
                     at_terminal=True,
                     out=out,
@@ -243,9 +243,8 @@ def _check_same(entry: ManifestEntry, made: Made, header: ManifestHeader) -> Non
     )
     raise SetDiffers(
         "world-differs",
-        "{file} comes out otherwise: {family} with seed {seed} {what} here than in the manifest, "
-        "which worldgen "
-        "{worldgen} wrote",
+        "{file} comes out differently: {family} with seed {seed} {what} here than in the "
+        "manifest, which worldgen {worldgen} wrote",
         "install that version",
         file=entry.file,
         family=entry.family,

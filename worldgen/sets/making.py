@@ -23,9 +23,9 @@ from worldgen.world import Provenance, Value, World
 
 __all__ = ["Job", "Made", "make_all"]
 
-# Area that a process gets at a time, m squared: some tenths of a second of work.
+# Area that a process gets at a time, square metres: some tenths of a second of work.
 _CELLS = 50_000
-# Worlds that a process gets at a time.
+# Limit on the worlds that a process gets at a time.
 _MOST = 64
 # Pieces of work per process that are handed out or done early.
 _WAITING = 2

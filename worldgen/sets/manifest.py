@@ -26,7 +26,7 @@ __all__ = [
 FORMAT = "worldgen-set 1"
 MANIFEST = "manifest.jsonl"
 
-# Most bytes of a line, as for a .grid file's header.
+# Limit on the bytes of a line, as for a .grid file's header.
 _LONGEST = 1 << 20
 _SAFE = re.compile(r"(?:[0-9]{1,12}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,200}\.grid\Z")
 _HEX = re.compile(r"[0-9a-f]{64}\Z")
@@ -42,9 +42,9 @@ class ManifestHeader:
         params: All its parameters; for a search, those with fixed values.
         seed: Seed of the first world, or of the search.
         count: Worlds in the finished set.
-        metrics: Whether each world is measured.
+        metrics: True if each world is measured.
         worldgen: Version of worldgen that made the set.
-        wish: What the worlds were searched for; empty if their seeds are consecutive.
+        wish: The constraint that the worlds satisfy; empty if their seeds are consecutive.
         strata: Edges of the strata of difficulty that the worlds are spread over, ascending; empty
             if there are none.
     """
@@ -172,8 +172,8 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
         if entry.file in files:
             raise FormatError(
                 "twice",
-                "{file} is there twice",
-                "a file has one line",
+                "{file} is listed twice",
+                "each file must have one line",
                 file=entry.file,
                 line=number,
                 source=source,
@@ -185,7 +185,7 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
     if len(entries) > header.count:
         message = Message(
             "wrong-count",
-            "{worlds} worlds, and the first line counts {said}",
+            "{worlds} worlds, but the first line counts {said}",
             "correct one of them",
             worlds=len(entries),
             said=header.count,
@@ -238,7 +238,7 @@ def _object(line: bytes, number: int, source: str) -> dict[str, Any]:
         reason = error.msg if isinstance(error, json.JSONDecodeError) else type(error).__name__
         raise FormatError(
             "not-json",
-            "no line of JSON: {reason}",
+            "not a line of JSON: {reason}",
             "give a manifest",
             reason=reason,
             line=number,
@@ -247,7 +247,7 @@ def _object(line: bytes, number: int, source: str) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise FormatError(
             "not-json",
-            "no object of JSON; each line of a manifest is one",
+            "not a JSON object; each line of a manifest is one",
             line=number,
             source=source,
         )
@@ -267,7 +267,8 @@ class _Fields:
         # Check the format first: without it, no other message would make sense.
         if self.found.get("format") != FORMAT:
             raise self._wrong(
-                "format", f'must be "{FORMAT}"; is this the manifest of a set, of a later version?'
+                "format",
+                f'must be "{FORMAT}"; is this the manifest of a set, or of a later version?',
             )
         metrics = self.found.get("metrics")
         if not isinstance(metrics, bool):
@@ -355,14 +356,14 @@ class _Fields:
         if not isinstance(value, list) or not all(type(one) in (int, float) for one in value):
             raise self._wrong(key, "must be numbers in a list")
         if any(a >= b for a, b in itertools.pairwise(value)) or len(value) == 1:
-            raise self._wrong(key, "must rise, from the lower end to the upper")
+            raise self._wrong(key, "must ascend, from the lower end to the upper")
         return tuple(value)
 
     def _wrong(self, key: str, rule: str) -> FormatError:
         is_there = key in self.found
         return FormatError(
             "wrong-value" if is_there else "missing-key",
-            "{key} {value} {rule}" if is_there else "{key} is missing, and {rule}",
+            "{key} {value} {rule}" if is_there else "{key} is missing; it {rule}",
             key=key,
             value=json.dumps(self.found[key])[:80] if is_there else None,
             rule=rule,

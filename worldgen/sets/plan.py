@@ -18,7 +18,7 @@ from worldgen.world import Value
 
 __all__ = ["SearchedPlan", "SeededPlan", "SetPlan", "header_of", "plan_set"]
 
-# Most worlds in one folder.
+# Limit on the worlds in one folder.
 _FLAT = 10_000
 # Worlds in each subfolder if there are more.
 _SHARD = 1_000
@@ -67,7 +67,7 @@ class SearchedPlan(SetPlan):
 
     Args:
         family: The family.
-        tries: Most worlds that the search makes without success for each that it finds.
+        tries: Limit on the worlds made without success for each world found.
     """
 
     family: Family
@@ -113,14 +113,14 @@ class SeededPlan(SetPlan):
 def plan_set(
     family: str, seed: int, count: int, params: Mapping[str, Value], *, metrics: bool = True
 ) -> SeededPlan:
-    """Return the plan of ``count`` worlds with seeds from ``seed`` on.
+    """Return the plan of ``count`` worlds with consecutive seeds starting at ``seed``.
 
     Args:
         family: Name of a registered family, or ``./file.py:name``.
         seed: Seed of the first world.
         count: Number of worlds.
         params: The family's parameters; omitted ones have their defaults.
-        metrics: Whether to measure each world.
+        metrics: True to measure each world.
 
     Raises:
         InvalidParameter: If the family or a parameter is unknown, or the count is 0.
@@ -145,7 +145,7 @@ def header_of(
         params: Parameters with fixed values.
         seed: Seed of the first world, or of the search.
         count: Number of worlds.
-        metrics: Whether to measure every metric of each world.
+        metrics: True to measure every metric of each world.
     """
     return ManifestHeader(
         family.name,

@@ -26,14 +26,14 @@ _WORLDS = "worlds"
 class Store(Protocol):
     """A store for the files of a set, one after another.
 
-    However the process ends, what was written counts.
+    Whatever was written counts, however the process ends.
     """
 
     def find(self, *, force: bool) -> Manifest | None:
-        """Return what an earlier run left there.
+        """Return the set that an earlier run left there.
 
         Args:
-            force: Whether something else may be there.
+            force: True if something else may be there.
 
         Raises:
             OutputError: If something else is there that must not be replaced.
@@ -61,7 +61,7 @@ class Store(Protocol):
 
 
 def store_for(out: Path) -> Store:
-    """Return an archive if the name is an archive's, otherwise a folder.
+    """Return an archive if the name is that of an archive, otherwise a folder.
 
     Raises:
         OutputError: If a folder has an archive's name, or a file a folder's.
@@ -99,7 +99,7 @@ class SetFolder:
         self._made: set[Path] = set()
 
     def find(self, *, force: bool) -> Manifest | None:
-        """Return what an earlier run left; refuse a folder with other files in it."""
+        """Return the set that an earlier run left; refuse a folder with other files in it."""
         self._over_others = force
         found = self._journal.read(force=force)
         if found is None and not force and self._folder.is_dir():
@@ -112,8 +112,8 @@ class SetFolder:
                     "folder-not-empty",
                     "{folder} holds other files: {file}"
                     + (" and {more} more" if len(others) > 1 else ""),
-                    "a set has a folder to itself: name another, or give --force to overwrite "
-                    "files of the same names",
+                    "a set needs its own folder: name another, or give --force to overwrite files "
+                    "of the same names",
                     at_terminal=True,
                     folder=self._folder,
                     file=others[0],
@@ -136,7 +136,7 @@ class SetFolder:
     def resume(self, old: Manifest) -> int:
         """Count the files that match the manifest.
 
-        After a missing or empty one, all are made again.
+        All files after a missing or empty one are made again.
         """
         end = len(old.first)
         done = 0
@@ -163,7 +163,7 @@ class SetFolder:
         if data and not same and not force:
             raise OutputError(
                 "other-content",
-                "{file} has different content from the set's",
+                "{file} differs from the set's file",
                 "move it away, or give --force",
                 at_terminal=True,
                 file=file,
@@ -179,7 +179,7 @@ class SetFolder:
             if other and other != data:
                 raise OutputError(
                     "other-content",
-                    "{file} has different content from the set's",
+                    "{file} differs from the set's file",
                     "move it away, or give --force",
                     at_terminal=True,
                     file=file,
@@ -221,16 +221,16 @@ class ArchiveStore:
         self._end = 0
 
     def find(self, *, force: bool) -> Manifest | None:
-        """Return what an earlier run left of an incomplete archive; refuse a complete one."""
+        """Return the incomplete archive that an earlier run left; refuse a complete one."""
         self._over_others = force
         found = self._journal.read(force=force)
         if self._archive.exists() and not force:
-            # It was killed between its last two steps.
+            # The earlier run was killed between its last two steps.
             if found is not None and found.finished:
                 self._remove_part()
             raise OutputError(
                 "file-exists",
-                "{archive} is there already",
+                "{archive} already exists",
                 "give --force to replace it, or another name",
                 at_terminal=True,
                 archive=self._archive,
@@ -255,8 +255,8 @@ class ArchiveStore:
             self._remove_part()
             raise OutputError(
                 "written-meanwhile",
-                "{archive} was made by another command meanwhile",
-                "look at it, or name another",
+                "{archive} was made by another command in the meantime",
+                "look at it, or name another place",
                 archive=self._archive,
             )
         self._open_worlds(0)
@@ -264,7 +264,7 @@ class ArchiveStore:
     def resume(self, old: Manifest) -> int:
         """Count the worlds whose bytes match the manifest.
 
-        After the first that does not, all are made again.
+        All worlds after the first that does not match are made again.
         """
         end = len(old.first)
         done = 0
@@ -332,11 +332,11 @@ class ArchiveStore:
         self._end = size
 
     def _remove_part(self) -> None:
-        # On systems that cannot remove open files, and have no locks.
+        # This happens on systems that cannot remove open files and have no locks.
         if os.name == "nt":
             self.close()
         shutil.rmtree(self._part, ignore_errors=True)
-        # Not earlier: another command must not start in a folder that is being removed.
+        # Unlock only now, because another command must not start in a folder that is being removed.
         self.close()
 
 
@@ -365,8 +365,8 @@ def _bytes_of(entry: ManifestEntry, worlds: IO[bytes]) -> bytes:
     if data is None or hashlib.sha256(data).hexdigest() != entry.sha256:
         raise OutputError(
             "file-changed",
-            "{file} was changed on the disk meanwhile",
-            "give the same command again",
+            "{file} was changed on disk in the meantime",
+            "run the same command again",
             file=entry.file,
         )
     return data

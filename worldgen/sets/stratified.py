@@ -77,10 +77,9 @@ def plan_stratified_set(
         given: Parameters that keep their values; the others vary.
         difficulty: Lower and upper end of the range, inside 0 to 1.
         where: Further constraint on each world, such as ``"detour > 3"``.
-        tries: Worlds made without success for a stratum before it is abandoned, and its worlds left to its
-            neighbours.
-        metrics: Whether to measure every metric of each world; its difficulty is measured in any
-            case.
+        tries: Worlds made without success for a stratum before it is abandoned and its neighbours
+            get its share.
+        metrics: True to measure every metric of each world; its difficulty is measured in any case.
 
     Raises:
         InvalidParameter: If the range or the constraint cannot be parsed, or a parameter is
@@ -109,7 +108,7 @@ class StratumCount:
 
 
 def strata_of(manifest: Manifest) -> list[StratumCount]:
-    """Return how the worlds of a set are spread over its strata; empty if it has none."""
+    """Return the number of worlds in each stratum of a set; empty if it has no strata."""
     edges = manifest.header.strata
     count = manifest.header.count
     strata = len(edges) - 1

@@ -58,9 +58,9 @@ def plan_wanted_set(
         count: Number of worlds.
         given: Parameters that keep their values; the others vary.
         where: A constraint, such as ``"detour > 3"``.
-        difficulty: The difficulty to aim at, 0 to 1.
-        tries: Most worlds that the search makes for each that it finds.
-        metrics: Whether to measure every metric of each world.
+        difficulty: The difficulty to aim for, 0 to 1.
+        tries: Limit on the worlds made per world found.
+        metrics: True to measure every metric of each world.
         tell: Called after each try.
 
     Raises:

@@ -24,7 +24,7 @@ def _sine(degrees: int) -> int:
     while term:
         total += term
         term = -term * x // _DIGITS * x // _DIGITS // ((order + 1) * (order + 2))
-        # The rest that floor division leaves of a vanishing negative term.
+        # Floor division leaves this remainder of a vanishing negative term.
         term = 0 if term == -1 else term
         order += 2
     return (2 * total * SCALE + _DIGITS) // (2 * _DIGITS)

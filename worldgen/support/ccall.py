@@ -56,7 +56,7 @@ def writable(ffi: Any, array: np.ndarray[Any, Any], kind: type[np.generic]) -> A
         BufferError: If the array is read-only.
     """
     if not array.flags.writeable:
-        raise BufferError("the core was to write into an array that is read-only")
+        raise BufferError("the core would write into an array that is read-only")
     return pointer(ffi, array, kind)
 
 

@@ -15,7 +15,7 @@ __all__ = ["HoldsFrozen", "freeze", "frozen"]
 
 T = TypeVar("T", bound=np.generic)
 
-# Arrays that were made or handed over here, by identity: no writable view of them exists elsewhere.
+# Arrays that were created or frozen here, by identity; no writable view of them exists elsewhere.
 _ours: weakref.WeakValueDictionary[int, npt.NDArray[np.generic]] = weakref.WeakValueDictionary()
 
 
@@ -31,7 +31,7 @@ def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generi
     if isinstance(values, np.ndarray) and values.dtype == dtype and _is_ours(values):
         return values
     array = np.array(values, dtype=dtype)
-    # An image's 255 seen as a bool is true, but cannot index two letters.
+    # A byte of 255 from an image is true when viewed as bool, but cannot index two letters.
     if array.dtype == np.bool_:
         array = array.view(np.uint8) != 0
     return _keep(array)
@@ -71,5 +71,5 @@ def _keep(array: npt.NDArray[T]) -> npt.NDArray[T]:
 
 
 def _is_ours(array: npt.NDArray[np.generic]) -> bool:
-    """Return True if this very array was registered and is still read-only."""
+    """Return True if this exact array was registered and is still read-only."""
     return not array.flags.writeable and _ours.get(id(array)) is array

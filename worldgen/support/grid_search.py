@@ -143,7 +143,7 @@ def shortest_path(windows: Bools, start: int, goal: int) -> list[int]:
 
 
 def by_distance(clear: Bools, pitch: int, x: int, y: int) -> tuple[Ints, Ints]:
-    """Return the clear nodes, flat, by their distance from a point, and their squared distances.
+    """Return the clear nodes, flat, sorted by distance from a point, and their squared distances.
 
     Args:
         clear: (height, width) bool, nodes at multiples of ``pitch``.
@@ -170,7 +170,7 @@ def squared_distances(marked: Bools, most: int = 2**62) -> Ints:
 
     Args:
         marked: (rows, columns) bool.
-        most: Squares above this may be given as any larger number, which takes less time.
+        most: Squares above this may be returned as any larger number, which takes less time.
 
     Source: Meijster, Roerdink, Hesselink, "A General Algorithm for Computing Distance Transforms in
         Linear Time",

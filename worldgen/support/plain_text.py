@@ -80,7 +80,7 @@ def shown(text: object) -> str:
 
 
 def shown_lines(text: str) -> str:
-    """Do the same for a text of several lines, which are kept."""
+    """Do the same for a text of several lines, keeping the line breaks."""
     return "\n".join(map(shown, text.split("\n")))
 
 

@@ -1,6 +1,6 @@
 """Report slow work: nothing for two seconds, then a line every few seconds, or one live line.
 
-Code anywhere wraps slow work in :func:`working`. Only the command line installs a :class:`Display`;
+Any code can wrap slow work in :func:`working`. Only the command line installs a :class:`Display`;
 in library use the same messages go to the logger ``worldgen`` at level INFO, so nothing is printed
 unless logging asks for it.
 
@@ -43,12 +43,12 @@ _EVERY = 5.0
 _LATER = 15.0
 # Work that has taken this many seconds is long.
 _LONG = 60.0
-# Seconds of work that are worth a line at its end.
+# Work that took this many seconds gets a line at its end.
 _WORTH_SAYING = 1.0
-# Seconds between two checks of the clock, and two drawings of the live line.
+# Seconds between checks of the clock, which are also redraws of the live line.
 _REDRAW = 0.25
-# Seconds between two checks whether the thread has drawn its line, and how many of these checks
-# to make in case standard error blocks.
+# Seconds between checks of whether the thread has drawn its line, and how many of these checks to
+# make in case standard error blocks.
 _LOOK = 0.001
 _PATIENT_LOOKS = 100
 _CLEAR = "\r\x1b[K"
@@ -109,7 +109,7 @@ class Work:
 
 
 class _LoggedWork(Work):
-    """Work in library use: its details go to the log, every few seconds at most."""
+    """Work in library use; its details go to the log, at most every few seconds."""
 
     _logged = 0.0
 
@@ -128,10 +128,10 @@ class Display:
     The thread never holds a lock, so that Ctrl-C in the main thread can come at any time.
 
     Args:
-        terminal: Whether a line can be redrawn in place; if omitted, whether standard error is a
+        terminal: True if a line can be redrawn in place; by default, if standard error is a
             terminal.
         verbosity: -1 prints nothing; 1 also prints when each piece of work begins and ends.
-        silent: Whether to print no progress, whatever the verbosity.
+        silent: True to print no progress, whatever the verbosity.
         clock: Returns seconds.
     """
 
@@ -206,7 +206,7 @@ class Display:
         self.clear()
 
     def warn(self, message: str) -> None:
-        """Print a warning, unless the command line is to be quiet."""
+        """Print a warning, unless the command line is quiet."""
         if self.verbosity >= 0:
             self._write(f"warning: {shown(message)}\n")
 
@@ -225,7 +225,7 @@ class Display:
             dict.fromkeys([*(shown(work.message) for work in works[:-1]), works[-1].text()])
         )
         spent = now - works[0].begun
-        # Short work after other short work.
+        # This is short work after other short work.
         took = f" ({_duration(spent)})" if spent >= _WORTH_SAYING else ""
         if terminal:
             self._drawn = True
@@ -236,7 +236,7 @@ class Display:
 
     def _watch(self, over: threading.Event) -> None:
         while not over.wait(_REDRAW):
-            # Drawing must never end the work.
+            # A failure to draw must never end the work.
             self._ticking = True
             with contextlib.suppress(Exception):
                 self.tick()
@@ -266,11 +266,11 @@ _display: Display | None = None
 
 @contextmanager
 def working(message: str, *, often: bool = False) -> Iterator[Work]:
-    """Report, if it takes long, that this is being done; the body may add details.
+    """Report the activity if it takes long; the body may add details.
 
     Args:
         message: The activity, such as ``"loading the simulator"``.
-        often: Whether this is done thousands of times, so that ``--verbose`` and the log skip it.
+        often: True if this is done thousands of times, so that ``--verbose`` and the log skip it.
     """
     display = _display
     if display is None:

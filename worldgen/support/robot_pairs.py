@@ -1,7 +1,7 @@
 """Rules for the robots of one world: no two may overlap at the start or exclude each other's targets.
 
-A world of several robots that breaks one of these rules is refused when it is built, so that
-nothing that reads worlds needs a case for it.
+A world of several robots that breaks one of these rules is refused when it is built, so that code
+that reads worlds need not handle the case.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["pair_fault"]
 
-# Pairs are compared in float64 first. The exact comparison decides only those within this share of
-# the limit, which is far more than the rounding of a few operations.
+# Pairs are compared in float64 first. The exact comparison decides only pairs within this fraction
+# of the limit, which is far more than the rounding error of a few operations.
 _DOUBT = 1e-6
 # Lattice units per cell, as in `worldgen.lattice`, which checkers must not import.
 _UNIT = 1024
@@ -30,8 +30,8 @@ _UNIT = 1024
 def pair_fault(robots: Sequence[Robot], cell_size: float) -> Message | None:
     """Return what is wrong with the first pair of robots that cannot be in one world.
 
-    Two discs may touch. Starts count both as the world's decimals say them and as the simulator
-    rounds them to the lattice.
+    Two discs may touch. Starts are checked both as the world's decimals give them and as the
+    simulator rounds them to the lattice.
 
     Args:
         robots: All robots, in order.
@@ -83,8 +83,8 @@ def _fault_of(first: int, second: int, robots: Sequence[Robot], cell_size: float
     if needed > 0 and dx * dx + dy * dy < needed * needed:
         return Message(
             "targets-exclude",
-            "the targets of robots {first} and {second} exclude each other: nowhere in them are two "
-            "centres {radii:.6g} m apart, as the radii need",
+            "the targets of robots {first} and {second} exclude each other: no two points in them "
+            "are {radii:.6g} m apart, as the radii require",
             "move one of them, or make it larger",
             first=first + 1,
             second=second + 1,

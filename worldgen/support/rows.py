@@ -1,4 +1,4 @@
-"""Reverse rows, in this module only: arrays go up from y = 0, text and images go down."""
+"""Reverse rows: arrays go up from y = 0, text and images go down. No other module does this."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """End code that takes too long.
 
 A thread raises an exception in the thread that runs the code. That works on every system and in
-every thread, but only in Python code: a call that waits, or computes in a compiled library, ends
-first.
+every thread, but only in Python code: a call that waits, or computes in a compiled library, must
+return first.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ def time_limit(seconds: float) -> Iterator[None]:
     """Raise :class:`TimeLimitReached` in this block once it has taken that long.
 
     Args:
-        seconds: How long the block may take.
+        seconds: Time that the block may take.
     """
     thread = ctypes.c_ulong(threading.get_ident())
     raise_in = ctypes.pythonapi.PyThreadState_SetAsyncExc
-    # Only what is atomic is shared, because the exception may come between any two steps.
+    # Only atomic state is shared, because the exception may be raised between any two steps.
     wake: queue.SimpleQueue[None] = queue.SimpleQueue()
     over: list[bool] = []
     ended: list[bool] = []
@@ -57,7 +57,7 @@ def time_limit(seconds: float) -> Iterator[None]:
         wake.put(None)
         while not ended:
             time.sleep(0)
-        # Cancel a timeout that is pending and was not raised yet.
+        # Cancel a timeout that is pending but was not raised yet.
         raise_in(thread, None)
 
     watcher = threading.Thread(target=watch, name="time limit", daemon=True)

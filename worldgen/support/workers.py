@@ -32,7 +32,7 @@ _TO_TERMINATE = 1.0
 
 @contextlib.contextmanager
 def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Callable[[], None]]:
-    """Hold back Ctrl-C until the function this yields is called; that raises ``KeyboardInterrupt``.
+    """Hold back Ctrl-C until the yielded function is called, which raises ``KeyboardInterrupt``.
 
     Every driver of work handles Ctrl-C in this one way. An exception between any two instructions
     could leave locks of queues and futures locked forever, or be swallowed by other code. A second
@@ -65,7 +65,7 @@ def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Cal
             signal.signal(signal.SIGINT, note)
             raise KeyboardInterrupt
 
-    # Until the caller checks, Ctrl-C is only noted.
+    # Until the caller checks, Ctrl-C is only recorded.
     signal.signal(signal.SIGINT, note)
     try:
         yield listen
@@ -121,14 +121,14 @@ class WorkerPool(ProcessPoolExecutor):
 def sigint_blocked() -> Iterator[None]:
     """Start processes inside with SIGINT blocked, which they inherit.
 
-    They ignore Ctrl-C from their first moment. This process gets a Ctrl-C that arrives meanwhile
-    afterwards.
+    They ignore Ctrl-C from their first moment. If a Ctrl-C arrives in the meantime, this process
+    gets it afterwards.
     """
-    # Not on Windows, where a process group is signalled.
+    # Windows signals a process group instead.
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    # It would start with the first process otherwise, and starting it lifts the block.
+    # Otherwise it would start with the first process, and starting it lifts the block.
     resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

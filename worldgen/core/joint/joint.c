@@ -111,7 +111,7 @@ WgStatus wg_joint_distances(const WgGraph *graph, const uint8_t *goals, int32_t 
     return WG_OK;
 }
 
-// A state of one robot: where it is, when, and from which state it came.
+// A state of one robot: its node, the tick, and the parent state.
 typedef struct State {
     int32_t node;
     int32_t tick;
@@ -134,7 +134,7 @@ typedef struct Among {
     const int64_t *planned;  // robots planned so far
     int64_t planned_count;
     const Track *tracks;
-    int64_t quiet;  // tick from which on nothing changes
+    int64_t quiet;  // first tick after which nothing changes
     State *states;
     int64_t count;
     int64_t room;
@@ -161,7 +161,7 @@ static bool meets_planned(const Among *among, int64_t from, int64_t to, int64_t 
     return false;
 }
 
-// Returns whether the robot can stand at a node from a tick on, forever.
+// Returns whether the robot can stand at a node forever, starting at a tick.
 static bool can_park(const Among *among, int64_t node, int64_t tick)
 {
     for (int64_t t = tick; t <= wg_max(among->quiet, tick); t++) {
@@ -199,10 +199,10 @@ static bool grow_table(Among *among)
     return true;
 }
 
-// Adds a state that was not reached before; false if there is no memory.
+// Adds a state that was not reached before; returns false if memory runs out.
 static bool reach(Among *among, int64_t node, int64_t tick, int64_t parent)
 {
-    // After the last change only the node counts: waiting longer leads nowhere else.
+    // After the last change only the node matters, because waiting longer opens no new path.
     int64_t moment = wg_min(tick, among->quiet);
     uint64_t at = hash_of(node, moment);
     for (; among->table[at & (uint64_t)among->mask] != 0; at++) {
@@ -223,14 +223,14 @@ static bool reach(Among *among, int64_t node, int64_t tick, int64_t parent)
     among->table[at & (uint64_t)among->mask] = among->count + 1;
     among->states[among->count] = (State){(int32_t)node, (int32_t)tick, (int32_t)parent};
     among->count++;
-    // Of equal estimates, the later state is nearer to the target.
+    // Among equal estimates, the later state is nearer to the target.
     if (!wg_heap_push(&among->heap, (WgEntry){tick + among->distances[node], -tick, among->count - 1})) {
         return false;
     }
     return 2 * among->count < among->mask || grow_table(among);
 }
 
-// Takes the path that ends in a state as the robot's track; false if there is no memory.
+// Stores the path that ends in a state as the robot's track; returns false if memory runs out.
 static bool keep_track(const Among *among, int64_t last, Track *track)
 {
     track->length = among->states[last].tick;
@@ -258,7 +258,7 @@ static WgStatus search_among(Among *among, int64_t most, Track *track, bool *fou
     while (among->heap.count > 0 && among->count <= most) {
         int64_t index = wg_heap_pop(&among->heap).third;
         State state = among->states[index];
-        // A robot that is in its target has parked, so such a state is only reached where it can stay.
+        // A robot in its target has parked, so such a state is reached only if the robot can stay there.
         if (among->distances[state.node] == 0) {
             if (state.parent < 0 && !can_park(among, state.node, 0)) {
                 return WG_OK;

@@ -26,14 +26,14 @@ static inline WgMoves wg_moves(const WgJoint *joint)
     return moves;
 }
 
-// Offset of a class's raster in a tick.
+// Returns the offset of a class's raster in a tick.
 static inline int64_t wg_raster_at(const WgJoint *joint, int64_t tick, int64_t which)
 {
     int64_t raster = joint->raster_of[wg_min(tick, joint->ticks - 1)];
     return (raster * joint->classes + which) * joint->nodes;
 }
 
-// Whether the walls let a class of robot make a move in a tick; the node it is at is clear in that tick.
+// Returns true if the walls let a class of robot make a move in a tick; its node is clear in that tick.
 static inline bool wg_move_is_clear(const WgJoint *joint, const WgMoves *moves, int64_t at, int64_t node, int move)
 {
     if (joint->clear[at + node + moves->shifts[move]] == 0) {
@@ -42,7 +42,7 @@ static inline bool wg_move_is_clear(const WgJoint *joint, const WgMoves *moves, 
     return move < 4 || move == WG_WAIT || joint->middle[at + node + moves->corners[move]] != 0;
 }
 
-// Whether a step takes a robot across its target, where it would park.
+// Returns true if a step takes a robot across its target, where it would park.
 static inline bool wg_crosses_target(const WgJoint *joint, int64_t robot, int64_t node, int move)
 {
     int64_t low = joint->crossed_from[robot];
@@ -65,7 +65,8 @@ static inline bool wg_crosses_target(const WgJoint *joint, int64_t robot, int64_
     return false;
 }
 
-// Whether two robots of these classes touch more than allowed while one goes from u to v and the other from w to z.
+// Returns true if two robots of these classes come closer than allowed while one moves from u to v and the other from
+// w to z.
 static inline bool wg_moves_conflict(const WgJoint *joint, int64_t one, int64_t u, int64_t v, int64_t other, int64_t w,
                                      int64_t z)
 {
@@ -92,10 +93,10 @@ static inline bool wg_moves_conflict(const WgJoint *joint, int64_t one, int64_t 
     return side * side < limits[length_sq];
 }
 
-// Returns whether the sizes and numbers of a question are such that the searches stay within its arrays.
+// Returns true if a query's sizes and indices keep the searches within its arrays.
 WgStatus wg_joint_check(const WgJoint *joint);
 
-// A plan with room for so many ticks; NULL if there is no memory.
+// Returns a plan with room for this many ticks; NULL if memory runs out.
 WgJointPlan *wg_joint_plan_new(int64_t robots, int64_t length);
 
 #endif

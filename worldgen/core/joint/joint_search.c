@@ -1,8 +1,8 @@
-// Joint plans by search over joint states: where all robots are at once.
+// Joint plans by search over joint states: the positions of all robots at once.
 //
-// One search looks at every joint state that is left, which decides small cases for the lattice. The other goes depth
-// first and asks a fast rule for the next joint state; constraints that are added one at a time make it try everything
-// in the end.
+// One search examines every remaining joint state, which decides small cases on the lattice. The other searches depth
+// first and gets the next joint state from a fast rule; because constraints are added one at a time, it tries
+// everything in the end.
 //
 // Okumura, "LaCAM: Search-Based Algorithm for Quick Multi-Agent Pathfinding" (2023).
 // Okumura et al., "Priority Inheritance with Backtracking for Iterative Multi-agent Path Finding" (2022), for the rule.
@@ -17,11 +17,11 @@
 typedef struct Node {
     int32_t parent;
     int32_t tick;
-    int32_t first_wish;  // LaCAM: constraints yet to try, a list; -1 if none
+    int32_t first_wish;  // LaCAM: list of constraints yet to be tried; -1 if empty
     int32_t last_wish;
 } Node;
 
-// A constraint: in the next joint state, a robot is at a node, and so on up the list.
+// A constraint: in the next joint state, a robot is at this node, and the constraints up the list hold too.
 typedef struct Wish {
     int32_t parent;  // -1 for none
     int32_t next;    // in the queue of its state
@@ -76,7 +76,7 @@ static bool grow_states_table(States *states)
     return true;
 }
 
-// Adds a joint state unless it is known; index gets its number, or -1 for a known one.
+// Adds a joint state unless it is known; index receives its number, or -1 if it is known.
 static WgStatus add_state(States *states, const int32_t *places, int64_t tick, int64_t parent, int64_t *index)
 {
     int64_t robots = states->joint->robots;
@@ -140,7 +140,7 @@ static int32_t distance_of(const WgJoint *joint, int64_t robot, int64_t node)
     return joint->distances[robot * joint->nodes + node];
 }
 
-// Whether all robots have parked, and nothing that changes later reaches them there.
+// Returns true if all robots have parked and no later change reaches them there.
 static bool is_end(const States *states, int64_t index)
 {
     const WgJoint *joint = states->joint;
@@ -174,7 +174,8 @@ static WgStatus plan_to(const States *states, int64_t last, WgJointPlan **made)
     return WG_OK;
 }
 
-// Whether walls and what leads to the target allow a robot's move in a tick. A parked robot only waits.
+// Returns true if the walls allow a robot's move in a tick and the target can still be reached. A parked robot only
+// waits.
 static bool is_allowed(const States *states, int64_t robot, int64_t node, int move, int64_t tick)
 {
     const WgJoint *joint = states->joint;
@@ -193,7 +194,7 @@ static bool robots_conflict(const WgJoint *joint, int64_t one, int64_t u, int64_
     return wg_moves_conflict(joint, joint->class_of[one], u, v, joint->class_of[other], w, z);
 }
 
-// The search over all joint states: every choice of moves, robot by robot.
+// The search over all joint states; it tries every choice of moves, robot by robot.
 typedef struct Exhaust {
     States states;
     WgHeap heap;  // (estimate, age)
@@ -210,7 +211,7 @@ static int64_t joint_distance(const WgJoint *joint, const int32_t *places)
     return sum;
 }
 
-// Whether a robot's next move is clear of the walls and of those robots that have chosen before it.
+// Returns true if a robot's next move is clear of the walls and of the robots that chose before it.
 static bool fits_before(const Exhaust *search, const int32_t *here, int64_t robot, int move, int64_t tick)
 {
     if (!is_allowed(&search->states, robot, here[robot], move, tick)) {
@@ -240,7 +241,7 @@ static WgStatus add_successors(Exhaust *search, int64_t index)
     int64_t robot = 0;
     search->chosen[0] = -1;
     while (robot >= 0 && status == WG_OK) {
-        // The next move of this robot that fits, or back to the one before it.
+        // Take the next move of this robot that fits, or return to the robot before it.
         int move = search->chosen[robot] + 1;
         while (move < WG_MOVES && !fits_before(search, here, robot, move, tick)) {
             move++;
@@ -367,7 +368,7 @@ static bool fits_assigned(const Lacam *search, int64_t robot, int64_t to)
     return true;
 }
 
-// The allowed moves of a robot, those that lead nearest to its target first.
+// Lists the allowed moves of a robot, those that lead nearest to its target first.
 static int sorted_moves(const Lacam *search, int64_t robot, int moves[WG_MOVES])
 {
     const WgJoint *joint = search->states.joint;
@@ -388,8 +389,8 @@ static int sorted_moves(const Lacam *search, int64_t robot, int moves[WG_MOVES])
     return count;
 }
 
-// Finds a move for a robot; those that it pushes get theirs before anybody else. Each call assigns a robot, so the
-// recursion is never deeper than there are robots.
+// Finds a move for a robot; robots that it pushes get theirs before the others. Each call assigns a robot, so the
+// recursion is never deeper than the number of robots.
 // NOLINTNEXTLINE(misc-no-recursion)
 static bool push(Lacam *search, int64_t robot)
 {
@@ -418,7 +419,7 @@ static bool push(Lacam *search, int64_t robot)
     return false;
 }
 
-// Makes a next joint state that satisfies a constraint; false if the rule finds none.
+// Makes a next joint state that satisfies a constraint; returns false if the rule finds none.
 static bool make_next(Lacam *search, const Wish *wish)
 {
     const WgJoint *joint = search->states.joint;
@@ -475,7 +476,7 @@ static WgStatus dive(Lacam *search, int64_t most, WgJointPlan **made, WgProgress
     }
     search->here = here;
     WgStatus status = add_wish(search, 0, (Wish){-1, -1, 0, -1, -1}) ? WG_OK : WG_OUT_OF_MEMORY;
-    int64_t at = 0;  // the state on top; those below it are its parents
+    int64_t at = 0;  // the state at the top; the states below it are its parents
     while (status == WG_OK && at >= 0) {
         if (is_end(&search->states, at)) {
             *progress = WG_FOUND;
@@ -495,7 +496,7 @@ static WgStatus dive(Lacam *search, int64_t most, WgJointPlan **made, WgProgress
         memcpy(here, places_of(&search->states, at), (size_t)robots * sizeof *here);
         search->tick = search->states.nodes[at].tick;
 
-        // Its refinements come later: one more robot, at each of the nodes that it can go to.
+        // Its refinements come later: one more robot at each of the nodes it can reach.
         Wish wish = search->wishes[index];
         if (wish.depth < robots) {
             int32_t robot = search->order[wish.depth];
@@ -521,7 +522,7 @@ static WgStatus dive(Lacam *search, int64_t most, WgJointPlan **made, WgProgress
     return status;
 }
 
-// Robots with the longest path first; ties by number.
+// Sort robots with the longest path first; break ties by number.
 static void order_by_distance(const WgJoint *joint, int32_t *order)
 {
     for (int64_t robot = 0; robot < joint->robots; robot++) {

@@ -19,7 +19,7 @@ static int64_t floor_div(int64_t a, int64_t b)
     return (int64_t)floor((double)a / (double)b);
 }
 
-// A parabola of the lower envelope: the node that it belongs to, and the node from which on it is the lowest.
+// A parabola of the lower envelope: the node that it belongs to, and the first node where it is the lowest.
 typedef struct Parabola {
     int64_t node;
     int64_t begin;
@@ -31,7 +31,7 @@ static int64_t height(const int32_t *beside, int64_t node, int64_t at)
     return along * along + (int64_t)beside[node] * beside[node];
 }
 
-// Along one row, from the distances in each column.
+// Transforms one row, from the distances in each column.
 static void along_row(const int32_t *beside, int64_t count, Parabola *envelope, int32_t *found)
 {
     int64_t top = 0;
@@ -63,12 +63,11 @@ static void along_row(const int32_t *beside, int64_t count, Parabola *envelope, 
     }
 }
 
-// The same if no node is far from a mark, compared step by step to each side, many nodes at a time.
-// Returns false if some node that matters may be farther than NARROW: its square is not above
-// `most`.
+// Does the same if no node is far from a mark, by comparing step by step to each side, many nodes at a time. Returns
+// false if some node that matters may be farther than NARROW: its square is not above `most`.
 //
-// Where corridors are narrow, the whole transform takes a quarter of the time: 0.04 s instead of 0.17 s for the nodes of
-// a maze of 2000 x 2000 cells.
+// With narrow corridors, this cuts the whole transform to a quarter of the time: 0.04 s instead of 0.17 s for the
+// nodes of a maze of 2000 x 2000 cells.
 //
 // square: (count + 2 * NARROW,) work space.
 static bool along_narrow_row(const int32_t *beside, int64_t count, int64_t most, int32_t *square, int32_t *found)
@@ -135,7 +134,7 @@ WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t colum
     }
     up_the_columns(marked, rows, columns, found);
 
-    // Down the rows: distances in each column to the marks above, then the lowest parabola along
+    // Go down the rows: distances in each column to the marks above, then the lowest parabola along
     // the row.
     int64_t next_look = rows - 1;
     for (int64_t row = rows - 1; row >= 0; row--) {

@@ -1,5 +1,5 @@
-// Open ground: where windows are free, which places are joined, how far apart they are, and what
-// must be dug between them.
+// Open ground: where windows are free, which places are connected, how far apart they are, and what must be dug
+// between them.
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +17,7 @@ WgStatus wg_free_windows(const uint8_t *walls, int64_t rows, int64_t columns, in
     if (tall == NULL) {
         return WG_OUT_OF_MEMORY;
     }
-    // From the last row on: for how many rows there is room for the width, from each cell on.
+    // Going up from the last row, counts for each cell the rows in which the width has room.
     for (int64_t row = rows - 1; row >= 0; row--) {
         int64_t run = 0;
         for (int64_t column = columns - 1; column >= 0; column--) {
@@ -81,7 +81,7 @@ WgStatus wg_shortest_path(const uint8_t *windows, int64_t size, int64_t stride, 
         return WG_OK;
     }
 
-    // The path from its end, turned around.
+    // Follow the path back from its end, then reverse it.
     int64_t count = 0;
     for (int32_t at = (int32_t)goal; at != start; at = came[at]) {
         path[count] = at;
@@ -170,8 +170,7 @@ WgStatus wg_dig(uint8_t *waits, int64_t size, int64_t stride, int32_t *owner, in
     int64_t shifts[4];
     four_steps(stride, shifts);
 
-    // All owned places begin, in their order. An owned place is crossed in one round, however hard
-    // it is.
+    // All owned places start, in their order. Crossing an owned place takes one round, however hard it is.
     int64_t tail = 0;
     for (int64_t at = 0; at < size; at++) {
         bool begins = owner[at] >= 0;

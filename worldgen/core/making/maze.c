@@ -53,8 +53,8 @@ int64_t wg_maze_work_bytes(const WgMaze *maze)
     case WG_ELLER:
         return (2 * columns + 2) * (int64_t)sizeof(int32_t);
     case WG_RECURSIVE_DIVISION: {
-        // Four numbers for each waiting rectangle; at most as many wait as the maze's size has
-        // bits.
+        // Each waiting rectangle takes four numbers; the number that wait is at most the number of bits of the maze's
+        // size.
         int64_t bits = 0;
         while (columns * rows >> bits != 0) {
             bits++;
@@ -72,7 +72,8 @@ static bool sizes_fit(const WgMaze *maze, int64_t places, int64_t work_bytes)
     return needed >= 0 && work_bytes >= needed && places == places_of(maze);
 }
 
-// The place of a chamber counted in rows, and the number of chambers; -1 if there are fewer.
+// Finds the place of a chamber counted row by row, and the number of chambers; -1 if there are
+// fewer.
 static int64_t place_of(const WgMaze *maze, const uint8_t *mask, int64_t number, int64_t *chambers)
 {
     int64_t found = -1;
@@ -96,7 +97,7 @@ static int64_t place_of(const WgMaze *maze, const uint8_t *mask, int64_t number,
     return found;
 }
 
-// Checks that all chambers can be reached from one of them; an algorithm would never end otherwise.
+// Checks that all chambers can be reached from one of them; otherwise an algorithm would never end.
 static WgStatus check_connected(int8_t *board, int64_t stride, int64_t root, int64_t chambers)
 {
     int32_t *queue = malloc((size_t)chambers * sizeof *queue);
@@ -140,7 +141,7 @@ WgStatus wg_maze_begin(WgMaze *maze, const uint8_t *mask, int64_t number, int8_t
         return WG_BAD_VALUE;
     }
 
-    // Algorithms that work row by row write links, and do not look at the ring.
+    // Algorithms that work row by row write links, and never read the ring.
     memset(board, any_shape ? WG_OUTSIDE : 0, (size_t)places);
     for (int64_t row = 0; any_shape && row < rows; row++) {
         int8_t *line = board + (row + 1) * stride + 1;

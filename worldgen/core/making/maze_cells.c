@@ -1,4 +1,5 @@
-// From links between chambers to solid cells, row by row: each strip of the plan once, then as often as it is high.
+// Turns links between chambers into solid cells. Each strip of the plan is drawn once, then copied to all of its
+// rows.
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,8 +2,7 @@
 //
 // Kruskal's and Prim's algorithms find the tree of least total weight, where each edge of the
 // lattice has a random weight of 32 bits. Equal weights, one pair in four billion, are ordered by
-// the edge's number. So both find the same tree from the same words; they only grow it in a
-// different order.
+// the edge's number. So both find the same tree from the same words, but grow it in a different order.
 //
 // A key is a weight, then the number of an edge, in 63 bits; an edge's number is twice the place of its lower or left
 // chamber, and one more if it leads north.
@@ -44,11 +43,10 @@ WgStatus wg_maze_edge_keys(const WgMaze *maze, const uint64_t *words, const int8
     return WG_OK;
 }
 
-// Takes the edges from the lightest on, and keeps those that join separate parts. Joseph B.
-// Kruskal, "On the shortest spanning subtree of a graph and the traveling salesman problem",
-// Proceedings of the American Mathematical Society, 1956; the sets are M. Rem's, in Edsger W.
-// Dijkstra, "A Discipline of Programming", 1976, chapter 23: two searches climb together and
-// splice.
+// Takes the edges in order of weight, and keeps those that join separate parts. Joseph B. Kruskal,
+// "On the shortest spanning subtree of a graph and the traveling salesman problem", Proceedings of
+// the American Mathematical Society, 1956; the sets are M. Rem's, in Edsger W. Dijkstra, "A
+// Discipline of Programming", 1976, chapter 23: two searches climb together and splice.
 WgStatus wg_maze_kruskal(Growth *growth)
 {
     WgMaze *maze = growth->maze;
@@ -97,7 +95,7 @@ WgStatus wg_maze_kruskal(Growth *growth)
     return stuck ? WG_BAD_VALUE : WG_OK;
 }
 
-// Puts a key into a heap with four below each.
+// Pushes a key onto a heap with four children per node.
 static void heap_push(int64_t *heap, int64_t size, int64_t key)
 {
     int64_t hole = size;
@@ -108,7 +106,7 @@ static void heap_push(int64_t *heap, int64_t size, int64_t key)
     heap[hole] = key;
 }
 
-// Replaces the least key by another one.
+// Replaces the smallest key with another one.
 static void heap_replace(int64_t *heap, int64_t size, int64_t key)
 {
     int64_t hole = 0;
@@ -129,8 +127,8 @@ static void heap_replace(int64_t *heap, int64_t size, int64_t key)
     heap[hole] = key;
 }
 
-// Grows from one chamber by the lightest edge that leads out of the maze so far.
-// Robert C. Prim, "Shortest connection networks and some generalizations", Bell System Technical Journal, 1957; the
+// Grows the maze from one chamber, always by the lightest edge that leads out of it. Robert C. Prim, "Shortest
+// connection networks and some generalizations", Bell System Technical Journal, 1957; the
 // heap: Donald B. Johnson, "Priority queues with update and finding minimum spanning trees", Information Processing
 // Letters, 1975.
 WgStatus wg_maze_prim(Growth *growth)
@@ -151,8 +149,7 @@ WgStatus wg_maze_prim(Growth *growth)
                 size++;
             }
         }
-        // The lightest that still leads out; edges whose ends are both in the maze by now are
-        // dropped.
+        // Take the lightest edge that still leads out; drop edges whose ends are both in the maze by now.
         bool grown = false;
         while (!grown) {
             if (size == 0) {
@@ -181,18 +178,17 @@ WgStatus wg_maze_prim(Growth *growth)
     return WG_OK;
 }
 
-// Digs from the newest, the oldest or any chamber of a list; a chamber without free neighbours
-// leaves the list.
+// Digs from the newest, the oldest or any chamber of a list; a chamber without free neighbours is removed.
 //
-// Each word is one try: 16 bits choose the rule, 16 the neighbour, 32 the entry. A number that
-// would bias a choice, and an entry that has left the list, are drawn again with the next word.
+// Each word is one try: 16 bits choose the rule, 16 the neighbour, 32 the entry. A number that would bias a choice,
+// and an entry that has left the list, are drawn again with the next word.
 //
 // Jamis Buck, "Mazes for Programmers", 2015, "The Growing Tree Algorithm".
 void wg_maze_growing_tree(Growth *growth)
 {
     WgMaze *maze = growth->maze;
     int8_t *board = growth->board;
-    int32_t *list = growth->work;  // chambers in order of age; -1 where one has left
+    int32_t *list = growth->work;  // chambers in order of age; -1 where one was removed
     int64_t stride = growth->stride;
     int64_t newest = maze->newest;
     int64_t oldest = maze->newest + maze->oldest;
@@ -242,8 +238,7 @@ void wg_maze_growing_tree(Growth *growth)
             continue;
         }
 
-        // It has none: it leaves the list, which is kept so dense that a random draw hits every
-        // second time.
+        // It has none, so remove it. The list is compacted often enough that half of all random draws hit an entry.
         list[entry] = -1;
         maze->alive--;
         while (list[tail - 1] < 0) {

@@ -9,9 +9,9 @@
 
 // Joins neighbours of a row at random unless they are joined already, then goes up once or more from each set.
 //
-// Two bits a chamber: whether to join it to the next, and whether to go up. The sets of a row never
-// cross, so each is a ring in column order, and the next column is in the same set if it comes next
-// in the ring.
+// Two bits per chamber: whether to join it to the next, and whether to go up. The sets of a row
+// never cross, so each is a ring in column order, and the next column is in the same set if it
+// comes next in the ring.
 //
 // Marlin Eller's algorithm of 1982, as described in Jamis Buck, "Mazes for Programmers", 2015; the rings are John
 // Tromp's, in Don Libes, "Obfuscated C and Other Mysteries", 1993.
@@ -23,7 +23,7 @@ void wg_maze_eller(Growth *growth)
     int64_t rows = growth->maze->rows;
     int32_t *next = growth->work;            // the next chamber of each in its ring
     int32_t *previous = next + columns + 1;  // and the previous one
-    // The last one isn't a chamber; it is only ever rewritten unchanged.
+    // The last entry isn't a chamber; it is only ever overwritten with its own value.
     for (int64_t column = 0; column <= columns; column++) {
         next[column] = (int32_t)column;
         previous[column] = (int32_t)column;
@@ -36,8 +36,8 @@ void wg_maze_eller(Growth *growth)
             int64_t bits = (int64_t)(words[column >> 5] >> (2 * (column & 31))) & 3;
             int32_t beside = column + 1;
 
-            // Join it to the next. All four are written either way: a branch on a random bit is
-            // mispredicted every second time; measured 1.8 x.
+            // Join it to the next. All four are written either way, because a branch on a random bit is mispredicted
+            // half the time; measured 1.8 times as fast.
             int32_t after = next[column];
             int32_t far = previous[beside];
             bool joined = (bits & 1) != 0 && after != beside && beside != columns;
@@ -46,7 +46,7 @@ void wg_maze_eller(Growth *growth)
             next[column] = joined ? beside : after;
             previous[beside] = joined ? column : far;
 
-            // Go up, or leave the ring: then the chamber above is alone.
+            // Go up, or leave the ring, in which case the chamber above is alone.
             after = next[column];
             int32_t before = previous[column];
             bool up = before == column || bits >> 1 != 0;
@@ -117,8 +117,8 @@ void wg_maze_sidewinder(Growth *growth)
     }
 }
 
-// Opens each chamber east or up, at even chance; one bit a chamber.
-// Jamis Buck, "Mazes for Programmers", 2015, chapter 1.
+// Opens each chamber to the east or upwards with equal probability; one bit per chamber. Jamis
+// Buck, "Mazes for Programmers", 2015, chapter 1.
 void wg_maze_binary_tree(Growth *growth)
 {
     int8_t *board = growth->board;
@@ -149,7 +149,8 @@ typedef struct Rectangle {
 //
 // A rectangle one chamber wide is a corridor. Each word is one cut: a bit for the side, if the
 // sides are equal, 31 bits for the wall, 32 for the door; numbers that would bias a choice are
-// drawn again. The smaller part goes first, so at most as many wait as the maze's size has bits.
+// drawn again. The smaller part goes first, so the number of waiting rectangles is at most the number of bits of the
+// maze's size.
 //
 // Jamis Buck, "Mazes for Programmers", 2015, "Recursive Division".
 void wg_maze_recursive_division(Growth *growth)
@@ -175,7 +176,7 @@ void wg_maze_recursive_division(Growth *growth)
             break;
         }
 
-        // Where the wall goes, and its door.
+        // Place the wall and its door.
         uint64_t word = growth->words[used];
         used++;
         bool upright = cut.columns > cut.rows || (cut.columns == cut.rows && (word & 1) == 1);

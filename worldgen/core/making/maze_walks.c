@@ -26,7 +26,7 @@ static inline int64_t free_neighbours(const int8_t *board, int64_t at, int64_t s
     return east + (north << 1) + (west << 2) + (south << 3);
 }
 
-// Draws until one of the given directions comes up; 4 if the words run out first.
+// Draws until one of the given directions comes up; returns 4 if the words run out first.
 static inline int64_t draw_one_of(int64_t ways, const uint64_t *words, int64_t count, int64_t *used)
 {
     while (*used < count) {
@@ -39,8 +39,8 @@ static inline int64_t draw_one_of(int64_t ways, const uint64_t *words, int64_t c
     return 4;
 }
 
-// Loop-erased random walks from each chamber to the maze so far: every spanning tree equally likely.
-// David B. Wilson, "Generating random spanning trees more quickly than the cover time", STOC 1996.
+// Makes loop-erased random walks from each chamber to the maze so far; every spanning tree is equally likely. David
+// B. Wilson, "Generating random spanning trees more quickly than the cover time", STOC 1996.
 void wg_maze_wilson(Growth *growth)
 {
     WgMaze *maze = growth->maze;
@@ -85,9 +85,9 @@ void wg_maze_wilson(Growth *growth)
     maze->left = 0;
 }
 
-// One random walk; each chamber keeps the direction from which it was first entered: every tree equally likely.
-// David J. Aldous, "The random walk construction of uniform spanning trees and uniform labelled trees", SIAM Journal
-// on Discrete Mathematics, 1990; Andrei Broder, "Generating random spanning trees", FOCS 1989.
+// Makes one random walk; each chamber keeps the direction from which it was first entered. Every tree is equally
+// likely. David J. Aldous, "The random walk construction of uniform spanning trees and uniform labelled trees", SIAM
+// Journal on Discrete Mathematics, 1990; Andrei Broder, "Generating random spanning trees", FOCS 1989.
 void wg_maze_aldous_broder(Growth *growth)
 {
     WgMaze *maze = growth->maze;
@@ -110,9 +110,9 @@ void wg_maze_aldous_broder(Growth *growth)
     maze->left = left;
 }
 
-// Digs to random free neighbours, and returns along its own path if there are none. That path is on
-// the board, so there is neither recursion nor a stack. Robert Tarjan, "Depth-first search and
-// linear graph algorithms", SIAM Journal on Computing, 1972, with a random choice of the next edge.
+// Digs to random free neighbours, and backtracks if there are none. That path is on the board, so
+// there is neither recursion nor a stack. Robert Tarjan, "Depth-first search and linear graph
+// algorithms", SIAM Journal on Computing, 1972, with a random choice of the next edge.
 void wg_maze_backtracker(Growth *growth)
 {
     WgMaze *maze = growth->maze;

@@ -30,7 +30,7 @@ typedef struct Search {
     int64_t stride;
     int64_t steps[8];
     int64_t middles[8];
-    int32_t *mark;  // the role of a node for the current place; numbers of earlier places are stale
+    int32_t *mark;  // the role of a node for the current place; values with the number of an earlier place are stale
     int32_t *queue;
 } Search;
 
@@ -145,7 +145,7 @@ static bool flood_part(Search *search, int64_t place, int64_t size, int64_t begi
     return leads_on;
 }
 
-// The parts of a place's ring that lead on: all of them, or only those that a flood from the place
+// Counts the parts of a place's ring that lead outwards: all of them, or only those that a flood from the place
 // reaches.
 static int64_t count_parts(Search *search, const Ring *ring, int64_t place, int32_t stamp, bool only_reached)
 {

@@ -23,7 +23,7 @@ WgStatus wg_largest_discs(const uint8_t *clear, const int32_t *squared, const in
     return WG_OK;
 }
 
-// The first of the places, in ascending order, that is not before a node.
+// Returns the first of the places, in ascending order, that is not before a node.
 static int64_t first_from(const int64_t *places, int64_t count, int64_t node)
 {
     int64_t low = 0;
@@ -54,7 +54,7 @@ WgStatus wg_highest(const int64_t *places, const int64_t *sizes, int64_t count, 
         largest = sizes[k] > largest ? sizes[k] : largest;
     }
 
-    // No disc reaches further than the largest, so go row by row through the places near each one.
+    // No disc reaches farther than the largest, so go row by row through the places near each one.
     int64_t reach = (int64_t)sqrt((double)largest) + 1;
     for (int64_t n = 0; n < asked_count; n++) {
         if (asked[n] < 0 || asked[n] >= count) {

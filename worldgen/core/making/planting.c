@@ -1,10 +1,10 @@
-// Puts things down wherever they fit, with a least gap between any two.
+// Places things wherever they fit, with a minimum gap between any two.
 
 #include <stdbool.h>
 
 #include "wg_making.h"
 
-// The least and the greatest of some offsets, and 0.
+// Finds the smallest and the largest of some offsets and 0.
 typedef struct Span {
     int64_t low;
     int64_t high;

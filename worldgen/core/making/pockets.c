@@ -1,5 +1,4 @@
-// Pockets that draw a robot towards the target: nodes united in the order of their distance from
-// it.
+// Finds pockets that attract a robot towards the target by uniting nodes in order of distance from it.
 //
 // Edelsbrunner, Letscher, Zomorodian, "Topological Persistence and Simplification", 2002. Barnes,
 // Lehman, Mulla, "Priority-Flood", 2014, fill depressions in terrain in that order.
@@ -75,7 +74,7 @@ WgStatus wg_pockets(const int64_t *places, const int64_t *squared, int64_t count
     int64_t pass = -1;
     int64_t found = 0;
     for (int32_t r = 0; r < count; r++) {
-        // Pockets beyond the pass of the start do not count.
+        // Pockets beyond the pass of the start are ignored.
         int64_t level = squared[r];
         if (pass >= 0 && level > pass) {
             break;
@@ -91,7 +90,7 @@ WgStatus wg_pockets(const int64_t *places, const int64_t *squared, int64_t count
             if (other == root) {
                 continue;
             }
-            // What does not hold the target is a pocket, with its bottom.
+            // The set that does not contain the target is a pocket, with its bottom.
             if (((sets.role[other] ^ sets.role[root]) & AT_TARGET) != 0) {
                 bool root_has_target = (sets.role[root] & AT_TARGET) != 0;
                 int32_t low = root_has_target ? other : root;

@@ -1,4 +1,4 @@
-// The surroundings of points of a path: the nearest wall, and how far sixteen rays get.
+// Measures the surroundings of points of a path: the nearest wall, and the length of sixteen rays.
 //
 // Points are in cells, multiples of a power of two that is at least 2^-23, so every sum, difference
 // and comparison here is exact, and a rotated or mirrored world gives the same numbers to the last
@@ -27,8 +27,8 @@ static bool is_inside(const Walls *walls, double x, double y)
     return x >= 0.0 && x <= (double)walls->columns && y >= 0.0 && y <= (double)walls->rows;
 }
 
-// The least of best and the squared distance from a point to the solid cells of one row. A cell
-// farther along the row than that changes nothing, so the search ends there.
+// Returns the smaller of best and the squared distance from a point to the solid cells of one row. A cell farther
+// along the row than that cannot matter, so the search ends there.
 static double nearest_in_row(const Walls *walls, int64_t row, double x, double y, double best)
 {
     double above = (double)row - y;
@@ -73,7 +73,7 @@ WgStatus wg_nearest_walls(const uint8_t *solid, int64_t rows, int64_t columns, c
     return WG_OK;
 }
 
-// A ray to the upper right, in a world that is mirrored for it.
+// A ray to the upper right; the world is mirrored to fit it.
 typedef struct Ray {
     const Walls *walls;
     bool mirrored_x;
@@ -87,7 +87,8 @@ static bool ray_meets(const Ray *ray, int64_t column, int64_t row)
     return is_solid(ray->walls, i, j);
 }
 
-// How far a ray gets before it touches a solid cell, in steps of its direction; infinity beyond `most`. Cells are
+// Returns how far a ray gets before it touches a solid cell, in steps of its direction; infinity beyond `most`. Cells
+// are
 // closed: a ray that touches a corner or runs along a wall ends there.
 static double ray_length(const Walls *walls, double x, double y, int64_t dx, int64_t dy, double most)
 {
@@ -110,7 +111,7 @@ static double ray_length(const Walls *walls, double x, double y, int64_t dx, int
     bool along_x = at_x && dx == 0;
     bool along_y = at_y && dy == 0;
     for (;;) {
-        // To the next line between columns or rows, or to the corner of both.
+        // Go to the next line between columns or rows, or to the corner where both meet.
         double tx = dx == 0 ? INFINITY : ((double)(i + 1) - px) / a;
         double ty = dy == 0 ? INFINITY : ((double)(j + 1) - py) / b;
         double t = tx < ty ? tx : ty;

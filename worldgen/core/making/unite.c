@@ -2,7 +2,7 @@
 
 #include "wg_making.h"
 
-// The root of a cell; the sum of the links on the path to it is added to *total.
+// Returns the root of a cell, and adds the sum of the links on the path to it to *total.
 static int64_t find_root(int64_t *parent, uint8_t *bit, int64_t at, uint8_t *total)
 {
     while (parent[at] != at) {

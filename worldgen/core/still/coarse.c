@@ -1,12 +1,11 @@
-// A path for a square as wide as the disc, over whole cells: breadth-first over free squares.
+// Finds a path for a square as wide as the disc, over whole cells, by breadth-first search.
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "reach_internal.h"
 
-// Values of a square's byte: no square, a free one, how it was reached, or that the search began
-// there.
+// Values of a square's byte: not free, free, the step by which it was reached, or where the search began.
 enum { NOT_FREE = 0, FREE = 1, FIRST_STEP = 2, BEGUN = 6 };
 
 struct WgSquares {
@@ -15,9 +14,9 @@ struct WgSquares {
     int64_t source;
     int64_t goal;
     uint8_t *state;    // ((height + 2) (width + 2),)
-    int32_t *heights;  // (width,) free cells from each one down, while squares are looked for
-    int64_t row;       // rows that were looked at
-    int32_t *now;      // squares reached in this many steps
+    int32_t *heights;  // (width,) number of free cells below each column's cell, used while squares are marked
+    int64_t row;       // rows examined so far
+    int32_t *now;      // squares reached in the current number of steps
     int32_t *after;    // and in one more step
     int64_t count;
     int64_t room;
@@ -115,7 +114,7 @@ static void take_step(WgSquares *squares)
 WgStatus wg_squares_advance(WgSquares *squares, int64_t most, WgProgress *progress)
 {
     *progress = WG_GOING;
-    // First all free squares, row by row.
+    // First mark all free squares, row by row.
     for (; squares->row < squares->walls.height; squares->row++) {
         if (most <= 0) {
             return WG_OK;

@@ -1,4 +1,4 @@
-// Shortest closed chains of cells that wind around a pose: breadth-first over (cell, bits).
+// Finds shortest closed chains of cells that wind around a pose: breadth-first over (cell, bits).
 //
 // A cell that has been seen is removed from its row, so that the search never examines a cell
 // twice: of the thousands of links that a wide disc gives each cell, it follows only those to new
@@ -12,14 +12,14 @@
 enum {
     MOST_TARGETS = 6,
     STARTS = 24,      // cells from which a short cycle is sought
-    WORK = 20000000,  // cells and rows that those searches may examine
+    WORK = 20000000,  // limit on the cells and rows that those searches examine
 };
 
 // A walk over (cell, bits) from (source, no bit) to (source, all bits).
 typedef struct Walk {
     int32_t *before;  // (cells << bits,) the state before a state, -1 if it was not seen
     int32_t *order;   // (cells << bits,) states in the order in which they are seen
-    int32_t *skip;    // ((cells + 1) << bits,) leads to the next cell of a layer that was not seen
+    int32_t *skip;    // ((cells + 1) << bits,) link to the next unseen cell of the layer
     int64_t source;
     int64_t head;
     int64_t tail;
@@ -43,7 +43,7 @@ struct WgCutSearch {
     int64_t *near;  // (poses, 2) their whole 1/1024 cells
     Walk walk;
     Phase phase;
-    int32_t *sources;  // (slots,) cells with links that have bits, by number; then in the order in which they are taken
+    int32_t *sources;  // (slots,) cells with links that have bits, by number at first, later in search order
     int64_t source_count;
     int64_t at;  // the source in progress
     int64_t work;
@@ -60,7 +60,7 @@ static inline void see(const WgLinks *links, Walk *walk, int64_t cell, int64_t l
     walk->order[walk->tail++] = (int32_t)state;
 }
 
-// Follows the listed links of a cell near a ray: they have bits.
+// Follows the listed links of a cell near a ray; only these have bits.
 static void follow_listed(const WgLinks *links, Walk *walk, int64_t state, int64_t slot, int64_t layer)
 {
     for (int64_t link = links->begins[slot]; link < links->begins[slot + 1]; link++) {
@@ -116,10 +116,10 @@ static void begin_walk(const WgLinks *links, Walk *walk, int64_t source)
     see(links, walk, source, 0, source << links->bits);
 }
 
-// Continues for about ``most`` cells; returns whether the walk came to its end.
+// Continues for about ``most`` cells; returns true if the walk has ended.
 //
-// limit:      links of which the chain has fewer.
-// thorough:   goes on to all that can be reached.
+// limit:      upper bound on the chain's links, exclusive.
+// thorough:   if true, continue until everything reachable is seen.
 static bool go_on(const WgLinks *links, Walk *walk, int64_t limit, bool thorough, int64_t most)
 {
     int64_t full = ((int64_t)1 << links->bits) - 1;
@@ -197,7 +197,7 @@ static int by_distance(const void *a, const void *b)
     return one->cell < two->cell ? -1 : one->cell > two->cell;
 }
 
-// Chooses a few sources, near and far; with several targets all the others follow.
+// Chooses a few sources, near and far; with several targets, appends all the others after them.
 static bool choose_sources(WgCutSearch *search)
 {
     int64_t count = search->source_count;
@@ -245,7 +245,7 @@ static bool is_odd(const WgCutSearch *search, int32_t a, int32_t b)
 static WgStatus simplify(WgCutSearch *search)
 {
     int64_t count = search->length;
-    int32_t *where = search->walk.before;  // (cells,) at least: position of a cell in the kept part, -1 if it is not there
+    int32_t *where = search->walk.before;  // position of a cell in the kept part, or -1
     int32_t *kept = search->walk.order;
     uint8_t *odd = malloc((size_t)(count + 1));  // of the steps from each kept cell to the next
     if (odd == NULL) {
@@ -343,7 +343,7 @@ WgStatus wg_cut_search_new(const WgWalls *walls, int64_t limit, int64_t targets,
     }
     search->work = targets > 1 ? 10 * (int64_t)WORK : WORK;
     WgStatus status = begin_search(search, walls, limit, targets, poses, limbs, rest);
-    // Where the poses are several, each cell near a ray may be in a cycle around all of them.
+    // With several poses, each cell near a ray may be in a cycle around all of them.
     search->phase = targets > 1 ? WALKING : MARKING;
     if (status == WG_OK && targets > 1 && !choose_sources(search)) {
         status = WG_OUT_OF_MEMORY;
@@ -356,8 +356,7 @@ WgStatus wg_cut_search_new(const WgWalls *walls, int64_t limit, int64_t targets,
     return WG_OK;
 }
 
-// Follows all links from each source not seen yet; then keeps the sources that were seen with
-// either bit.
+// Follows all links from each unseen source, then keeps the sources that were seen with both bits.
 static WgStatus mark(WgCutSearch *search, int64_t *most)
 {
     Walk *walk = &search->walk;

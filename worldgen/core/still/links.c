@@ -7,15 +7,15 @@
 
 enum { MOST_SIDE = 20000, MOST_POSES = 65 };
 
-// Returns whether the line of a link crosses the ray upwards from a pose an odd number of times.
+// Returns true if the line of a link crosses the ray upwards from a pose an odd number of times.
 static inline bool crosses_ray(const WgFinePose *pose, int64_t ax, int64_t ay, int64_t bx, int64_t by)
 {
-    // The line never turns back, so it crosses the ray's column once if its ends are on different
-    // sides; few are.
+    // The line never turns back, so it crosses the ray's column once if its ends are on different sides, which is
+    // rare.
     if ((2 * ax + 1 <= pose->x) == (2 * bx + 1 <= pose->x)) {
         return false;
     }
-    // All of it may be above the pose, or below.
+    // The whole line may be above the pose, or below it.
     if (2 * wg_min(ay, by) + 1 > pose->y) {
         return true;
     }
@@ -39,7 +39,7 @@ uint64_t wg_link_bits(const WgFinePose *poses, int64_t count, int64_t ax, int64_
     return bits;
 }
 
-// Solid cells with a free one among their eight neighbours, including the ring outside; 1 in a
+// Marks solid cells that have a free cell among their eight neighbours, including the ring outside, with 1 in a
 // padded raster.
 static int64_t mark_rim(const WgWalls *walls, int64_t pad, int64_t stride, uint8_t *flat, uint8_t *free_near)
 {
@@ -97,7 +97,7 @@ static WgStatus list_cells(WgLinks *links, const WgWalls *walls)
         free(flat);
         return WG_OUT_OF_MEMORY;
     }
-    // Every position is written where the next cell goes, so no branch depends on the walls.
+    // Every position is written to the next free slot, so no branch depends on the walls.
     int32_t count = 0;
     int64_t place = 0;
     for (int64_t iy = -1 - reach; place < size; iy++) {
@@ -152,7 +152,7 @@ static bool make_room(WgLinks *links, int64_t used)
     return true;
 }
 
-// Returns whether a link of a cell may cross the ray from some pose: it has to be next to the ray
+// Returns true if a link of a cell may cross the ray from some pose: it has to be next to the ray
 // and not all below.
 static bool is_near_a_ray(const WgLinks *links, const int64_t *columns, const int64_t *rows, int64_t count, int64_t cell)
 {
@@ -165,7 +165,7 @@ static bool is_near_a_ray(const WgLinks *links, const int64_t *columns, const in
     return false;
 }
 
-// Appends the links of a cell; forgets them again if none has bits.
+// Appends the links of a cell; removes them again if none has bits.
 static bool list_links_of(WgLinks *links, const WgFinePose *poses, int64_t count, int64_t cell, int64_t *used)
 {
     int64_t begin = *used;

@@ -1,7 +1,8 @@
 // The solid cells that a cut may have, the links between them, and how links wind around poses.
 //
 // Two cells are linked if the gap between them is below the disc's diameter. The line of a link goes from one centre
-// to the closest point, to the other cell's closest point, to its centre: all at whole half cells.
+// to that cell's closest point, to the other cell's closest point, and to its centre; all are multiples of half a
+// cell.
 
 #ifndef WG_LINKS_H
 #define WG_LINKS_H
@@ -19,8 +20,8 @@ typedef struct WgLinks {
     int32_t *row;       // (cells,) iy
     int32_t *rank;      // number of cells before a position of the raster
     int32_t *place;     // (cells,) position of a cell in the raster
-    int64_t *shift;     // (2 reach + 1,) what to add to a position for the row of a link
-    int64_t *wide;      // (2 reach + 1,) how far to either side that row is linked
+    int64_t *shift;     // (2 reach + 1,) offset to add to a position for the row of a link
+    int64_t *wide;      // (2 reach + 1,) how far to either side the cells of that row are linked
     int32_t *slot;      // (cells,) number of a cell with a link that has bits, else -1
     int64_t slots;      // number of these cells
     int64_t *begins;    // (slots + 1,) where their links begin
@@ -29,7 +30,7 @@ typedef struct WgLinks {
     int64_t link_room;  // of the last two
 } WgLinks;
 
-// Lists cells and links; wg_links_free releases them, whatever this returns.
+// Lists cells and links; call wg_links_free whatever this returns.
 //
 // limit:      least squared gap, cells, at which two cells are not linked.
 // poses:      (poses,) the start, then the targets: at most 65.
@@ -37,10 +38,10 @@ WgStatus wg_links_make(WgLinks *links, const WgWalls *walls, int64_t limit, cons
 
 void wg_links_free(WgLinks *links);
 
-// The sign of across * x + up * y + whole for a pose (x, y) in half cells.
+// Returns the sign of across * x + up * y + whole for a pose (x, y) in half cells.
 static inline int wg_side_of(const WgFinePose *pose, int64_t across, int64_t up, int64_t whole)
 {
-    // Go limb by limb from the least one up; carries are rounded down.
+    // Go limb by limb from the lowest up; carries are rounded down.
     int64_t carried = 0;
     bool is_whole = true;
     for (int64_t limb = pose->limbs - 1; limb >= 0; limb--) {
@@ -55,7 +56,7 @@ static inline int wg_side_of(const WgFinePose *pose, int64_t across, int64_t up,
     return total > 0 ? 1 : -1;
 }
 
-// Returns whether the piece from p to q (half cells) crosses the ray upwards from a pose.
+// Returns true if the piece from p to q (half cells) crosses the ray upwards from a pose.
 static inline bool wg_crosses_ray(const WgFinePose *pose, WgPiece piece)
 {
     if ((piece.px <= pose->x) == (piece.qx <= pose->x)) {

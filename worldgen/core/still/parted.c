@@ -16,7 +16,7 @@
 typedef struct Groups {
     int32_t *parent;  // (cells,)
     uint64_t *bits;   // (cells,) sum of the bits from it to the parent
-    int32_t *skip;    // (cells + 1,) leads to the next cell that was not seen
+    int32_t *skip;    // (cells + 1,) link to the next unseen cell
     int32_t *waiting;
 } Groups;
 
@@ -42,7 +42,7 @@ static void unite_plain(const WgLinks *links, Groups *groups, int32_t first)
     }
 }
 
-// The first cell of a cell's group; bits gets the sum on the way there.
+// Returns the first cell of a cell's group; bits receives the sum on the way there.
 static int32_t find(Groups *groups, int32_t cell, uint64_t *bits)
 {
     int32_t root = cell;
@@ -52,7 +52,7 @@ static int32_t find(Groups *groups, int32_t cell, uint64_t *bits)
         root = groups->parent[root];
     }
     *bits = sum;
-    // The path is short the next time.
+    // Shorten the path for the next call.
     while (groups->parent[cell] != root && cell != root) {
         int32_t next = groups->parent[cell];
         uint64_t own = groups->bits[cell];
@@ -64,8 +64,7 @@ static int32_t find(Groups *groups, int32_t cell, uint64_t *bits)
     return root;
 }
 
-// Examines the links that have bits, and all others of their cells; returns the bits of all chains
-// together.
+// Examines the links that have bits, and all other links of their cells; returns the bits of all chains together.
 static uint64_t close_chains(const WgLinks *links, Groups *groups)
 {
     uint64_t found = 0;

@@ -5,7 +5,7 @@
 
 #include "links.h"
 
-// Returns whether each of some poses is separated from the start by a chain.
+// Decides for each of some poses whether a chain separates it from the start.
 //
 // limit:      least squared gap, cells, at which two cells are not linked.
 // poses:      (count,) the start, then at most 64 others.

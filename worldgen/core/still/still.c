@@ -1,8 +1,6 @@
-// A complete decision about a static world, from its cells to the timed path, for starts and
-// targets on the pose lattice.
+// Decides a static world completely, from its cells to the timed path, for starts and targets on the pose lattice.
 //
-// If it is inconclusive (nothing was found, or only fractions can decide), its caller continues
-// step by step.
+// If the result is inconclusive (nothing was found, or only fractions can decide), the caller continues step by step.
 
 #include <assert.h>
 #include <math.h>
@@ -17,12 +15,12 @@ enum {
     HALF = WG_UNIT / 2,    // the graph has nodes at multiples of half a cell
     MOST_LINKS = 16,       // nodes around a point
     LOOK = 32,             // a node is expanded in the time in which a flood fills this many
-    PATIENCE = 6,          // corners in a row that may be out of sight before a straight line ends
-    MOST_TESTS = 6000,     // straight lines that may fail on one path; long paths get fewer
+    PATIENCE = 6,          // limit on consecutive hidden corners before a straight line ends
+    MOST_TESTS = 6000,     // limit on failed straight lines per path; lower for long paths
     MOST_CELLS = 1 << 18,  // so that a call ends in a fraction of a second
 };
 
-static const double WHOLE = 9007199254740992.0;  // 2^53: floats below it hold every whole number
+static const double WHOLE = 9007199254740992.0;  // 2^53: floats represent every integer below it
 
 // The working memory of a decision, all released together.
 typedef struct Work {
@@ -53,7 +51,7 @@ static bool is_clear(Work *work, int64_t x, int64_t y)
     return answer == WG_CLEAR;
 }
 
-// Clear nodes near a point that the disc may go straight to; if the point is a node, only that.
+// Lists clear nodes near a point that the disc can reach in a straight line; if the point is a node, only that.
 static int64_t list_links(Work *work, const WgDisc *disc, int64_t x, int64_t y, int64_t *nodes)
 {
     const WgGraph *graph = &work->graph;
@@ -80,7 +78,7 @@ static int64_t list_links(Work *work, const WgDisc *disc, int64_t x, int64_t y, 
     return count;
 }
 
-// Returns whether a node is in the target's disc.
+// Returns true if a node is in the target's disc.
 static bool is_in_target(Work *work, int64_t i, int64_t j)
 {
     const WgTarget *target = &work->asked->target;
@@ -126,7 +124,7 @@ static WgStatus list_spare(Work *work)
     return WG_OK;
 }
 
-// Returns whether an end, or else a spare one, is joined to a source.
+// Returns true if an end, or else a spare end, is connected to a source.
 static WgStatus look(Work *work, bool *joined)
 {
     const WgGraph *graph = &work->graph;
@@ -177,8 +175,7 @@ static WgStatus search_path(Work *work, bool *found)
     return status;
 }
 
-// Looks for a path to the goal, and then to any clear node of the target; either returns the path
-// or only whether one exists.
+// Looks for a path to the goal, and then to any clear node of the target; returns the path, or only its existence.
 static WgStatus find_way(Work *work, bool *found)
 {
     *found = false;
@@ -209,9 +206,9 @@ static WgFinePose fine_pose(int64_t x, int64_t y, uint32_t rest[2])
     return (WgFinePose){column, row, rest, rest + 1, 1};
 }
 
-enum { MOST_AT_ONCE = 64 };  // poses whose chains are searched for together
+enum { MOST_AT_ONCE = 64 };  // poses whose chains are searched together
 
-// Returns whether chains separate the start from each of the poses that decide for the target.
+// Returns true if chains separate the start from each of the poses that are sufficient for the target.
 static WgStatus look_for_chains(Work *work, bool *parted)
 {
     const WgStill *asked = work->asked;
@@ -220,7 +217,7 @@ static WgStatus look_for_chains(Work *work, bool *parted)
     poses[0] = fine_pose(asked->start_x, asked->start_y, rests);
     *parted = false;
 
-    // If the robot may be anywhere in the target, all of the target is like the goal.
+    // If the robot may be anywhere in the target, every pose in it is equivalent to the goal.
     WgPiece goal = {asked->goal_x, asked->goal_y, asked->goal_x, asked->goal_y};
     if (asked->goal_clear != 0 && wg_sweep(&work->walls, goal, &asked->both) == WG_CLEAR) {
         poses[1] = fine_pose(asked->goal_x, asked->goal_y, rests + 2);
@@ -248,7 +245,7 @@ static WgStatus look_for_chains(Work *work, bool *parted)
     return status;
 }
 
-// Leaves out repeated points and points in the middle of a straight line; returns how many are left.
+// Removes repeated points and points in the middle of a straight line; returns the number of those left.
 static int64_t merge_straight(int64_t *x, int64_t *y, int64_t count)
 {
     int64_t kept = 0;
@@ -278,14 +275,14 @@ static int64_t merge_straight(int64_t *x, int64_t *y, int64_t count)
     return kept;
 }
 
-// The corners of the path, straightened as far as the disc may sweep.
+// Finds the corners of the path, straightened as far as the disc may sweep.
 static WgStatus straighten(Work *work, WgStill *still)
 {
     int64_t length = wg_search_path_length(work->search);
     int64_t room = length + 2;
     work->nodes = malloc((size_t)room * sizeof *work->nodes);
     work->kept = calloc((size_t)room, sizeof *work->kept);
-    // One block each for whole numbers and for floats, in four and three parts.
+    // Allocate one block of four parts for integers and one of three parts for floats.
     still->points = malloc((size_t)(4 * room) * sizeof *still->points);
     still->metres = malloc((size_t)(3 * room) * sizeof *still->metres);
     uint8_t *whole = malloc((size_t)room);
@@ -331,7 +328,7 @@ static WgStatus straighten(Work *work, WgStill *still)
     return status;
 }
 
-// How near the path comes to solid cells: the least whole square, and candidates among corners.
+// Measures how near the path comes to solid cells: the smallest integer square, and candidates among corners.
 static WgStatus measure(Work *work, WgStill *still)
 {
     int64_t *x = still->points;
@@ -363,7 +360,8 @@ static WgStatus measure(Work *work, WgStill *still)
     return WG_OK;
 }
 
-// The least whole number of ticks for a piece: the root, rounded up, of its squared length times a fraction.
+// Returns the smallest integer number of ticks for a piece: the root, rounded up, of its squared length times a
+// fraction.
 static bool ticks_of(int64_t dx, int64_t dy, const WgPace *pace, int64_t *ticks)
 {
     unsigned __int128 over = (unsigned __int128)(uint64_t)(dx * dx + dy * dy) * (uint64_t)pace->tick_over;
@@ -377,7 +375,7 @@ static bool ticks_of(int64_t dx, int64_t dy, const WgPace *pace, int64_t *ticks)
     return true;
 }
 
-// Points in metres and times in seconds, each rounded once.
+// Converts points to metres and times to seconds, each rounded once.
 static void convert(Work *work, WgStill *still)
 {
     const int64_t *from[2] = {still->points, still->points + still->room};
@@ -404,7 +402,7 @@ static void convert(Work *work, WgStill *still)
     }
 }
 
-// Finds the path, or that there is none, and records it in ``still``.
+// Finds the path or its absence, and records it in ``still``.
 static WgStatus decide(Work *work, WgStill *still)
 {
     WgPiece start = {still->start_x, still->start_y, still->start_x, still->start_y};

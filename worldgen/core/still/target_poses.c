@@ -1,4 +1,4 @@
-// The finitely many clear poses of the target's disc that decide for all of them, exactly.
+// Lists finitely many clear poses of the target's disc that decide exactly for all of them.
 //
 // Every connected part of the clear poses in the disc has a pose nearest to the disc's centre. That
 // pose is the centre itself, the foot of a perpendicular from it on the edge of one cell's
@@ -15,13 +15,13 @@
 #include "wide.h"
 
 enum {
-    MOST_CORNERS = 3000,  // near the disc; with more, the disc is too large to examine each pose
+    MOST_CORNERS = 3000,  // limit near the disc; with more, the disc is too large to examine each pose
     MOST_WORK = 100000000,  // the same limit for pairs of a pose and a cell
-    MOST_BITS = 60,  // of a length; then everything below stays under 2^127
+    MOST_BITS = 60,  // limit on a length, which keeps everything below under 2^127
 };
 
-static const double SLACK = 1e-6;    // cells; the error of floats is far smaller where they select what is examined
-static const double DOUBT = 1e-10;   // share by which floats must differ to be trusted
+static const double SLACK = 1e-6;    // cells; the error of floats is far smaller when they select what to examine
+static const double DOUBT = 1e-10;   // relative difference above which floats are trusted
 
 // A pose: each coordinate is (whole + factor root) / (under_whole + under_factor root), from the base cell's corner.
 typedef struct ExactPose {
@@ -91,7 +91,7 @@ static int by_place(const void *a, const void *b)
     return one[0] != two[0] ? by_size(one, two) : by_size(one + 1, two + 1);
 }
 
-// The two lines next to each cell, for one coordinate of the cells; returns how many there are.
+// Lists the two lines next to each cell, for one coordinate; returns their number.
 static int64_t list_lines(const WgPoses *poses, const int64_t *cells, int64_t count, int64_t *lines)
 {
     int64_t scale = poses->target.scale;
@@ -110,7 +110,7 @@ static int64_t list_lines(const WgPoses *poses, const int64_t *cells, int64_t co
     return kept;
 }
 
-// The corners of cells, each once; returns how many there are.
+// Lists the corners of cells, each once; returns their number.
 static int64_t list_corners(const int64_t *cells, int64_t count, int64_t *corners)
 {
     for (int64_t i = 0; i < 4 * count; i++) {
@@ -128,8 +128,7 @@ static int64_t list_corners(const int64_t *cells, int64_t count, int64_t *corner
     return kept;
 }
 
-// The cells near the disc that have a free neighbour, from the base cell; at most one more than
-// MOST_CORNERS.
+// Lists the cells near the disc that have a free neighbour, relative to the base cell; at most MOST_CORNERS + 1.
 static int64_t list_cells(const WgPoses *poses, int64_t *cells)
 {
     const WgTarget *target = &poses->target;
@@ -137,7 +136,7 @@ static int64_t list_cells(const WgPoses *poses, int64_t *cells)
     double far = target->disc_radius + target->robot_radius + SLACK;
     int64_t around = (int64_t)ceil(far) + 1;
     int64_t count = 0;
-    // Of the outside, the ring of cells next to the grid is enough.
+    // Outside the grid, the ring of cells next to it is enough.
     int64_t high_x = wg_min(walls->width, poses->base_x + around);
     int64_t high_y = wg_min(walls->height, poses->base_y + around);
     for (int64_t iy = wg_max(-1, poses->base_y - around); iy <= high_y; iy++) {
@@ -171,7 +170,7 @@ static WgStatus find_edges(const WgPoses *poses, Edges *edges)
     edges->rows = malloc(room * sizeof *edges->rows);
     edges->corners = malloc(4 * room * sizeof *edges->corners);
     bool has_room = edges->columns != NULL && edges->rows != NULL && edges->corners != NULL;
-    // There are at least as many corners as cells, so with too many cells it ends here.
+    // There are at least as many corners as cells, so too many cells end it here.
     edges->corner_count = count;
     if (has_room && count <= MOST_CORNERS) {
         edges->column_count = list_lines(poses, cells, count, edges->columns);
@@ -189,7 +188,7 @@ static void free_edges(Edges *edges)
     free(edges->corners);
 }
 
-// The sign of across x + up y + whole, whole numbers, for a pose.
+// Returns the sign of across x + up y + whole, all integers, for a pose.
 static int side_of(const ExactPose *pose, int64_t across, int64_t up, int64_t whole)
 {
     double terms[3] = {(double)across * pose->x, (double)up * pose->y, (double)whole};
@@ -210,7 +209,7 @@ static bool is_on_ray(const ExactPose *pose)
     return pose->under_factor != 0;
 }
 
-// Returns whether a pose is in the closed disc.
+// Returns true if a pose is in the closed disc.
 static bool is_in_disc(WgPoses *poses, const ExactPose *pose)
 {
     const WgTarget *target = &poses->target;
@@ -251,7 +250,7 @@ static int beyond(const ExactPose *pose, bool across, int64_t cell)
     return side_of(pose, across ? 1 : 0, across ? 0 : 1, -cell - 1) > 0 ? 1 : 0;
 }
 
-// Returns whether a pose is nearer to a cell (from the base cell) than the robot's radius, in
+// Returns true if a pose is nearer to a cell (from the base cell) than the robot's radius, in
 // integers.
 static bool is_nearer(const WgPoses *poses, const ExactPose *pose, int64_t ix, int64_t iy)
 {
@@ -269,7 +268,7 @@ static bool is_nearer(const WgPoses *poses, const ExactPose *pose, int64_t ix, i
         WgInt128 kx = pose->of.x - edge_x;
         WgInt128 ky = pose->of.y - edge_y;
         if (way_x != 0 && way_y != 0) {
-            WgInt128 cx = pose->whole_x / reach;  // the centre less the corner
+            WgInt128 cx = pose->whole_x / reach;  // the centre minus the corner
             WgInt128 cy = pose->whole_y / reach;
             return wg_sign_of_sum(2 * reach * (kx * cx + ky * cy), (kx * kx + ky * ky) * scale, pose->square) < 0;
         }
@@ -287,7 +286,7 @@ static bool is_nearer(const WgPoses *poses, const ExactPose *pose, int64_t ix, i
     return wg_sign_of_sum(whole, 2 * (ux * vx + uy * vy), pose->square) < 0;
 }
 
-// Returns whether a pose is at least the radius from every solid cell.
+// Returns true if a pose is at least the radius from every solid cell.
 static bool is_clear(const WgPoses *poses, const ExactPose *pose)
 {
     double radius = poses->target.robot_radius;
@@ -353,7 +352,7 @@ static WgStatus look_at_plain(WgPoses *poses, int64_t x, int64_t y)
     return look_at(poses, &pose);
 }
 
-// The point of the circle around a corner that is nearest to the centre.
+// Adds the point of the circle around a corner that is nearest to the centre.
 static WgStatus look_along_ray(WgPoses *poses, int64_t qx, int64_t qy)
 {
     int64_t scale = poses->target.scale;
@@ -501,7 +500,7 @@ static WgStatus look_at_all(WgPoses *poses, const Edges *edges)
     return status == WG_OK ? look_between_corners(poses, edges) : status;
 }
 
-// Returns whether every length and product stays in its bounds.
+// Returns true if every length and product stays within its bounds.
 static bool are_short(const WgTarget *target)
 {
     double farthest = 2.0 * (target->disc_radius + 2.0 * target->robot_radius + 6.0);
@@ -511,7 +510,7 @@ static bool are_short(const WgTarget *target)
 
 static WgStatus list_poses(WgPoses *poses, const Edges *edges, WgListed *listed)
 {
-    // They are counted first only if there may be too many.
+    // Count them first only if there may be too many.
     int64_t around = 2 * (int64_t)ceil(poses->target.robot_radius) + 5;
     int64_t lines = edges->row_count + edges->column_count;
     int64_t bound = 1 + lines + edges->row_count * edges->column_count +
@@ -597,7 +596,7 @@ void wg_poses_round(const WgPoses *poses, int64_t index, int64_t *x, int64_t *y)
 void wg_poses_describe(const WgPoses *poses, int64_t index, WgPoseOf *described)
 {
     *described = poses->list[index].of;
-    // Lengths and corners are from the base cell.
+    // Lengths and corners are relative to the base cell.
     int64_t scale = poses->target.scale;
     int64_t unit = described->kind == WG_PLAIN ? scale : 1;
     described->x += poses->base_x * unit;
@@ -605,7 +604,7 @@ void wg_poses_describe(const WgPoses *poses, int64_t index, WgPoseOf *described)
     described->level += (described->kind == WG_ON_ROW ? poses->base_y : poses->base_x) * scale;
 }
 
-// Returns whether a chain winds around a pose an odd number of times.
+// Returns true if a chain winds around a pose an odd number of times.
 static bool winds_around(const WgPoses *poses, const ExactPose *pose, const int64_t *cells, int64_t count)
 {
     bool odd = false;

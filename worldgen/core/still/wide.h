@@ -1,4 +1,4 @@
-// Integers beyond 128 bits, as far as comparing roots needs them.
+// Integers beyond 128 bits, with just the operations that comparing roots needs.
 
 #ifndef WG_WIDE_H
 #define WG_WIDE_H
@@ -37,7 +37,7 @@ static inline WgWide wg_wide_times(const WgWide *wide, WgUint128 factor)
     return product;
 }
 
-// Below 0 if a is less than b, above 0 if it is more.
+// Returns a negative number if a is below b, a positive one if it is above.
 static inline int wg_wide_compare(const WgWide *a, const WgWide *b)
 {
     for (int i = WG_LIMBS - 1; i >= 0; i--) {
@@ -58,7 +58,7 @@ static inline int wg_sign_128(WgInt128 value)
     return (value > 0) - (value < 0);
 }
 
-// The sign of whole + factor * sqrt(square), exactly; all three are below 2^127 in size.
+// Returns the exact sign of whole + factor * sqrt(square); the absolute values of all three are below 2^127.
 static inline int wg_sign_of_sum(WgInt128 whole, WgInt128 factor, WgUint128 square)
 {
     int a = wg_sign_128(whole);

@@ -19,7 +19,7 @@ typedef struct Around {
     bool is_doubtful;
 } Around;
 
-// Returns whether a piece (half cells) crosses the ray upwards from a pose.
+// Returns true if a piece (half cells) crosses the ray upwards from a pose.
 static bool crosses(const Around *around, WgPiece piece)
 {
     WgInt128 px = (WgInt128)piece.px * around->scale - around->x;
@@ -40,7 +40,7 @@ static int compare_roughly(double one, double two)
     return one > two + doubt ? 1 : (one < two - doubt ? -1 : 0);
 }
 
-// Returns whether a corner is farther from a pose than the radius.
+// Returns true if a corner is farther from a pose than the radius.
 static bool is_beyond(Around *around, int64_t x, int64_t y)
 {
     WgInt128 dx = (WgInt128)x * around->scale - around->x;
@@ -54,7 +54,7 @@ static bool is_beyond(Around *around, int64_t x, int64_t y)
     return roughly != 0 ? roughly > 0 : square > (WgUint128)around->radius * (WgUint128)around->radius;
 }
 
-// Returns whether a piece is farther from a pose than the radius.
+// Returns true if a piece is farther from a pose than the radius.
 static bool is_away(Around *around, WgPiece piece)
 {
     int64_t ex = piece.qx - piece.px;

@@ -1,5 +1,4 @@
-// Bounds on where a robot can be, tile by tile and slab by slab: in a slab of time it gets no
-// farther than one tile.
+// Bounds where a robot can be, by tile and slab of time: in one slab it moves at most one tile.
 
 #include "heap.h"
 #include "reach_internal.h"

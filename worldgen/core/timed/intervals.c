@@ -1,13 +1,12 @@
-// The times at which points of a raster are safe: the intervals between the spans in which nearby
-// cells are blocked.
+// Finds when points of a raster are safe: between the spans in which nearby cells are blocked.
 
 #include <stdlib.h>
 
 #include "reach_internal.h"
 
-static const int64_t FOREVER = (int64_t)1 << 60;  // tick after everything
+static const int64_t FOREVER = (int64_t)1 << 60;  // a tick later than any other
 
-// Spans around one point, sorted by their begin.
+// Spans around one point, sorted by their beginnings.
 typedef struct Around {
     int64_t *low;
     int64_t *high;
@@ -35,7 +34,7 @@ static bool makes_sense(const WgBlocked *blocked, int64_t from, int64_t to)
     return true;
 }
 
-// Collects the spans in which some cell near a point is blocked, sorted by insertion: there are few.
+// Collects the spans in which some cell near a point is blocked, sorted by insertion because there are few.
 static void collect(const WgBlocked *blocked, int64_t point, Around *around)
 {
     int64_t k = blocked->k;
@@ -63,7 +62,7 @@ static void collect(const WgBlocked *blocked, int64_t point, Around *around)
 static int64_t list_gaps(const Around *around, int64_t *begin, int64_t *end)
 {
     int64_t found = 0;
-    int64_t free_from = 0;  // tick from which on nothing seen so far blocks the point
+    int64_t free_from = 0;  // first tick at which nothing seen so far blocks the point
     for (int64_t i = 0; i <= around->count; i++) {
         int64_t until = i < around->count ? around->low[i] : FOREVER;
         if (until > free_from) {

@@ -1,4 +1,4 @@
-// The earliest arrival in a world that changes: safe-interval search over the graph's eight neighbours.
+// Finds the earliest arrival in a world that changes: safe-interval search over the graph's eight neighbours.
 //
 // A state is (node, safe interval): within one interval, an earlier arrival is never worse, since
 // the robot can wait.
@@ -15,9 +15,9 @@ struct WgTimedSearch {
     WgHeap heap;  // (estimate of the arrival, arrival, state)
 };
 
-static const int64_t MOST_TICKS = (int64_t)1 << 60;  // of a step: it takes longer than any interval lasts
+static const int64_t MOST_TICKS = (int64_t)1 << 60;  // a step that takes longer than any interval lasts
 
-// Lower bound of the ticks to the goal; at most twice the longest step.
+// Returns a lower bound of the ticks to the goal; at most twice the longest step.
 static int64_t ticks_left(const WgTimed *asked, int64_t node)
 {
     int64_t dx = wg_abs(node % asked->stride - asked->toward_x);
@@ -67,7 +67,7 @@ WgStatus wg_timed_new(const WgTimed *asked, const int64_t *begun, int64_t begun_
     return WG_OK;
 }
 
-// The time at which a diagonal step may leave: its middle has to be safe too. -1 if it cannot.
+// Returns when a diagonal step may leave, since its middle has to be safe too; -1 if it cannot.
 static int64_t leave_by_middle(const WgTimed *asked, int64_t corner, int64_t leave, int64_t close, int64_t takes)
 {
     for (int64_t middle = asked->mid_first[corner]; middle < asked->mid_first[corner + 1]; middle++) {
@@ -121,7 +121,7 @@ WgStatus wg_timed_advance(WgTimedSearch *search, int64_t most, WgProgress *progr
         }
         WgEntry entry = wg_heap_pop(&search->heap);
         int64_t state = entry.third;
-        // It has been reached earlier meanwhile.
+        // It has been reached earlier in the meantime.
         if (entry.second != asked->cost[state]) {
             continue;
         }

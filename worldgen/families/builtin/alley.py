@@ -46,7 +46,7 @@ def alley(
     Args:
         rng: The only source of randomness; equal state gives an equal world.
         size: Cells per side, including the solid border.
-        robots: Number of robots; they start at the two ends by turns, each with its target at the
+        robots: Number of robots; they start at the two ends in turn, each with its target at the
             other end.
         bays: Bays along the passage, on either side; if omitted, drawn.
         width: Width of the passage, and width and depth of a bay, cells; if omitted, the narrowest
@@ -63,7 +63,7 @@ def alley(
     arena = Arena(size, cell_size, robot_radius, robot_speed)
     width = arena.passage("width", width)
 
-    # A hall at each end, as wide as two robots if there is room, and the passage between them.
+    # Make a hall at each end, as wide as two robots if there is room, and the passage between them.
     hall = max(arena.narrowest, min(2 * arena.narrowest, arena.inside // 4))
     length = arena.inside - 2 * hall
     room = (length - 1) // (width + 1)
@@ -84,7 +84,7 @@ def alley(
     y = plan.between(1 + width, size - 1 - 2 * width)
     walls[y : y + width, 1:-1] = False
 
-    # Bays with at least one cell of rock before, between and after them.
+    # Place bays with at least one cell of rock before, between and after them.
     gaps = spread_unevenly(plan.child("gaps"), length - bays * width - (bays + 1), bays + 1)
     x = 1 + hall
     for gap in gaps[:-1]:

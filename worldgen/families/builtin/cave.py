@@ -28,11 +28,12 @@ _ROCK: dict[Shape, tuple[int, int]] = {
 # The automaton stops changing long before this many rounds.
 MOST_ROUNDS = 50
 _ROUNDS = (3, 6)  # range from which the rounds are drawn
-# Most rounds of rounding off corners of large cells: each costs as much as the automaton's.
+# Limit on the rounds that round off the corners of large cells: each costs as much as one of the
+# automaton's.
 _SMOOTHEST = 10
 # Hollows with less than the area of a square of this many robot widths per side are filled in.
 _HOLLOW = 2
-# Most rounds of digging that a place takes; tunnels bend around hard places.
+# Limit on the rounds that it takes to dig a place; tunnels bend around hard places.
 _HARDEST = 3
 # Number of rounds in which columns grow in wide halls.
 _OPENED_UP = 3
@@ -51,22 +52,22 @@ def cave(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """Build a cave of irregular halls and passages, the start at one end, the target at another.
+    """Build a cave of irregular halls and passages, with start and target at opposite ends.
 
     No wall is straight, and hollows of every size catch a robot that follows a signal or a wall.
-    Whatever is free can be reached by the robot: hollows that hang apart are joined by tunnels,
-    crannies too narrow for the robot are filled in.
+    The robot can reach all free floor: separate hollows are joined by tunnels, and crannies too
+        narrow for the robot are filled in.
 
     Args:
-        rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included.
-        shape: caverns: halls and passages, with ways around; columns: one wide hall full of pillars;
-            galleries: small chambers, joined by long tunnels without a way around.
-        rock: Rock before the automaton's first round, in percent; the more, the narrower the
-            cave; if omitted, drawn from what suits the shape.
-        rounds: Rounds of the automaton; 0 leaves the rock as it was strewn; if omitted, drawn.
-        grain: Cells a side of the automaton's own cells: the larger, the wider the cave; if
-            omitted, what suits the robot.
+        rng: The only source of randomness; equal state gives an equal world.
+        size: Cells per side, including the solid border.
+        shape: caverns: halls and passages, with loops; columns: one wide hall full of pillars;
+            galleries: small chambers, joined by long tunnels without loops.
+        rock: Rock before the automaton's first round, in percent; more rock makes a narrower cave;
+            if omitted, drawn to suit the shape.
+        rounds: Rounds of the automaton; 0 leaves the rock as it was scattered; if omitted, drawn.
+        grain: Cells per side of the automaton's own cells: larger ones make a wider cave; if
+            omitted, chosen to suit the robot.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
@@ -85,8 +86,8 @@ def cave(
     if arena.inside < 3 * side:
         raise InvalidParameter(
             "no-room",
-            "size={size} is too small for a cave, {least} cells for a robot {robot_width} cells "
-            "wide",
+            "size={size} is too small for a cave, which needs {least} cells for a robot "
+            "{robot_width} cells wide",
             "give a larger size or a smaller robot_radius",
             size=size,
             least=3 * side + 2,

@@ -52,7 +52,8 @@ MAX_DRAFTS = 100
 TRIES_PER_ORIGIN = 4
 # Lattice steps of a side path if there is room. With two or more, others can branch off it.
 BRANCH_STEPS = (2, 4)
-# Most lines of a tunnel's lattice: Python takes 2 s to find the longest path through this many.
+# Limit on the lines of a tunnel's lattice: Python takes 2 s to find the longest path through this
+# many.
 MOST_TUNNEL = 400
 MOST_WIDE = 1000.0  # widths of the robot
 # With more bends or branches than these, drafts take long and often fail.
@@ -80,35 +81,35 @@ def corridor(
 ) -> World:
     """Build a corridor through solid rock from the start at one end to the target at the other.
 
-    Right angles and side ways are where a robot that reverses or turns by rote loses its direction.
-    The corridor is reachable by construction and spans the square.
+    Right angles and side corridors confuse a robot that reverses or turns by a fixed rule. The
+    corridor is reachable by construction and spans the square.
 
     Args:
-        rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included.
-        shape: bends: one winding corridor; dead-ends: with blind side ways; junctions: with side
-            ways that lead back, so that there is more than one way; S: to and fro in long
-            stretches; T: T junctions, one arm of each blind; X: corridors across corridors; tunnel:
-            one long way that fills the square.
-        bends: Right angles of the corridor from start to target, without side ways, of bends,
-            dead-ends, junctions and S; if omitted, drawn.
-        branches: Side ways of dead-ends and junctions, off the corridor or off each other;
-            junctions of T; corridors each way of X; if omitted, drawn.
+        rng: The only source of randomness; equal state gives an equal world.
+        size: Cells per side, including the solid border.
+        shape: bends: one winding corridor; dead-ends: with blind side corridors; junctions: with
+            side corridors that lead back, so that there is more than one path; S: back and forth in
+            long stretches; T: T junctions, one arm of each blind; X: corridors that cross; tunnel:
+            one long path that fills the square.
+        bends: Right angles of the corridor from start to target, not counting side corridors, for
+            bends, dead-ends, junctions and S; if omitted, drawn.
+        branches: Side corridors of dead-ends and junctions, off the corridor or off each other;
+            number of junctions of T; corridors of X in each direction; if omitted, drawn.
         width: Width of the corridor, cells; if omitted, the narrowest that lets the robot through.
-        robot_widths: The corridor's width in widths of the robot instead, at least 1, rounded up to
-            whole cells; 0: as ``width`` says.
-        necks: Narrow places on straight stretches from start to target; None (-1 at the
-            command line): as many as there is room for.
+        robot_widths: The corridor's width in multiples of the robot's instead, at least 1, rounded
+            up to whole cells; 0: use ``width``.
+        necks: Narrow places on straight stretches from start to target; None (-1 on the command
+            line): as many as fit.
         neck: Width of the narrow places, cells; if omitted, the narrowest that lets the robot
             through.
-        neck_length: Their length along the corridor, cells; 1: a door.
-        wall: Least thickness of the rock between two stretches, cells.
+        neck_length: Their length along the corridor, cells; 1 makes a door.
+        wall: Minimum thickness of the rock between two stretches, cells.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
 
     Raises:
-        InvalidParameter: If a number is out of range, or the square has no room for so many bends
+        InvalidParameter: If a number is out of range, or the square has no room for that many bends
             or branches.
         GenerationFailed: If no draft of the corridor has that many bends and branches.
 
@@ -347,12 +348,12 @@ def _stretch(rng: RandomStream, way: list[Node], bends: int, least_steps: int) -
         rng: The only source of randomness.
         way: The path.
         bends: Number of bends.
-        least_steps: Least lattice steps of the stretch.
+        least_steps: Minimum number of lattice steps of the stretch.
 
     Returns:
         The stretch, or ``None`` if the path has no such stretch.
     """
-    # The ends and all bends of the path.
+    # List the ends and all bends of the path.
     corners = [0]
     corners += [
         k

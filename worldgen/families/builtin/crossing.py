@@ -38,7 +38,7 @@ def crossing(
     Args:
         rng: The only source of randomness; equal state gives an equal world.
         size: Cells per side, including the solid border.
-        robots: Number of robots; they come from west, south, east and north by turns, and go
+        robots: Number of robots; they come from west, south, east and north in turn, and go
             straight ahead.
         street: Width of the streets, cells; if omitted, about a third of the square.
         cell_size: Side of a cell, m.

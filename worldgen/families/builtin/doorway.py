@@ -1,4 +1,4 @@
-"""Doorways: two rooms, one narrow door, and robots that want through it from both sides."""
+"""Doorways: two rooms, one narrow door, and robots that want to go through it from both sides."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def doorway(
     Args:
         rng: The only source of randomness; equal state gives an equal world.
         size: Cells per side, including the solid border.
-        robots: Number of robots; they start in the two rooms by turns, each with its target in the
+        robots: Number of robots; they start in the two rooms in turn, each with its target in the
             other room.
         door: Width of the door, cells; if omitted, the narrowest that lets a robot through.
         wall: Thickness of the wall between the rooms, cells.

@@ -77,43 +77,45 @@ def fire(
 ) -> World:
     """Build a world of another family in which fire breaks out on the way to the target.
 
-    What is true at the start is not true when it arrives: ways burn, fall shut behind
-    the fire, and open where walls burn through. The floor around the start never burns, so that the
-    robot can wait.
+    What the robot knows at the start is no longer true later: paths burn, debris blocks them after
+        the fire, and new ones open where walls burn through. The floor around the start never
+        burns, so that the robot can wait.
 
     Args:
-        rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included.
+        rng: The only source of randomness; equal state gives an equal world.
+        size: Cells per side, including the solid border.
         over: Family whose world burns, with its own parameters: maze, rooms,
-            maze+algorithm=eller+passage=3. Words that are not given are drawn.
+            maze+algorithm=eller+passage=3. Choices that are not given are drawn.
         ignitions: Places where fire breaks out.
-        ignite_at: Where: on the shortest path, anywhere, at the rim, or the first on the way and the
-            others anywhere.
-        ignite_cells: Cells where fire breaks out: drawn as the two above say, or given, such as
-            12:5,20:7.
+        ignite_at: Where: on the shortest path, anywhere, at the rim, or the first on the path and
+            the others anywhere.
+        ignite_cells: Cells where fire breaks out: drawn as the two parameters above say, or given,
+            such as 12:5,20:7.
         apart: Mean time from one fire to the next, s; 0: all break out at time 0.
-        spread: Mean time that fire takes from one cell of floor to the next, s.
-        scatter: Share by which times differ from their means.
-        wind: Share by which fire goes faster with the wind and slower against it.
-        wind_to: Where the wind blows to: quarter turns counter-clockwise from +x; if omitted,
-            drawn.
+        spread: Mean time that fire takes to spread from one cell of floor to the next, s.
+        scatter: Fraction by which times differ from their means.
+        wind: Fraction by which fire is faster with the wind and slower against it.
+        wind_to: Direction that the wind blows to: quarter turns counter-clockwise from +x; if
+            omitted, drawn.
         fuel: Share of the floor that has fuel; the rest never burns.
         grain: Cells across a patch without fuel; 1: single cells.
         burn: Mean time that a cell burns, s.
-        uneven: Share by which that mean differs from place to place.
-        spread_cells: Cells of floor that burn at most.
-        debris: Share of the burnt floor, off one way to the target, that falls shut when it is
-            burnt out.
+        uneven: Fraction by which that mean differs from place to place.
+        spread_cells: Limit on the cells of floor that burn.
+        debris: Share of the burnt floor, except on one path to the target, that debris blocks when
+            it has burnt out.
         clear: Mean time after which debris is cleared, s; 0: never.
-        burn_through: Places where a wall burns away and opens a passage, if fire gets near so many.
-        monotone: Nothing ever opens: all that burns falls shut for good, and no wall burns through.
+        burn_through: Places where a wall burns away and opens a passage, if fire gets near that
+            many.
+        monotone: Nothing ever opens: everything that burns is blocked for good, and no wall burns
+            through.
         margin: The robot may set out on its witness up to this much later and still arrive, s.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
 
     Raises:
-        InvalidParameter: If a number is out of range, or there is no such ground.
+        InvalidParameter: If a number is out of range, or no world fits ``over``.
 
     Source: fire spreads as in first-passage percolation: Hammersley and Welsh, "First-passage
         percolation,
@@ -125,7 +127,7 @@ def fire(
     if monotone and clear > 0.0:
         raise InvalidParameter(
             "conflict",
-            "clear={clear:g} s opens what fell shut, and monotone lets nothing open",
+            "clear={clear:g} s reopens what debris closed, and monotone lets nothing open",
             "leave one out",
             clear=clear,
         )
@@ -199,7 +201,7 @@ def _cells(text: str, plan: Plan) -> list[int]:
             raise InvalidParameter(
                 "cannot-burn",
                 "ignite_cells: cell {cell} is {what}",
-                "give one of floor that can burn",
+                "give a cell of floor that can burn",
                 cell=part.strip(),
                 what=what,
             )
@@ -225,10 +227,10 @@ def _spread(
         plan: The ground.
         embers: Where and when fire breaks out, ms.
         spread: Mean delay from cell to cell, s.
-        scatter: Largest difference of a delay from the mean, as a share of it.
-        wind: Share by which the wind shortens and lengthens delays.
+        scatter: Largest difference of a delay from the mean, as a fraction of it.
+        wind: Fraction by which the wind shortens and lengthens delays.
         wind_to: Direction of the wind, quarter turns, or ``CHOSEN``.
-        limit: Most cells that catch.
+        limit: Limit on the cells that catch.
         race: If nothing ever opens: seconds by which a robot may start late and must still get
             through. Otherwise ``None``.
     """
@@ -281,7 +283,7 @@ def _lasts(
         plan: The ground.
         burning: Cells that burn, in order.
         mean: Mean time, s.
-        uneven: Share by which heavy fuel burns longer than the mean, and light fuel shorter.
+        uneven: Fraction by which heavy fuel burns longer than the mean, and light fuel shorter.
         scatter: Largest difference of a cell from its mean, as a share of it.
     """
     stream = rng.child("burn")

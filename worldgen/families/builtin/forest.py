@@ -1,4 +1,4 @@
-"""Scatter round obstacles at random, with a least gap between any two."""
+"""Scatter round obstacles at random, with a minimum gap between any two."""
 
 from __future__ import annotations
 
@@ -48,27 +48,27 @@ def forest(
 ) -> World:
     """Build a forest of round trunks, with the start on one side and the target on the other.
 
-    There is a way between any two trunks, so a robot that goes around what it meets arrives; one
-    that turns by rote, or adds up repulsion from many sides, may not. No two trunks, and no trunk
-    and the border, are closer than the gap, which is exact between their cells: every target is
-    reachable, whatever is drawn. A trunk of random thickness is tried at each cell, in random
-    order, and stands if it keeps the gap.
+    There is a path between any two trunks, so a robot that goes around what it meets arrives; one
+    that turns by a fixed rule, or adds up repulsion from many sides, may not. No two trunks, and no
+    trunk and the border, are closer than the gap, which is exact between their cells, so every
+    target is reachable, whatever is drawn. A trunk of random thickness is tried at each cell, in
+    random order, and stands if it keeps the gap.
 
     Args:
-        rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included.
+        rng: The only source of randomness; equal state gives an equal world.
+        size: Cells per side, including the solid border.
         growth: even: equally dense everywhere; thickets: dense stands with clearings between;
-            rows: planted in rows, each set off against the next, a little out of line.
+            rows: planted in rows, each offset from the next, and slightly out of line.
         thinnest: Diameter of the thinnest trunks, cells.
         thickest: Diameter of the thickest trunks, cells; if omitted, drawn.
-        gap: Least gap between two trunks, and to the border, in widths of the robot.
-        density: Share of the trunks put down that stay.
+        gap: Minimum gap between two trunks, and to the border, in widths of the robot.
+        density: Fraction of the planted trunks that stay.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
 
     Raises:
-        InvalidParameter: If a number is out of range, or not one trunk fits.
+        InvalidParameter: If a number is out of range, or not even one trunk fits.
 
     Source: Poisson-disc sampling; Bridson, "Fast Poisson disk sampling in arbitrary dimensions",
         SIGGRAPH
@@ -83,7 +83,7 @@ def forest(
 
     diameters = range(thinnest, thickest + 1)
 
-    # Plant as many trunks as fit, then fell some of them again. For the same seed, a lower density
+    # Plant as many trunks as fit, then fell some of them. For the same seed, a lower density
     # therefore only removes trunks.
     places = _places(rng.child("places"), arena, growth, math.ceil(thickest + clear))
     kinds = (rng.child("kinds").bits(len(places)) % np.uint64(len(diameters))).astype(np.int64)

@@ -39,14 +39,14 @@ def junction(
 ) -> World:
     """Build narrow corridors that meet in one place, in which robots have to pass each other.
 
-    Two robots cannot pass in an arm. One of them has to enter an arm that it has no business in,
-    and let the other go by.
+    Two robots cannot pass in an arm. One of them has to enter an arm that is not on its path, and
+    let the other pass.
 
     Args:
         rng: The only source of randomness; equal state gives an equal world.
         size: Cells per side, including the solid border.
         robots: Number of robots; each starts in one arm and has its target in the arm straight
-            ahead; of T, in the other arm of the bar.
+            ahead; for T, in the other arm of the bar.
         shape: X: four arms; T: three arms.
         width: Width of the arms, cells; if omitted, the narrowest that lets a robot through.
         cell_size: Side of a cell, m.
@@ -83,7 +83,7 @@ def junction(
     top = size - 1 if shape == "X" else y + width
     walls[1:top, x : x + width] = False
 
-    # Robots come from opposite arms and want to the other side; a T has only one such pair.
+    # Robots come from opposite arms and want to reach the other side; a T has only one such pair.
     west = (1, y, x - 1, y + width - 1)
     east = (x + width, y, size - 2, y + width - 1)
     south = (x, 1, x + width - 1, y - 1)

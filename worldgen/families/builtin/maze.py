@@ -76,16 +76,17 @@ def maze(
     cells left over by the division into chambers widen some passages.
 
     Args:
-        rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included.
-        algorithm: wilson, aldous-broder: every maze equally likely; backtracker: long winding ways;
-            kruskal, prim: the lightest tree of random weights; for the others see the
-                documentation.
-        newest: Share of a growing tree's steps that continue from the newest chamber; if omitted,
-            half.
-        oldest: Share that continue from the oldest; if omitted, none. The rest continue from any.
+        rng: The only source of randomness; equal state gives an equal world.
+        size: Cells per side, including the solid border.
+        algorithm: wilson, aldous-broder: every maze is equally likely; backtracker: long winding
+            passages; kruskal, prim: the lightest tree of random weights; for the others see the
+            documentation.
+        newest: Fraction of a growing tree's steps that continue from the newest chamber; if
+            omitted, half.
+        oldest: Fraction that continue from the oldest; if omitted, none. The rest continue from any
+            chamber.
         mask: Shape of the maze; the rest of the square is rock.
-        braid: Share of the dead ends that get a second way out; 1 leaves none.
+        braid: Fraction of the dead ends that get a second exit; 1 leaves no dead end.
         rooms: Number of open rectangular rooms, each of 2 x 2 chambers or more.
         passage: Width of the passages, cells; if omitted, the narrowest that lets the robot
             through.
@@ -167,8 +168,8 @@ def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]
     if newest + oldest > 1.0:
         raise InvalidParameter(
             "above-maximum",
-            "newest={newest:g} and oldest={oldest:g} are more than the whole",
-            "give at most 1 in all",
+            "newest={newest:g} and oldest={oldest:g} add up to more than 1",
+            "give at most 1 in total",
             newest=newest,
             oldest=oldest,
         )

@@ -44,25 +44,25 @@ def rooms(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """Build one floor of an office: rooms, corridors and doors, start and target far apart.
+    """Build one floor of an office: rooms, corridors and doors, with start and target far apart.
 
-    A robot that is drawn to the target ends up behind the wall of the room next door, and must find
-    a door that it may have to go away for. Every room can be reached by construction, unless doors
-    are shut.
+    A robot that heads straight for the target ends up behind the wall of the room next door, and
+    must find a door, possibly by moving away from the target. Every room can be reached by
+    construction, unless doors are shut.
 
     Args:
-        rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included.
+        rng: The only source of randomness; equal state gives an equal world.
+        size: Cells per side, including the solid border.
         plan: wings: corridors branch off corridors; spine: one corridor across; suite: no corridor,
             rooms lead to rooms.
-        room: Least inner side of a room, cells; if omitted, drawn.
-        corridor: Width of the corridors, cells; if omitted, the narrowest that lets the robot and a
-            door's width through.
+        room: Minimum inner side of a room, cells; if omitted, drawn.
+        corridor: Width of the corridors, cells; if omitted, the narrowest that fits both the robot
+            and a door.
         door: Width of the doors, cells; if omitted, the narrowest that lets the robot through.
         wall: Thickness of the walls, cells.
-        shared: Share of the walls without need of a door that have one too: between two rooms, or a
-            second way into the corridor.
-        closed: Share of the doors that are shut; never those on one way to the target.
+        shared: Fraction of the walls that get a door without needing one: between two rooms, or as
+            a second entrance to the corridor.
+        closed: Fraction of the doors that are shut; never those on one path to the target.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
@@ -108,7 +108,7 @@ def _corridor_width(arena: Arena, plan: Style, corridor: int, door: int) -> int:
         raise InvalidParameter(
             "below-minimum",
             "corridor={corridor} is narrower than the doors, {door} cells",
-            "give at least {door}, or leave it out for that",
+            "give at least {door}, or omit it",
             corridor=corridor,
             door=door,
         )

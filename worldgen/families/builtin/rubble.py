@@ -62,23 +62,24 @@ def rubble(
 ) -> World:
     """Build a collapsed building in which the robot looks for a survivor in a pocket.
 
-    It comes in where the building still stands.
+    The robot enters where the building still stands. Walls are down in the ruined part, so there
+    are paths that the plan does not show; debris lies where they stood and blocks paths that the
+    plan does show. The survivor, the target, is in a pocket that debris encloses except for one
+    entrance.
 
-    Walls are down in the ruined part, so there are ways that no plan shows; debris lies where they
-    stood and bars ways that the plan has. The survivor, the target, is in a pocket that debris
-    closes but for one way in. That way is cleared from the start on, over as little debris as
-    possible and never through a wall that still stands: every world can be solved, whatever falls.
+    The path to it is cleared from the start, over as little debris as possible and never through a
+    wall that still stands: every world can be solved, whatever falls.
 
     Args:
-        rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included.
-        collapse: quake: ruined in patches all over; blast: ruined round one place; wing: ruined on
+        rng: The only source of randomness; equal state gives an equal world.
+        size: Cells per side, including the solid border.
+        collapse: quake: ruined in patches all over; blast: ruined around one place; wing: ruined on
             one side.
-        damage: Share of the building that is ruined.
-        debris: Share of the ruined floor that debris covers; it is thickest where walls fell.
-        room: Least inner side of a room, cells; if omitted, drawn.
+        damage: Fraction of the building that is ruined.
+        debris: Fraction of the ruined floor that debris covers; it is thickest where walls fell.
+        room: Minimum inner side of a room, cells; if omitted, drawn.
         wall: Thickness of the walls, cells.
-        pocket: Free cells around the survivor's own place, inside the debris; if omitted, drawn.
+        pocket: Free cells around the survivor, inside the debris; if omitted, drawn.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.

@@ -45,23 +45,23 @@ def shift(
 ) -> World:
     """Build a world of another family whose cells change places.
 
-    As the thesis's world shifter moves them. Again and again, with some chance, a cell drawn from
-    the whole square is swapped with its mirror image along the diagonal from the upper left to the
-    lower right: a wall goes from one side of it to the other. Two equal cells change nothing.
-    Unlike in the thesis's program, which moves the target and every cell's signal too, only walls
-    move, a swap of a cell that the target lies in is left out, and the first draw comes after one
-    interval, not at once.
+    This follows the thesis's world shifter. Repeatedly, with some probability, a random cell of the
+    whole square is swapped with its mirror image in the diagonal from the upper left to the lower
+    right: a wall moves from one side of it to the other. Swapping two equal cells changes nothing.
+    The thesis's program also moves the target and every cell's signal. Here only walls move, no
+    cell that the target overlaps is swapped, and the first draw comes after one interval, not
+    immediately.
 
     Args:
-        rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included.
+        rng: The only source of randomness; equal state gives an equal world.
+        size: Cells per side, including the solid border.
         over: Family whose world moves, with its own parameters: trap, rooms, trap+shape=U+depth=9.
-            Words that are not given are drawn.
+            Choices that are not given are drawn.
         interval: Time between two draws, s.
-        chance: Share of the draws that swap two cells.
-        speedup: How many times as often it draws at ``duration`` as at the start, and how many
-            times as large ``chance`` is then, at most 1; both rise evenly in between.
-        duration: Time after which all stays as it is, s.
+        chance: Fraction of the draws that swap two cells.
+        speedup: Factor by which the rate of draws and ``chance`` (at most 1) are larger at
+            ``duration`` than at the start; both rise linearly in between.
+        duration: Time after which nothing changes, s.
         margin: The robot may set out on its witness up to this much later and still arrive, s.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
@@ -141,7 +141,7 @@ def shifted(
 
 @dataclass(frozen=True)
 class _Pace:
-    """When draws come, and how many of them swap.
+    """The times of the draws, and the share of them that swap.
 
     Args:
         interval: Time between two draws at the start, s.
@@ -157,12 +157,12 @@ class _Pace:
 
     @property
     def draws(self) -> int:
-        """How many draws there are: the rate's integral over the duration."""
+        """Return the number of draws: the rate's integral over the duration."""
         mean = (1 + exact(self.speedup)) / 2
         return math.floor(mean * exact(self.duration) / exact(self.interval))
 
     def time(self, draw: int) -> float:
-        """Return when a draw comes, counted from 1, s: where the rate's integral reaches it."""
+        """Return the time, s, of a draw counted from 1: when the rate's integral reaches it."""
         gain = self.speedup - 1.0
         if gain == 0.0:
             return float(draw * exact(self.interval))

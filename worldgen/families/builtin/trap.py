@@ -42,7 +42,7 @@ Faces: TypeAlias = Literal["start", "target", "side"]
 Box: TypeAlias = tuple[int, int, int, int]
 Ranges: TypeAlias = tuple[tuple[int, int], tuple[int, int]]
 
-# Most quarter turns to draw for a spiral; a user may request more.
+# Limit on the quarter turns drawn for a spiral; a user may request more.
 MOST_TURNS = 8
 # Shapes that always have a passage on all sides.
 _LATER: tuple[Shape, ...] = ("V", "comb", "nested", "pair")
@@ -73,35 +73,36 @@ def trap(
 ) -> World:
     """Build an open arena with a concave obstacle on the straight line from start to target.
 
-    A robot that is drawn to the target runs into the hollow and must first go away from the target
-    to get round. There is a way around on both sides where the square has room for it, else on one.
+    A robot that heads straight for the target runs into the hollow and must first move away from
+    the target to get around. There is a path around on both sides if the square has room for it,
+    otherwise on one.
 
     Args:
-        rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included.
-        shape: U: a back wall and two arms; L: a back wall and one arm; spiral: a U whose one arm
-            winds on around it; V: two slanted arms; comb: a back wall with teeth; nested: U's in
-            each other's hollows; pair: a U, and another behind it, set off aside.
-        depth: Inner length of the arms, cells; of a spiral, the length of its innermost chamber, of
-            nested ones, of the innermost; if omitted, drawn.
-        mouth: Clear width of the opening, between the arms or along the back wall, cells; of a
-            spiral, of its whole winding corridor; between teeth, and between one U and the next; if
-            omitted, drawn.
+        rng: The only source of randomness; equal state gives an equal world.
+        size: Cells per side, including the solid border.
+        shape: U: a back wall and two arms; L: a back wall and one arm; spiral: a U with one arm
+            that keeps winding around it; V: two slanted arms; comb: a back wall with teeth; nested:
+            U's in each other's hollows; pair: a U, and another behind it, offset to the side.
+        depth: Inner length of the arms, cells; for a spiral, the length of its innermost chamber;
+            for nested U's, that of the innermost; if omitted, drawn.
+        mouth: Clear width of the opening, between the arms or along the back wall, cells; for a
+            spiral, of its whole winding corridor; also the gap between teeth, and between one U and
+            the next; if omitted, drawn.
         thickness: Thickness of the obstacle's walls, cells.
         turn: Where the mouth opens: quarter turns counter-clockwise from +x; if omitted, drawn.
-        turns: Quarter turns by which a spiral winds on beyond the U; if omitted, drawn.
+        turns: Quarter turns by which a spiral continues beyond the U; if omitted, drawn.
         parts: Teeth of a comb, or U's that are nested; if omitted, drawn.
-        angle: Degrees counter-clockwise by which the obstacle is turned beyond ``turn``; None (-1
-            at the command line): drawn.
-        faces: What lies before the mouth: the start, the target, or neither.
-        inside: Start in the hollow instead of before it.
+        angle: Degrees counter-clockwise by which the obstacle is turned in addition to ``turn``;
+            None (-1 on the command line): drawn.
+        faces: What the mouth faces: the start, the target, or neither.
+        inside: Start in the hollow instead of in front of it.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
 
     Raises:
-        InvalidParameter: If a number is out of range, or the square has no room for obstacle and
-            ways around.
+        InvalidParameter: If a number is out of range, or the square has no room for the obstacle
+            and the paths around it.
 
     Source: local minima of potential fields; Koren and Borenstein, "Potential field methods and
         their
@@ -143,7 +144,7 @@ def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _R
     Raises:
         InvalidParameter: If a number is out of range, or was given although it has no effect.
     """
-    # Find the least depth that keeps the obstacle in the robot's path.
+    # Find the smallest depth that keeps the obstacle in the robot's path.
     if inside and faces == "target":
         raise InvalidParameter(
             "no-effect",
@@ -201,7 +202,7 @@ def _draw_figure(
 ) -> TrapShape:
     """Draw the missing numbers in order, and return the obstacle.
 
-    Each number is drawn such that the least values of the remaining ones still fit.
+    Each number is drawn so that the smallest values of the remaining ones still fit.
 
     Raises:
         InvalidParameter: If the given numbers do not fit even with the least values of the rest.
@@ -220,7 +221,7 @@ def _draw_figure(
     def fits(number: int, mouth: int, depth: int) -> bool:
         return room_for(arena, figure(number, mouth, depth), degrees) is None
 
-    # Check that the least obstacle fits.
+    # Check that the smallest obstacle fits.
     asked = request.turns if request.shape == "spiral" else request.parts
     mouth = least if request.mouth == CHOSEN else request.mouth
     depth = least if request.depth == CHOSEN else request.depth
@@ -358,7 +359,7 @@ def _draw_to_fit(
 ) -> tuple[Shape, int, int, int, int]:
     """Draw the missing numbers in order, and return all of them.
 
-    Each number is drawn such that the least values of the remaining ones still fit.
+    Each number is drawn so that the smallest values of the remaining ones still fit.
 
     Returns:
         Shape, depth, mouth, thickness and turns.
@@ -373,7 +374,7 @@ def _draw_to_fit(
     def fits(turns: int, mouth: int, depth: int) -> bool:
         return _room(arena, _extents(shape, depth, mouth, thickness, turns), faces) is None
 
-    # Check that the least obstacle fits.
+    # Check that the smallest obstacle fits.
     least_turns = 1 if request.turns == CHOSEN else request.turns
     least_mouth = low if request.mouth == CHOSEN else request.mouth
     least_depth = low if request.depth == CHOSEN else request.depth
@@ -424,12 +425,12 @@ def _room(arena: Arena, extents: tuple[int, int], faces: Faces) -> str | None:
     if along + 2 * arena.narrowest > arena.inside:
         return (
             f"{along} cells and a passage of {arena.narrowest} on both sides are more than the "
-            f"{arena.inside} inside"
+            f"{arena.inside} cells inside"
         )
     if across + arena.narrowest > arena.inside:
         return (
-            f"{across} cells and a passage of {arena.narrowest} beside them are more than the "
-            f"{arena.inside} inside"
+            f"{across} cells and a passage of {arena.narrowest} next to them are more than the "
+            f"{arena.inside} cells inside"
         )
     return None
 

@@ -39,8 +39,8 @@ def warehouse(
 ) -> World:
     """Build rows of shelves with aisles for one robot, in which robots go from place to place.
 
-    Each aisle is open at both ends, so that a robot can make way, but only by going all the way
-    along it.
+    Each aisle is open at both ends, so that a robot can make way, but only by driving along its
+    whole length.
 
     Args:
         rng: The only source of randomness; equal state gives an equal world.
@@ -74,13 +74,13 @@ def warehouse(
             size=size,
             least=2 * aisle + shelf_depth + 2,
         )
-    # Shelves that were left open are a few times as long as an aisle is wide.
+    # If no length was given, shelves are a few times as long as an aisle is wide.
     if shelf_length == CHOSEN:
         low, high = (min(most, aspect * aisle) for aspect in SHELF_ASPECTS)
         shelf_length = plan.between(low, high)
     check_between("shelf_length", shelf_length, 1, most, "cells")
 
-    # As many shelves as fit; what is left over widens the aisle along one side.
+    # Place as many shelves as fit; the remaining space widens the aisle along one side.
     walls = arena.solid()
     walls[1:-1, 1:-1] = False
     columns = (arena.inside - aisle) // (shelf_length + aisle)

@@ -191,7 +191,7 @@ def delay(rng: RandomStream, mean: float, scatter: float = 0.5) -> int:
     Args:
         rng: The only source of randomness.
         mean: Mean time, s.
-        scatter: Largest difference from the mean, as a share of it.
+        scatter: Largest difference from the mean, as a fraction of it.
     """
     return max(
         1, rng.between(round(1000 * (1 - scatter) * mean), round(1000 * (1 + scatter) * mean))
@@ -277,8 +277,8 @@ def burn_over(
         embers: Where and when fire breaks out, ms.
         can_burn: Returns True for a cell that can burn.
         mean: Mean delay, s.
-        limit: Most cells that catch.
-        scatter: Largest difference of a delay from the mean, as a share of it.
+        limit: Limit on the cells that catch.
+        scatter: Largest difference of a delay from the mean, as a fraction of it.
         factors: Factors of the delay of fire that moves to +x, +y, -x and -y.
         held: Earliest times at which some cells may catch, ms.
         settled: If True, embers catch at their own time even if fire reaches them earlier.
@@ -322,7 +322,7 @@ def weak_walls(rng: RandomStream, plan: Plan, floor: Times, count: int) -> set[i
         rng: The only source of randomness.
         plan: The ground.
         floor: Times at which floor catches, ms.
-        count: Most slots to draw.
+        count: Limit on the slots to draw.
     """
     # List every possible slot, through vertical walls and, transposed, through horizontal ones.
     burnt = np.zeros(plan.walls.shape, dtype=np.bool_)
@@ -375,7 +375,7 @@ def _slots(
     if columns < 1:
         return
 
-    # At each place: a free square, solid cells to its right, and fire at either end of these.
+    # Find places with a free square, solid cells to its right, and fire at either end of these.
     free = free_windows(walls, side, side)
     solid = free_windows(~walls, thickness, side)[:, side:][:, :columns]
     touched = ~free_windows(burnt, 1, side)

@@ -29,7 +29,7 @@ class _Sets:
 def joining(pairs: list[tuple[int, int]], count: int) -> list[int]:
     """Return the positions of the pairs that form a spanning tree.
 
-    Each returned pair joins two sets that the pairs before it left apart.
+    Each returned pair joins two sets that the pairs before it left separate.
 
     Args:
         pairs: Pairs of numbers below ``count``, the preferred ones first.

@@ -30,7 +30,7 @@ class Sizes:
     """Hold the lengths of a floor plan.
 
     Args:
-        room: Least inner side of a room, cells.
+        room: Minimum inner side of a room, cells.
         corridor: Width of corridors, cells.
         door: Width of doors, cells.
         wall: Thickness of walls, cells.
@@ -122,8 +122,8 @@ def fit_sizes(
     if asked > most:
         raise InvalidParameter(
             "no-room",
-            "two rooms of {room} cells and the {between} cells between them are more than "
-            "the {inside} inside size={size}",
+            "two rooms of {room} cells and the {between} cells between them are more than the "
+            "{inside} cells inside size={size}",
             "give a size of at least {least}, or smaller rooms, walls or corridors",
             room=asked,
             between=beside,
@@ -173,7 +173,7 @@ def _corridors(
     Every corridor but the first ends at another one.
     """
     # The first cut needs only room for two rooms; later ones leave blocks alone that are small
-    # enough, and how small is drawn.
+    # enough; the limit is drawn.
     least = sizes.corridor + 2 * sizes.wall + 2 * sizes.room
     enough = max(least, sizes.corridor + 2 * sizes.wall + rng.between(2, 2 * ROOMY) * sizes.room)
     first_axis = rng.below(2)

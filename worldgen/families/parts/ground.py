@@ -50,7 +50,7 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
         if name in shared:
             raise InvalidParameter(
                 "not-of-the-ground",
-                "over={over}: {name} is the whole world's",
+                "over={over}: {name} belongs to the whole world",
                 "give it as a separate parameter",
                 over=over,
                 name=name,
@@ -58,7 +58,7 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
     if below.name == "maze":
         given.setdefault("braid", MAZE_BRAID)
     params = {name: value for name, value in shared.items() if name in below.defaults()} | given
-    if below.places_robots:  # the family that changes it places them
+    if below.places_robots:  # the family that changes this world places them
         params["robots"] = 1
 
     # Try all combinations of the choices that are not given, in random order. Some of them may need
@@ -99,7 +99,7 @@ def _parse(over: str) -> tuple[Family, dict[str, Value]]:
     if below.changes:
         raise InvalidParameter(
             "world-changes",
-            "over={over}: {family} changes by itself",
+            "over={over}: the worlds of {family} already change",
             "give one of {known!l}",
             over=over,
             family=below.name,
@@ -113,9 +113,8 @@ def _still(ground: World, over: str) -> World:
     if ground.is_dynamic:
         raise InvalidParameter(
             "world-changes",
-            "over={over}: its worlds change by themselves",
-            "give a family whose worlds stand still, and say changes=True where this one is "
-            "declared",
+            "over={over}: its worlds already change",
+            "give a family whose worlds do not change, and declare this one with changes=True",
             over=over,
         )
     return ground

@@ -73,7 +73,7 @@ class Arena:
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
-        most: Most cells per side.
+        most: Limit on the cells per side.
 
     Raises:
         InvalidParameter: If a number is out of range, or the robot does not fit between the walls.
@@ -134,7 +134,7 @@ class Arena:
             raise InvalidParameter(
                 "narrower-than-robot",
                 "{name}={width} is narrower than the robot, {robot_width:g} cells wide",
-                "give at least {narrowest}, or leave it out for the narrowest",
+                "give at least {narrowest}, or omit it for the narrowest",
                 name=name,
                 width=width,
                 robot_width=float(2 * self.radius),
@@ -215,7 +215,7 @@ def without_effect(name: str, value: int, setting: str) -> int:
 
 
 def spread_evenly(rng: RandomStream, spare: int, slots: int) -> list[int]:
-    """Distribute spare cells over slots as evenly as possible; chance decides who gets the rest."""
+    """Distribute spare cells over slots as evenly as possible, and the remainder at random."""
     each, rest = divmod(spare, slots)
     shares = [each + 1] * rest + [each] * (slots - rest)
     rng.shuffle(shares)
@@ -223,6 +223,6 @@ def spread_evenly(rng: RandomStream, spare: int, slots: int) -> list[int]:
 
 
 def spread_unevenly(rng: RandomStream, spare: int, slots: int) -> list[int]:
-    """Distribute spare cells over slots by random cuts: some slots get many, some none."""
+    """Distribute spare cells over slots by random cuts; some slots get many, others none."""
     cuts = [0, *sorted(rng.between(0, spare) for _ in range(slots - 1)), spare]
     return [high - low for low, high in pairwise(cuts)]

@@ -1,4 +1,4 @@
-"""Smooth noise in whole numbers, so that every machine gives the same."""
+"""Smooth noise in integers, so that every machine gives the same result."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def smooth_noise(rng: RandomStream, size: int, pitch: int) -> npt.NDArray[np.int
     """Return (size, size) heights that vary smoothly.
 
     Heights are random at the points of a lattice, and interpolated bilinearly between them. The
-    result is not divided by ``pitch ** 2``: only sums and products of whole numbers are exact.
+    result is not divided by ``pitch ** 2``: only sums and products of integers are exact.
 
     Args:
         rng: The only source of randomness.

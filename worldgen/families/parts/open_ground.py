@@ -34,11 +34,11 @@ __all__ = [
 Grid: TypeAlias = npt.NDArray[np.bool_]
 Numbers: TypeAlias = npt.NDArray[np.int32]
 
-# Least distance from start to target, as a fraction of the longest path from the start. The second
-# one is used if the first gives no target out of sight.
+# Minimum distance from start to target, as a fraction of the longest path from the start. The
+# second one is used if the first gives no target out of sight.
 FAR = (4, 5)
 LESS_FAR = (1, 2)
-# Targets to draw until one is out of sight; then this many again, less far away.
+# Number of targets to draw until one is out of sight; then this many again, closer to the start.
 _TRIES = 24
 
 
@@ -180,7 +180,7 @@ def _far(
         windows: (rows, columns) bool, free places.
         begin: The place to measure from, flat.
         within: (rows, columns) bool, allowed places; ignored if none can be reached.
-        shares: Least distances, as fractions of the longest path from ``begin``.
+        shares: Minimum distances, as fractions of the longest path from ``begin``.
     """
     steps, order = steps_from(windows, begin)
     if within is not None:

@@ -27,11 +27,11 @@ from worldgen.world import Pose, Robot, Target, World
 __all__ = ["Box", "PlacedEnds", "place_in_boxes", "place_robots"]
 
 _HALF = UNIT // 2
-# Cells that robots keep between their discs, if there is room; else they may touch.
+# Cells that robots keep between their discs, if there is room; otherwise they may touch.
 _GAP = 1
-# Placements that are tried before the room is called too small: greedy draws can block each other.
+# Placements to try before giving up: greedy draws can block each other.
 _TRIES = 20
-# Targets drawn of which the farthest is taken: robots with short paths seldom meet.
+# Number of targets drawn, of which the farthest is taken: robots with short paths seldom meet.
 _DRAWS = 4
 
 Box: TypeAlias = tuple[int, int, int, int]
@@ -46,11 +46,11 @@ class PlacedEnds(NamedTuple):
 
 
 class _Room:
-    """The places where a robot fits, and how far each is from those that are taken.
+    """The places where a robot fits, and the distance of each from the taken ones.
 
     Args:
         places: (n, 2) int64, half cells.
-        radius: Of the robots, cells.
+        radius: Radius of the robots, cells.
     """
 
     def __init__(self, places: npt.NDArray[np.int64], radius: Fraction) -> None:
@@ -83,11 +83,11 @@ def place_robots(world: World, rng: RandomStream, count: int, owner: str) -> Wor
     Args:
         world: A world of one robot.
         rng: The only source of randomness.
-        count: Robots in all.
+        count: Total number of robots.
         owner: Name of the family, for the error message.
 
     Raises:
-        InvalidParameter: If there is no room for so many robots.
+        InvalidParameter: If there is no room for that many robots.
     """
     first = PlacedEnds(
         (_halves(world.start.x, world), _halves(world.start.y, world)),
@@ -99,8 +99,8 @@ def place_robots(world: World, rng: RandomStream, count: int, owner: str) -> Wor
     try:
         placed = _draw_ends(never, radius, rng.child("safe"), boxes, [first], owner)
     except InvalidParameter:
-        # Where nearly every cell changes, only what is solid at first counts. The proof
-        # decides later whether the robots are safe.
+        # If nearly every cell changes, only cells that are solid at first count. The proof decides
+        # later whether the robots are safe.
         if not world.is_dynamic:
             raise
         placed = _draw_ends(world.walls, radius, rng.child("bold"), boxes, [first], owner)
@@ -110,7 +110,7 @@ def place_robots(world: World, rng: RandomStream, count: int, owner: str) -> Wor
 def place_in_boxes(
     world: World, rng: RandomStream, boxes: Sequence[tuple[Box, Box]], owner: str
 ) -> World:
-    """Return a world with a robot for each pair of boxes, from the one to the other.
+    """Return a world with a robot for each pair of boxes, from one to the other.
 
     Args:
         world: A world whose own robot gives size and speed; its start and target are replaced.
@@ -119,7 +119,7 @@ def place_in_boxes(
         owner: Name of the family, for the error message.
 
     Raises:
-        InvalidParameter: If there is no room for so many robots.
+        InvalidParameter: If there is no room for that many robots.
     """
     placed = _draw_ends(world.walls, radius_in_cells(world), rng, boxes, [], owner)
     robots = [_robot(world, ends) for ends in placed]
@@ -144,7 +144,7 @@ def _draw_ends(
             clear = flood(graph, np.array([node], np.int64))
     rows, columns = np.divmod(np.flatnonzero(clear), graph.stride)
     places = np.stack([columns, rows], axis=1)
-    # Draw all robots anew in each try, because the first ones may leave no room for the others.
+    # Draw all robots again in each try, because the first ones may leave no room for the others.
     most = 0
     for _ in range(_TRIES):
         rooms = (_Room(places, radius), _Room(places, radius))
@@ -162,7 +162,7 @@ def _draw_ends(
             return ends[len(before) :]
     raise InvalidParameter(
         "too-many-robots",
-        "{family}: room was found for {placed} robots, not for robots={robots}",
+        "{family}: only {placed} robots fit, not robots={robots}",
         "give fewer or smaller robots, or a larger size",
         family=owner,
         placed=most,
@@ -192,7 +192,7 @@ def _halves(metres: float, world: World) -> int:
 
 
 def _robot(world: World, ends: PlacedEnds) -> Robot:
-    """Return a robot like the world's own, which looks along the axis nearest to its target."""
+    """Return a robot like the world's own, facing along the axis nearest to its target."""
     dx = ends.target[0] - ends.start[0]
     dy = ends.target[1] - ends.start[1]
     quarter = (0 if dx >= 0 else 2) if abs(dx) >= abs(dy) else (1 if dy > 0 else 3)

@@ -1,4 +1,4 @@
-"""Place discs at random until no more fit, with a least gap between any two."""
+"""Place discs at random until no more fit, with a minimum gap between any two."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def _halo(cells: npt.NDArray[np.int64], gap: Fraction) -> npt.NDArray[np.int64]:
 
     Args:
         cells: (n, 2) rows (dx, dy) of the disc.
-        gap: Least distance to keep, cells.
+        gap: Minimum distance to keep, cells.
     """
-    # Whole numbers whose squares are below gap * gap have squares of at most this.
+    # The largest square of an integer below gap * gap.
     limit = math.ceil(gap * gap) - 1
     reach = math.isqrt(limit) + 1
     rows = {
@@ -44,7 +44,7 @@ def _halo(cells: npt.NDArray[np.int64], gap: Fraction) -> npt.NDArray[np.int64]:
         for dx in [cells[cells[:, 1] == dy, 0]]
     }
 
-    # For each row, join the spans that the disc's rows bar there. They all contain the disc's
+    # For each row, join the spans that the disc's rows block there. They all contain the disc's
     # middle column, so their union has no gaps.
     pieces = []
     for y in range(min(rows) - reach, max(rows) + reach + 1):
@@ -73,7 +73,7 @@ def plant(
         places: (m, 2) columns and rows of the discs' centres, in the order of the attempts.
         kinds: (m,) diameter of each disc, as an index into ``diameters``.
         diameters: Diameters, cells; :func:`disc_cells` defines the discs.
-        gap: Least distance between the cells of two discs, cells.
+        gap: Minimum distance between the cells of two discs, cells.
 
     Returns:
         (m,) bool, True where a disc was placed.
@@ -98,7 +98,7 @@ def put_down(
     cells: list[npt.NDArray[np.int64]],
     halos: list[npt.NDArray[np.int64]],
 ) -> npt.NDArray[np.bool_]:
-    """Visit places in turn, and place an object wherever none of its cells is barred.
+    """Visit places in turn, and place an object wherever none of its cells is blocked.
 
     Args:
         barred: (rows, columns) uint8, 1 where no object's cell may be; every placed object adds its
@@ -106,7 +106,7 @@ def put_down(
         places: (m,) flat cells to try, in order.
         kinds: (m,) kind of the object to try at each place.
         cells: Flat offsets of the cells of each kind.
-        halos: Flat offsets of the cells that an object of each kind bars.
+        halos: Flat offsets of the cells that an object of each kind blocks.
 
     Returns:
         (m,) bool, True where an object was placed.

@@ -1,4 +1,4 @@
-"""Turn polygons by any angle and rasterise them, in whole numbers that no machine rounds."""
+"""Turn polygons by any angle and rasterise them in integers, the same on every machine."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def bounds(polygons: Sequence[Polygon]) -> tuple[int, int, int, int]:
 
 
 def extents(polygons: Sequence[Polygon]) -> tuple[int, int]:
-    """Return the most columns and rows that :func:`fill` can need.
+    """Return an upper bound on the columns and rows that :func:`fill` needs.
 
     The result holds wherever the polygons are relative to the cells.
     """

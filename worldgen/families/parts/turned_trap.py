@@ -66,7 +66,7 @@ class TrapShape:
     flipped: bool = False
 
     def extents(self, degrees: int) -> tuple[int, int]:
-        """Return the most columns and rows that the turned obstacle can need.
+        """Return an upper bound on the columns and rows of the turned obstacle.
 
         They grow with each of its lengths, so a search for the largest obstacle can use halving.
         """
@@ -205,7 +205,7 @@ def room_for(arena: Arena, figure: TrapShape, degrees: int) -> str | None:
         if length + 2 * arena.narrowest > arena.inside:
             return (
                 f"{length} cells and a passage of {arena.narrowest} on both sides are more than "
-                f"the {arena.inside} inside"
+                f"the {arena.inside} cells inside"
             )
     return None
 

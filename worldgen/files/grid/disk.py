@@ -49,7 +49,7 @@ def read_world(path: str | PathLike[str]) -> World:
     try:
         with Path(path).open("rb") as stream:
             data = _read_up_to(stream, MAX_FILE_BYTES)
-    # The latter is Windows's error for both.
+    # Windows raises the latter for both.
     except (NotADirectoryError, FileNotFoundError) as error:
         place = archive_in(Path(path))
         if place is None:
@@ -112,7 +112,7 @@ def unpack_world(member: Member, source: str) -> World:
 
 def _read_archived(archive: Path, name: str, source: str) -> World:
     for member in members(archive):
-        # tar writes ./w.grid for a folder that is packed as . (a dot).
+        # tar writes ./w.grid for a folder that is packed as ``.``.
         if PurePosixPath(member.name).as_posix() == name:
             return unpack_world(member, source)
     raise FormatError(
@@ -199,7 +199,7 @@ def _expand(data: bytes, source: str) -> bytes:
     except (OSError, zlib.error) as error:
         message = Message(
             "damaged-file",
-            "no sound gzip data: {reason}",
+            "not valid gzip data: {reason}",
             "copy the file again, or name it without .gz",
             reason=str(error),
         )
@@ -217,7 +217,7 @@ def _expand(data: bytes, source: str) -> bytes:
 
 
 def _read_up_to(stream: _SupportsRead, limit: int) -> bytes | None:
-    """Return a whole stream, or nothing if it exceeds ``limit``, since a device may never end."""
+    """Return a whole stream, or None if it exceeds ``limit``, because a device may never end."""
     pieces: list[bytes] = []
     left = limit
     while piece := stream.read(_PIECE):

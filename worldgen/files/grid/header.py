@@ -63,7 +63,7 @@ class Header:
             self.data: dict[str, Any] = tomllib.loads(text)
         except (
             ValueError
-            # TOMLDecodeError, or the refusal of int() to read thousands of digits.
+            # TOMLDecodeError, or int() refusing to read thousands of digits.
         ) as error:
             self._fail_toml(str(error))
 
@@ -136,7 +136,7 @@ class Header:
         depth = dots = 0
         for token in _TOKEN.finditer(self._text):
             kind = token.lastgroup
-            # tomllib reports the fault, and reads no further.
+            # tomllib reports the fault and stops reading.
             if kind in (
                 "unclosed",
                 "unclosed_long",

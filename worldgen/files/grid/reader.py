@@ -1,4 +1,4 @@
-"""Parse bytes strictly into a world: every fault is one :class:`FormatError` with its line."""
+"""Parse bytes strictly into a world: each fault raises one :class:`FormatError` with its line."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ __all__ = ["loads"]
 
 _CARRIAGE_RETURN = Message(
     "carriage-return",
-    "a carriage return (CR); lines end with LF alone",
+    "a carriage return (CR); lines end with LF only",
     "convert the file, e.g. with dos2unix",
 )
 
@@ -105,7 +105,7 @@ def loads(data: bytes, source: str | None = None) -> World:
             cells.walls, first.start, first.target, cell_size, first.radius, first.speed,
             timeline, certificate, provenance, failure, tuple(robots[1:]),
         )  # fmt: skip
-    # An impossible number, or robots that cannot be together.
+    # An impossible number, or robots that overlap.
     except InvalidWorld as error:
         line = _line_of_fault(header, cells, error.facts, fleet=file.is_fleet)
         raise FormatError.of(error.message, line=line, source=source) from error
@@ -183,7 +183,7 @@ def _header_end(file: _File) -> int:
 
 
 def _first_line_fault(file: _File) -> FormatError:
-    # Tell the commonest mistakes apart, so that the remedy fits.
+    # Distinguish the most common mistakes, so that the remedy fits.
     first = file.data[:200].split(b"\n")[0]
     text = first.decode("utf-8", "replace")
     way_out = "the first line is `{magic}`"
@@ -272,7 +272,7 @@ def _split(file: _File, at: int) -> dict[str, Block]:
 
 
 def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, Block]) -> str:
-    # Name the commonest mistake, so that the remedy fits.
+    # Name the most common mistake, so that the remedy fits.
     text = file.data[at : at + 200 if stop < 0 else min(stop, at + 200)].decode("utf-8", "replace")
     name = text[1:]
     if name not in SECTIONS:
@@ -323,7 +323,7 @@ def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Tar
             raise header.missing(
                 Message(
                     "missing-key",
-                    "the header has no {key} and no cell is marked {letter}",
+                    "the header has no {key}, and no cell is marked {letter}",
                     "add one of the two",
                     key=key,
                     letter=letter,
@@ -332,7 +332,7 @@ def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Tar
         if mark is not None and key in header.data:
             message = Message(
                 "conflict",
-                "a cell is marked {letter}, and the header has {key}",
+                "a cell is marked {letter}, but the header has {key}",
                 "remove one of the two",
                 letter=letter,
                 key=key,
@@ -409,7 +409,7 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
         message = Message(
             "out-of-range",
             "%timeline: {name} is {time}",
-            "a change comes at {latest:g} s at the latest",
+            "changes happen at {latest:g} s at the latest",
             name="time",
             time=times[row],
             latest=LATEST,
@@ -457,7 +457,7 @@ def _certificate(header: Header, blocks: dict[str, Block], robots: int) -> Certi
 
 
 def _joint_witness(block: Block, clearances: tuple[float, ...]) -> JointWitness:
-    """Return the paths of all robots: lines of the first robot, then of the second, and so on."""
+    """Return the paths of all robots; the lines are ordered by robot."""
     numbers, times, x, y = read_columns(block, FLEET_WITNESS)
     robots = len(clearances)
 

@@ -147,7 +147,7 @@ def _strange_key(key: str, *, fleet: bool) -> Message:
     if not fleet and key == "robot":
         return Message(
             "other-version",
-            "[[robot]] tables are of version 2, and this file is of version 1",
+            "[[robot]] tables belong to version 2, and this file has version 1",
             "begin it with `{magic}`",
             magic=FLEET_MAGIC,
         )
@@ -184,7 +184,7 @@ def read_robots(header: Header) -> list[Robot]:
     if len(tables) < 2:
         message = Message(
             "one-robot",
-            "version 2 with {count} robots; a file of one robot is of version 1",
+            "version 2 with {count} robots; a file of one robot has version 1",
             "write version 1: begin it with `{magic}`, with start, target, robot_radius and "
             "robot_speed above the first [table]",
             count=len(tables),
@@ -349,7 +349,7 @@ def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | Non
         if "robot" in table:
             message = Message(
                 "conflict",
-                'kind = "witness", and [certificate] has a robot; a witness is about all of them',
+                'kind = "witness", and [certificate] has a robot; a witness covers all of them',
                 "remove `robot`",
             )
             raise header.fault(message, "certificate", "robot")

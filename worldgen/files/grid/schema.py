@@ -55,7 +55,7 @@ MAGIC: Final = "%worldgen-grid 1"
 # Several robots.
 FLEET_MAGIC: Final = "%worldgen-grid 2"
 END: Final = "end"
-# In this order, each at most once.
+# In this order; each occurs at most once.
 SECTIONS: Final = ("cells", "timeline", "witness", "cut", END)
 
 SOLID: Final = "#"
@@ -94,11 +94,11 @@ OPTIONAL_KEYS: Final = frozenset(
     {"robot", "robot_speed", "speed", "params", "metrics", "parameters", "evidence", "details"}
 )
 
-# A header is a few pages at most; TOML takes 100 times its size in memory.
+# A header has a few pages at most; parsing TOML takes 100 times its size in memory.
 MAX_HEADER_BYTES: Final = 1 << 20
 # The largest world, 20000 x 20000, takes 382 MiB.
 MAX_FILE_BYTES: Final = 512 << 20
-# deflate can reach 1032; more than this is a bomb, or an empty plain.
+# deflate can reach 1032; more than this is a decompression bomb, or an empty plain.
 EXPANSION_RATIO: Final = 1000
 # Bytes that any compressed file may expand to.
 EXPANSION_FLOOR: Final = 64 << 20

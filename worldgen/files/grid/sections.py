@@ -63,7 +63,7 @@ def read_cells(block: Block) -> CellBlock:
         FormatError: If there are no rows, too many, too long ones, ones of different length, an
             invalid character, or a second start or target.
     """
-    # Look at the sizes first, because they bound everything else.
+    # Check the sizes first, because they bound everything else.
     data = block.data
     begin = block.begin
     end = block.end
@@ -125,7 +125,7 @@ def _check_rows(block: Block, width: int) -> None:
     """
     at = block.begin
     row = 0
-    # Check one row after another, the commonest faults first.
+    # Check one row after another, the most common faults first.
     while at < block.end:
         stop = block.data.index(b"\n", at)
         length = stop - at
@@ -282,7 +282,7 @@ def _strange_line(block: Block, section: LineSection, at: int, row: int) -> Form
         Message(
             "wrong-form",
             "%{section}: {came!q} is not `{form}`, words with one space between them",
-            "write it like `{example}`",
+            "write it as in `{example}`",
             section=section.name,
             came=line,
             form=section.form,

@@ -1,9 +1,9 @@
 """Judge the maps and generators of other projects.
 
-What a disc can reach in them, and what only a point on the grid can. Contents:
+It finds what a disc can reach in them, and what only a point on the grid can reach. Contents:
     take_census, Census, Question (``take``): asks every map at every radius and keeps the answers.
-    CensusMap, Ends, Refused (``case``): a map that the census reads, and a file that it could not read.
-    Radius (``case``): in m or in cells of whatever map comes.
+    CensusMap, Ends, Refused (``case``): a map that the census reads, and a file that it could not
+    read. Radius (``case``): in m or in cells of whatever map comes.
     folder_maps (``folders``): the maps in files and folders.
     generated_maps (``generators``): the maps of a third-party generator, through a function.
     Tally, tally (``report``): counts and intervals for each radius.

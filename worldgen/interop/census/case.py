@@ -39,7 +39,7 @@ class Radius:
 
     Args:
         value: The number.
-        cells: Whether it counts cells rather than m.
+        cells: True if it counts cells rather than m.
     """
 
     value: float
@@ -132,7 +132,7 @@ def cell_ends(
         start: Column and row; row 0 is the lowest.
         target: Same as above.
         cell_size: m.
-        named: Whether the map names them.
+        named: True if the map names them.
     """
     half = lattice_to_metres(UNIT // 2, cell_size)
     at = cell_centre(*start, cell_size)
@@ -161,14 +161,14 @@ def draw_ends(
 
     Args:
         case: The map.
-        pairs: How many pairs to draw.
+        pairs: Number of pairs to draw.
         rng: The only source of randomness.
         clear_for: Radius, cells, of a disc that must be clear at the centres of both cells, if any.
 
     Raises:
         InvalidParameter: If there are no two such cells.
     """
-    # Ends are free cells, with room for the disc if that is wanted.
+    # Ends are free cells, with room for the disc if requested.
     free = ~case.walls
     if clear_for is not None:
         free &= _clear_centres(case.walls, clear_for)

@@ -30,7 +30,7 @@ class FolderMaps:
         scenarios: MovingAI scenario files by the name of the map that they are for, each with its
             number of problems.
         refused: Files that end in ``.scen`` but are not scenario files.
-        passed_over: How many files in folders do not look like a map.
+        passed_over: Number of files in folders that do not look like a map.
         pairs: Problems to take of a map's scenarios.
         seed: Seed of the draw.
         options: Options for reading the files, such as the cell size.
@@ -105,9 +105,9 @@ def folder_maps(
     Each file is read only when the result is iterated.
 
     Args:
-        paths: Files, and folders, which are searched with their subfolders. In a folder a file counts by its
-            contents or by its name's ending; a file named itself always counts.
-        pairs: How many problems to take from a map's scenario files, if it has any.
+        paths: Files, and folders, which are searched with their subfolders. In a folder a file
+            counts by its contents or by its name's ending; a file named itself always counts.
+        pairs: Number of problems to take from a map's scenario files, if it has any.
         seed: Seed of the draw.
         options: Settings that the files leave open; each applies to the formats that have it.
 
@@ -134,7 +134,7 @@ def folder_maps(
         raise InvalidParameter(
             "no-map-found",
             "{paths!l}: holds no map",
-            "`worldgen formats` lists what a map can be",
+            "`worldgen formats` lists the formats that a map can have",
             at_terminal=True,
             paths=list(paths),
         )
@@ -166,7 +166,7 @@ def _own_ends(found: ForeignMap) -> tuple[Ends, ...]:
     if found.world is not None:
         if found.world.is_dynamic:
             raise InvalidParameter(
-                "world-changes", "the world changes with time; a census judges still maps"
+                "world-changes", "the world changes with time; a census judges static maps"
             )
         return (Ends(found.world.start, found.world.target),)
     if found.start is None or found.target is None:

@@ -69,7 +69,7 @@ class GeneratedMaps:
     Args:
         name: Name of the function, as the user gave it.
         function: The function itself.
-        count: How many maps to take.
+        count: Number of maps to take.
         seed: Passed to the function.
         options: More keywords to pass to the function.
         cell_size: Side of a cell, m, of maps without units.
@@ -149,7 +149,7 @@ def generated_maps(
 
     Args:
         name: ``./file.py:function`` or ``package.module:function``.
-        count: How many maps to take.
+        count: Number of maps to take.
         seed: Passed to the function.
         options: More keywords of the function, as text; each is converted to its default's type.
         cell_size: Side of a cell, m, of maps without units.
@@ -165,7 +165,7 @@ def generated_maps(
     except (TypeError, ValueError) as error:
         raise InvalidParameter(
             "no-signature",
-            "generator {name!r} does not say what it takes",
+            "the parameters of generator {name!r} cannot be determined",
             "wrap it in a function",
             name=name,
         ) from error
@@ -210,7 +210,7 @@ def _converted(
             raise InvalidParameter(
                 "wrong-type",
                 "option {option}={text!r} is not {kind}",
-                "give one like {default}",
+                "give one such as {default}",
                 option=key,
                 text=text[:40],
                 kind=kind,
@@ -227,8 +227,8 @@ def _walls(given: Any) -> npt.NDArray[np.bool_]:
     if array.ndim != 2 or array.dtype.kind not in "biu":
         raise InvalidParameter(
             "wrong-shape",
-            "walls of shape {shape} and type {dtype} came",
-            "they have two axes of bool, True where solid",
+            "the walls have shape {shape} and type {dtype}",
+            "they must have two axes and type bool, True where solid",
             shape=array.shape,
             dtype=str(array.dtype),
         )
@@ -256,7 +256,7 @@ def _cell(what: str, cell: Any, walls: npt.NDArray[np.bool_]) -> tuple[int, int]
     if not (0 <= row < height and 0 <= column < width):
         raise InvalidParameter(
             "outside-grid",
-            "{what} ({row}, {column}) lies outside the {height} rows and {width} columns",
+            "{what} ({row}, {column}) is outside the {height} rows and {width} columns",
             what=what,
             row=row,
             column=column,

@@ -24,9 +24,9 @@ ROWS = {
     "reachable": "reachable for the disc",
     "blocked": "blocked for the disc",
     "no_room": "  no room for it at the start or the target",
-    "four_only": "  4-connected path on the grid all the same",
+    "four_only": "  4-connected path on the grid anyway",
     "four_parted": "    with room at both ends",
-    "eight_only": "  8-connected path on the grid all the same",
+    "eight_only": "  8-connected path on the grid anyway",
     "eight_parted": "    with room at both ends",
     "undecided": "undecided, or certificate refused",
 }
@@ -46,8 +46,8 @@ class Tally:
 
     Args:
         asked: The radius as the user gave it.
-        questions: How many questions there are.
-        counts: How many questions belong to each row of :data:`ROWS`.
+        questions: Number of questions.
+        counts: Number of questions in each row of :data:`ROWS`.
         radius: Smallest and largest radius, m.
         radius_in_cells: Smallest and largest radius, cells.
         seconds: Time spent in prover and checker.

@@ -41,7 +41,7 @@ class CensusOptions:
         radii: Radii of the robot.
         pairs: Starts and targets to draw on a map that names none.
         seed: Seed of the draw.
-        clear_ends: Whether to draw pairs only where the largest disc has room.
+        clear_ends: True to draw pairs only where the largest disc has room.
     """
 
     radii: tuple[Radius, ...] = DEFAULT_RADII
@@ -57,7 +57,7 @@ class CensusCase:
     Args:
         map: Name of the map.
         pair: Number of the pair in its map, from 0.
-        named: Whether the map names them.
+        named: True if the map names them.
         asked: The radius as the user gave it, in m or in cells.
         radius: The same radius in m.
         width: Cells.
@@ -65,11 +65,11 @@ class CensusCase:
         cell_size: m.
         result: The prover's answer about the disc.
         proved: True if the checker confirms the certificate.
-        room: Whether the disc is clear at the start and at some pose of the target; False only if
+        room: True if the disc is clear at the start and at some pose of the target; False only if
             proved.
-        four: Whether a path exists between cells that share a side.
-        eight: Whether a path exists that may also move between cells that share a corner, past
-            whatever is next to it.
+        four: True if a path exists between cells that share a side.
+        eight: True if a path exists that may also move between cells that share a corner, no matter
+            what is next to that corner.
         seconds: Time spent in prover and checker.
     """
 
@@ -102,7 +102,7 @@ class Census:
         options: The questions asked about every map.
         questions: The questions with their answers, in the order of the maps.
         refused: Maps that could not be judged.
-        maps: How many maps were judged.
+        maps: Number of maps that were judged.
         interrupted: True if Ctrl-C ended the census.
         fault: Message of the error in a source that ended the census; empty if there was none.
     """

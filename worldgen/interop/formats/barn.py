@@ -78,15 +78,15 @@ def write_barn(world: World, destination: Destination) -> Exported:
     notes = [
         f"in the challenge's run.py: INIT_POSITION = [{x}, {y}, {decimal(world.start.heading)}], "
         f"GOAL_POSITION = [{goal[0]}, {goal[1]}]",
-        "posts are round: between them, and at walls' corners, there is more room than in the "
-        "world's square cells",
+        "posts are round, so there is more room between them, and at the corners of walls, than "
+        "between the world's square cells",
     ]
     if len(posts) > _MANY:
         notes.append(
             Note(
                 "many-posts",
                 "{count} posts: Gazebo takes long to load them",
-                "--to sdf has fewer, larger boxes",
+                "--to sdf writes fewer, larger boxes",
                 at_terminal=True,
                 count=len(posts),
             )

@@ -120,7 +120,7 @@ def _box(table: YamlTable, low: tuple[Fraction, Fraction]) -> RasterBox:
     kind = table.word("type") if "type" in table else "nothing"
     if kind != "box":
         message = Message(
-            "unsupported", "an obstacle of type {kind!q} is not read; boxes are", kind=kind
+            "unsupported", "an obstacle of type {kind!q} cannot be read; only boxes can", kind=kind
         )
         raise FormatError.of(message, line=table.line, source=table.source)
     x, y = _pair(table, "center")
@@ -135,7 +135,7 @@ def _robot(table: YamlTable, low: tuple[Fraction, Fraction]) -> ForeignRobot:
     if not re.match(r"unicycle|integrator", kind):
         message = Message(
             "unsupported",
-            "a robot of type {kind!q} is not a disc, so it is not read",
+            "a robot of type {kind!q} is not a disc, so it cannot be read",
             "give one of the unicycle types, such as {known}",
             kind=kind,
             known=_TYPE,
@@ -184,7 +184,7 @@ def _lines(world: World, destination: Destination) -> Iterator[str]:
     side = exact(world.cell_size)
     x, y = (exact(value) for value in destination.origin)
     high = [decimal_text(x + world.width * side), decimal_text(y + world.height * side)]
-    yield "# A world of worldgen for db-CBS; m, rad."
+    yield "# A world made by worldgen for db-CBS; m, rad."
     yield "environment:"
     yield f"  min: [{destination.x(0.0)}, {destination.y(0.0)}]"
     yield f"  max: [{high[0]}, {high[1]}]"

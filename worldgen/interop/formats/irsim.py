@@ -47,9 +47,9 @@ def write_irsim(
     Args:
         world: The world.
         destination: Where the file is written.
-        walls: Whether the walls are rectangles or pixels of an obstacle map.
+        walls: How to store the walls: as rectangles, or as pixels of an obstacle map.
         robot: IR-SIM's kinematics.
-        lidar: Whether the robot has a lidar with 257 beams over a full turn (the last one equals
+        lidar: True to give the robot a lidar with 257 beams over a full turn (the last one equals
             the first) and a range of 10 m.
         step_time: Length of IR-SIM's step, s.
     """
@@ -77,7 +77,7 @@ def _world(
     world: World, destination: Destination, picture: str | None, step_time: float
 ) -> Iterator[str]:
     side = exact(world.cell_size)
-    yield "# A world of worldgen for IR-SIM; m, rad, s."
+    yield "# A world made by worldgen for IR-SIM; m, rad, s."
     yield "world:"
     yield f"  width: {decimal_text(world.width * side)}"
     yield f"  height: {decimal_text(world.height * side)}"
@@ -158,8 +158,8 @@ def _notes(world: World, picture: str | None, step_time: float) -> Iterator[str]
     step = world.robot_speed * step_time
     if step > world.cell_size:
         yield (
-            f"at {world.robot_speed:g} m/s IR-SIM moves {step:g} m a step and looks for collisions "
-            f"at its end only: "
+            f"at {world.robot_speed:g} m/s IR-SIM moves {step:g} m per step and checks for "
+            f"collisions only at its end: "
             f"the robot can pass walls of {world.cell_size:g} m; a smaller step_time helps"
         )
     if picture is not None:

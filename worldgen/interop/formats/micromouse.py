@@ -30,7 +30,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["micromouse", "read_micromouse", "write_micromouse"]
 
-# Large enough for 700 squares a side; a contest's maze has 32.
+# Large enough for 700 squares per side; a contest's maze has 32.
 _MOST_BYTES = 4 << 20
 _POSTS = (b"o", b"+")
 _PARTS = {b"---": True, b"   ": False, b"|": True, b" ": False}
@@ -109,8 +109,7 @@ def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
             form = "| or a blank" if row % 2 else "a post, o,"
             raise FormatError(
                 "wrong-form",
-                "{came!q} in column {column} where {form} belongs; posts stand four characters "
-                "apart",
+                "{came!q} in column {column} where {form} belongs; posts are four characters apart",
                 came=narrow,
                 column=at + 1,
                 form=form,
@@ -156,7 +155,7 @@ def write_micromouse(world: World, destination: Destination) -> Exported:
     marks = {target: "G", start: "S"}
     for name, (column, row) in (("start", start), ("target", target)):
         if not (column % 2 and row % 2):
-            altered[name] = f"the {name} is not drawn, for it lies between two squares"
+            altered[name] = f"the {name} is not drawn, because it is between two squares"
     if start == target:
         altered["target"] = "the target is not drawn, because its square is the start's"
     lines = [_line(walls, row, marks) for row in range(world.height)]
@@ -179,8 +178,8 @@ def _check(world: World) -> None:
     if world.width % 2 == 0 or world.height % 2 == 0 or min(world.width, world.height) < 3:
         raise InvalidWorld(
             "not-a-micromouse-maze",
-            "{width} x {height} cells; a micromouse maze of n squares has 2 n + 1 cells a "
-            "side, with the walls between them",
+            "{width} x {height} cells; a micromouse maze of n squares has 2 n + 1 cells per side, "
+            "including the walls between them",
             "`worldgen maze --size 17 --radius 0.04` makes such a maze",
             at_terminal=True,
             width=world.width,

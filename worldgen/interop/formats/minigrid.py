@@ -1,4 +1,4 @@
-"""MiniGrid's printed grids: two characters a cell, as ``pprint_grid`` writes them.
+"""MiniGrid's printed grids: two characters per cell, as ``pprint_grid`` writes them.
 
 Source: Chevalier-Boisvert et al., "Minigrid & Miniworld", 2023, ``MiniGridEnv.pprint_grid``.
 """
@@ -145,8 +145,8 @@ def _centre(at: list[int], height: int, cell_size: float) -> tuple[float, float]
 def _notes(counts: dict[str, int], taken: dict[str, str]) -> list[str]:
     words = {"doors": "closed doors", "things": "keys, balls and boxes"}
     return [
-        f"{counts[name]} cells are {words[name]}; they are taken as {taken[name]}; +{name}= says "
-        f"otherwise"
+        f"{counts[name]} cells are {words[name]}; they count as {taken[name]}; change this with "
+        f"+{name}="
         for name in counts
         if counts[name]
     ]
@@ -198,7 +198,7 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
 
 minigrid = Format(
     "minigrid",
-    "printed grid of MiniGrid, two characters a cell, .minigrid",
+    "printed grid of MiniGrid, two characters per cell, .minigrid",
     # Also .txt; the contents tell it from a drawing.
     (".minigrid",),
     re.compile(

@@ -49,7 +49,7 @@ def write_mjcf(
         world: The world.
         destination: Where the file is written.
         height: Height of the walls, m.
-        robot: Whether to add a disc at the start that slides in x and y and turns, with a velocity
+        robot: True to add a disc at the start that slides in x and y and turns, with a velocity
             actuator for each.
         timestep: Time step of the engine, s.
 
@@ -86,7 +86,10 @@ def write_mjcf(
         resources.files("worldgen.interop").joinpath("players", "mujoco_player.py").read_bytes()
     )
     files[table] = events_file(destination.name, parts.bodies, height)
-    return Exported(files, notes=(f"{script} moves what changes: a MuJoCo model has no events",))
+    return Exported(
+        files,
+        notes=(f"{script} moves the cells that change, because a MuJoCo model has no events",),
+    )
 
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:
@@ -151,7 +154,7 @@ def _marks(world: World, destination: Destination) -> Iterator[str]:
 def _mocap(body: Body, height: float) -> Iterator[str]:
     """Yield a cell that the script moves.
 
-    It is solid, or a site if it burns, because fire stops nothing.
+    It is solid, or a site if it burns, because fire does not stop anything.
     """
     *place, z = body.box.centre
     at = _numbers_of((*place, z if body.shown else -exact(height)))

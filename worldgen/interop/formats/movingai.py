@@ -62,10 +62,10 @@ WATER = 2
 TREES = 3
 # Line of the first row, after type, height, width and map.
 _FIRST_ROW = 5
-# Longest line, bytes; it has nine short fields.
+# Limit on the length of a line, bytes; it has nine short fields.
 _MAX_SCENARIO_LINE = 4096
 _MAX_SCENARIO_BYTES = 64 << 20
-# Most problems in a file; the benchmark's largest files have about ten thousand.
+# Limit on the problems in a file; the benchmark's largest files have about ten thousand.
 _MAX_SCENARIOS = 1_000_000
 _LENGTH = re.compile(rb"[0-9]{1,20}(\.[0-9]{0,20})?([eE][+-]?[0-9]{1,2})?")
 _BAD = 255
@@ -108,11 +108,11 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
             height, width = found.walls.shape
             problem = read_scenario(beside, 1, width, height, found.cell_size)
         except (FormatError, OSError) as error:
-            return replace(found, warnings=(f"{name} beside the map was passed over: {error}",))
+            return replace(found, warnings=(f"{name} next to the map was skipped: {error}",))
         note = Note(
             "scenario-beside-used",
-            "start and goal are those of {file}, whose only problem is for this map",
-            "--seed looks for other places",
+            "start and goal come from the only problem in {file}, which is for this map",
+            "--seed chooses other places",
             at_terminal=True,
             file=name,
         )
@@ -148,9 +148,9 @@ def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
         corners = kind == b"octile-corner"
         raise FormatError(
             "unsupported",
-            "type {kind!q} is not read; its corner heights are not cells"
+            "type {kind!q} cannot be read; its corner heights are not cells"
             if corners
-            else "type {kind!q} is not read",
+            else "type {kind!q} cannot be read",
             "give a map of `type octile`",
             kind=kind.decode("utf-8", "backslashreplace"),
             line=1,
@@ -190,7 +190,7 @@ def _expect(lines: list[bytes], number: int, form: str, source: str) -> NoReturn
     came = "the end of the file" if ended else quote(lines[number - 1])
     raise FormatError(
         "wrong-form",
-        "{came} came where `{form}` belongs; an octile map begins with the lines type, height, "
+        "{came} is where `{form}` belongs; an octile map begins with the lines type, height, "
         "width, map",
         came=came,
         form=form,
@@ -204,7 +204,7 @@ def _size(word: bytes, key: str, number: int, source: str) -> int:
         message = Message(
             "not-a-number",
             "{key} {word!q} is not a whole number of cells",
-            "write how many the rows below have",
+            "write the number that the rows below have",
             key=key,
             word=word,
         )
@@ -249,7 +249,7 @@ def _wrong_row(
         _wrong_character(row, index, int(strange[0]), source)
     raise FormatError(
         "ragged-rows",
-        "a row of {cells} cells; the header says width {width}; every row has that many",
+        "a row of {cells} cells; the header has width {width}; every row has that many cells",
         "perhaps its width and height are swapped" if len(row) == height else "",
         cells=len(row),
         width=width,
@@ -261,8 +261,8 @@ def _wrong_row(
 def _too_few(count: int, height: int, source: str) -> NoReturn:
     raise FormatError(
         "wrong-size",
-        "{rows} rows; the header says height {height}",
-        "add the missing rows or correct it",
+        "{rows} rows; the header has height {height}",
+        "add the missing rows or correct the header",
         rows=count,
         height=height,
         line=_FIRST_ROW + count,
@@ -274,7 +274,7 @@ def _wrong_character(row: bytes, index: int, column: int, source: str) -> NoRetu
     raise FormatError(
         "unknown-sign",
         "character {sign!q} at column {column} is not an octile cell",
-        "passable are . G S, blocked are @ O T W",
+        ". G S are passable, @ O T W are blocked",
         sign=row[column : column + 1],
         column=column + 1,
         line=_FIRST_ROW + index,
@@ -349,7 +349,7 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
         if column >= width or line_from_top >= height:
             message = Message(
                 "outside-grid",
-                "cell ({column}, {row}) lies outside the map of {width} x {height} cells",
+                "cell ({column}, {row}) is outside the map of {width} x {height} cells",
                 "correct the line",
                 column=column,
                 row=line_from_top,
@@ -368,7 +368,7 @@ def _check_version(line: bytes, source: str) -> None:
     if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", line.lower().strip()):
         raise FormatError(
             "wrong-form",
-            "{came!q} came where `version 1` belongs",
+            "{came!q} is where `version 1` belongs",
             "give a scenario file",
             came=line,
             line=1,
@@ -391,7 +391,7 @@ def scenario_contents(path: Path) -> tuple[str, int]:
     rows = [line for line in lines[1:] if line.strip()]
     if not rows:
         raise FormatError(
-            "empty", "has no problem", "give a scenario file with some", source=source
+            "empty", "has no problem", "give a scenario file that has some", source=source
         )
     return _map_name(_fields(rows[0].removesuffix(b"\r"), 2, source)[1]), len(rows)
 
@@ -455,7 +455,7 @@ def read_problems(path: Path) -> Problems:
             message = Message(
                 "wrong-size",
                 "{width} x {height} cells among problems for {first_width} x {first_height}",
-                "give a file for each",
+                "give a separate file for each",
                 width=row[0],
                 height=row[1],
                 first_width=numbers[0],
@@ -465,7 +465,7 @@ def read_problems(path: Path) -> Problems:
         if max(row[2], row[4]) >= row[0] or max(row[3], row[5]) >= row[1]:
             raise FormatError(
                 "outside-grid",
-                "cells {start} to {goal} do not lie in the map of {width} x {height} cells that "
+                "cells {start} to {goal} are not in the map of {width} x {height} cells that "
                 "the line names",
                 "correct the line",
                 start=tuple(row[2:4]),
@@ -536,8 +536,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
         moves = octile_moves(flip_rows(world.walls), start, goal)
         if moves is None:
             why = (
-                "no path of cells leads from the start's to the target's, so there is no scenario "
-                "file"
+                "no path of cells leads from the start to the target, so there is no scenario file"
             )
             lost = "the robot's radius is not stored"
             return Exported(files, {"start": why, "target": why, "robot_radius": lost})

@@ -73,8 +73,8 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
     if len(body) != width * height * kind.itemsize:
         raise FormatError(
             "wrong-length",
-            "{bytes} bytes of cells; {width} x {height} of {kind} are {needed}; the file "
-            "is cut short or damaged, write it again",
+            "{bytes} bytes of cells; {width} x {height} of {kind} take {needed}; the file is "
+            "truncated or damaged, write it again",
             bytes=len(body),
             width=width,
             height=height,
@@ -103,8 +103,8 @@ def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
         row, column = np.argwhere(strange)[0]
         raise FormatError(
             "wrong-values",
-            "{value} in row {row}, column {column}; 0 is free and 1 is solid, so say which "
-            "numbers are walls, as in numpy.save(file, cells == WALL)",
+            "{value} in row {row}, column {column}; 0 is free and 1 is solid, so save walls as "
+            "True, as in numpy.save(file, cells == WALL)",
             value=cells[row, column],
             row=row,
             column=column,

@@ -56,7 +56,7 @@ obj = Format(
 
 
 def _comments(world: World, destination: Destination) -> Iterator[str]:
-    yield "# worldgen: m, z up, one closed box an object."
+    yield "# worldgen: m, z up, one closed box per object."
     yield from (f"# {line}" for line in held_lines(world, destination))
 
 

@@ -1,4 +1,4 @@
-"""Pictures as maps: dark is solid. Our own also store scale, start, target and robot as PNG text."""
+"""Pictures as maps: dark is solid. Ours also store scale, start, target and robot as PNG text."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["png", "read_picture", "write_png"]
 
 _MARK = (
-    # Keyword that identifies a picture of ours; without it the others do not count.
+    # Keyword that identifies a picture of ours; without it the other keywords are ignored.
     "worldgen"
 )
 _WHITE = 255
@@ -47,7 +47,7 @@ def read_picture(
         path: PNG, PGM or BMP, of any depth; colours count by their luma (ITU-R BT.601).
         cell_size: Side of a pixel, m; 0 means the picture's own scale, otherwise 0.1.
         threshold: Grey, black 0 to white 255, from which a pixel is free.
-        background: What shows through transparent pixels: free is white, solid is black.
+        background: What transparent pixels become: free is white, solid is black.
 
     Raises:
         FormatError: If it is not such a picture, or its facts about start, target or robot are
@@ -69,14 +69,13 @@ def read_picture(
     if greys:
         notes.append(
             f"{greys} of {walls.size} pixels are neither black nor white; those darker than "
-            f"{threshold} of "
-            f"{_WHITE} are solid; +threshold=N says otherwise"
+            f"{threshold} of {_WHITE} are solid; change this with +threshold=N"
         )
     if own_size is None and not cell_size:
         notes.append(
             Note(
                 "no-scale",
-                "the picture has no scale; a pixel is taken as {cell_size:g} m",
+                "the picture has no scale; a pixel counts as {cell_size:g} m",
                 "--cell-size says another",
                 at_terminal=True,
                 cell_size=DEFAULT_CELL_SIZE,
@@ -85,7 +84,7 @@ def read_picture(
     for ending in (".yaml", ".yml"):
         if own_size is None and path.with_suffix(ending).is_file():
             notes.append(
-                f"{path.with_suffix(ending).name} beside it may be the map that says scale and "
+                f"{path.with_suffix(ending).name} next to it may be the map that has scale and "
                 f"origin"
             )
     params: dict[str, Value] = {
@@ -122,7 +121,7 @@ def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
     if len(corner) != 2 or (size is not None and len(size) != 1):
         raise InvalidParameter(
             "wrong-form",
-            "resolution is one number and origin two",
+            "resolution must be one number and origin two",
             "save the picture again from worldgen",
         )
     # Check the numbers, because anybody can edit the text.
@@ -134,7 +133,7 @@ def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
 
 
 def write_png(world: World, destination: Destination) -> Exported:
-    """Return a grey picture, one pixel a cell, black for solid, with its facts in ``tEXt``.
+    """Return a grey picture, one pixel per cell, black for solid, with its facts in ``tEXt``.
 
     Args:
         world: The world.
@@ -146,8 +145,8 @@ def write_png(world: World, destination: Destination) -> Exported:
     if destination.name.lower().endswith((".pgm", ".bmp")):
         raise InvalidParameter(
             "wrong-suffix",
-            "{name} is not a name of a PNG",
-            "end it in .png, or write a .yaml with a .pgm by --to ros",
+            "{name} is not the name of a PNG",
+            "give it the ending .png, or write a .yaml with a .pgm with --to ros",
             at_terminal=True,
             name=destination.name,
         )
@@ -166,5 +165,5 @@ png = Format(
     read_picture,
     write_png,
     holds=frozenset(HELD),
-    client="everything that opens pictures",
+    client="any program that opens pictures",
 )

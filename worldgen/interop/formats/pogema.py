@@ -33,7 +33,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["pogema", "read_pogema", "write_pogema"]
 
 _WALL = b"#"
-# Free for anything; only agents may begin; only targets may be; neither may be.
+# Cells that are free for anything, only for starts of agents, only for targets, or for neither.
 _FREE = b".@$!"
 # Robot radius of GridConfig, cells.
 _MAX_SIDE = 4096
@@ -123,8 +123,8 @@ def read_pogema(
             others.append(ForeignRobot(centres[letter], centres[letter.upper()]))
     elif len(lower) > 1:
         notes = (
-            f"the robot is agent {agent} of {len(lower)}; the others are not there, and "
-            "--from pogema+agents=all takes them all",
+            f"the robot is agent {agent} of {len(lower)}; the others are ignored; --from "
+            f"pogema+agents=all reads them all",
         )
     params: dict[str, Value] = {
         "format": "pogema",
@@ -150,7 +150,7 @@ def _letters(
         if letter in found:
             raise FormatError(
                 "twice",
-                "{letter} is there twice; each agent has one place, so take one out",
+                "{letter} occurs twice; each agent has one place, so remove one",
                 letter=letter,
                 line=numbers[row],
                 source=source,
@@ -189,14 +189,14 @@ def write_pogema(world: World, destination: Destination) -> Exported:
         elif world.others:
             raise InvalidWorld(
                 "cells-taken",
-                "robot {number}: a cell holds one letter, and the cells of its start and target are "
-                "the same, in a wall, or taken by another robot",
+                "robot {number}: a cell holds one letter, but the cells of its start and target "
+                "coincide, are in a wall, or belong to another robot",
                 "export it as movingai",
                 number=number,
             )
         else:
-            because = "they are one cell" if start == target else "one of them is in a wall"
-            why = f"start and target are not drawn, for {because}"
+            because = "they are the same cell" if start == target else "one of them is in a wall"
+            why = f"start and target are not drawn, because {because}"
             altered = {"start": why, "target": why}
     notes: tuple[str, ...] = ()
     if max(world.width, world.height) > _MAX_SIDE:
@@ -208,7 +208,7 @@ def write_pogema(world: World, destination: Destination) -> Exported:
 
 pogema = Format(
     "pogema",
-    "map of POGEMA, a character a cell, .pogema",
+    "map of POGEMA, one character per cell, .pogema",
     # Also .txt; the contents tell it from a drawing.
     (".pogema",),
     re.compile(

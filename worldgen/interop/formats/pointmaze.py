@@ -43,8 +43,7 @@ def write_pointmaze(world: World, destination: Destination) -> Exported:
     rows = ",\n ".join(json.dumps(row) for row in cells)
     notes = (
         "a cell is as large as `maze_size_scaling` there, 1 m in PointMaze, and (0, 0) is the "
-        "middle of the map; start "
-        "and goal are drawn from round their cells' centres",
+        "middle of the map; start and goal are drawn from around the centres of their cells",
     )
     return Exported({destination.name: f"[{rows}]\n".encode()}, altered, notes)
 

@@ -1,4 +1,4 @@
-"""ROS map_server maps: a short YAML file, and a picture whose greys say how occupied a cell is.
+"""ROS map_server maps: a short YAML file, and a picture with the occupancy of cells.
 
 Source: the map_server of ROS navigation2 (``map_io.cpp``) and its documentation.
 """
@@ -73,9 +73,9 @@ class RosMetadata:
         origin: x and y in m of the picture's lower-left corner in the map's frame.
         occupied_thresh: Occupancy, 0 to 1, from which a cell is occupied.
         free_thresh: Occupancy up to which a cell is free.
-        negate: Whether white is occupied.
+        negate: True if white is occupied.
         mode: ``trinary``, ``scale`` or ``raw``.
-        places: Start, target and robot, in a map of ours.
+        places: Start, target and robot, if worldgen wrote the map.
         yaw: Angle, rad, by which the picture is turned counter-clockwise about its lower-left
             corner; near a quarter turn.
     """
@@ -113,13 +113,13 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     if unsure.any():
         notes.append(
             f"{np.count_nonzero(unsure)} of {unsure.size} cells are neither occupied nor free; "
-            f"they are taken as {unknown}"
+            f"they count as {unknown}"
         )
     walls, (x, y) = _turned(solid | unsure if unknown == "solid" else solid, metadata, str(path))
     if metadata.yaw != 0.0:
         notes.append(
-            f"the picture is turned by {_quarters(metadata.yaw)} quarters, as the yaw of "
-            f"{metadata.yaw:g} says"
+            f"the picture is turned by {_quarters(metadata.yaw)} quarters, according to its yaw "
+            f"of {metadata.yaw:g}"
         )
     if x != 0.0 or y != 0.0:
         notes.append(
@@ -232,7 +232,7 @@ def _warnings(image: GreyImage, metadata: RosMetadata) -> list[str]:
             )
     if image.maximum == 1:
         found.append(
-            "the picture's maximum is 1: ROS itself misreads such PGM files, black comes out free"
+            "the picture's maximum is 1: ROS itself misreads such PGM files: black becomes free"
         )
     return found
 
@@ -250,7 +250,7 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
     """
     # Check that all keys are there.
     source = str(path)
-    table = read_yaml(text, source, "a ROS map has `image: map.pgm` and the like")
+    table = read_yaml(text, source, "a ROS map has `image: map.pgm` and similar keys")
     missing = [key for key in _REQUIRED if key not in table]
     if missing:
         raise FormatError(
@@ -269,7 +269,7 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
         least, most = CELL_SIZES
         message = Message(
             "out-of-range",
-            "resolution is {resolution:g}; it is the side of a pixel, {low:g} to {high:g} m",
+            "resolution is {resolution:g}; it must be the side of a pixel, {low:g} to {high:g} m",
             resolution=resolution,
             low=least,
             high=most,
@@ -278,8 +278,8 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
     if not 0.0 <= free < occupied <= 1.0:
         message = Message(
             "wrong-order",
-            "free_thresh {free:g}, occupied_thresh {occupied:g}; the rule is 0 <= free < occupied "
-            "<= 1",
+            "free_thresh {free:g}, occupied_thresh {occupied:g}; they must satisfy 0 <= free < "
+            "occupied <= 1",
             free=free,
             occupied=occupied,
         )
@@ -293,7 +293,7 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
             "origin",
             Message(
                 "unsupported",
-                "a map with places under {key} is not turned",
+                "a map with places under {key} must not be turned",
                 "write the yaw 0, or delete {key}",
                 key=_OURS,
             ),
@@ -324,9 +324,9 @@ def _origin(table: YamlTable) -> tuple[float, float, float]:
     if not abs(yaw) <= 2 * math.pi or abs(yaw - _quarters(yaw) * math.pi / 2) > _MOST_OFF:
         message = Message(
             "turned-map",
-            "the map is turned by {yaw:g} rad; only quarter turns are read, such as 0 and "
+            "the map is turned by {yaw:g} rad; only quarter turns can be read, such as 0 and "
             "1.57079633",
-            "turn the picture, or write 0 if your programs pass over the yaw",
+            "turn the picture, or write 0 if your programs ignore the yaw",
             yaw=yaw,
         )
         raise table.fault("origin", message)
@@ -342,7 +342,10 @@ def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
         raise table.fault(
             _OURS,
             Message(
-                "wrong-count", "{key} has {tables} tables; it is one", key=_OURS, tables=len(ours)
+                "wrong-count",
+                "{key} has {tables} tables; it must have one",
+                key=_OURS,
+                tables=len(ours),
             ),
         )
     strange = [key for key in ours[0] if key not in KEYS]
@@ -396,7 +399,7 @@ def write_ros_map(
         destination: Where the YAML file is written; the picture goes next to it.
         image: Format of the picture.
         mode: How map_server should interpret the greys.
-        negate: Whether white is occupied; ``raw`` ignores it.
+        negate: True if white is occupied; ``raw`` ignores it.
     """
     solid = flip_rows(world.walls)
     black, white = (OCCUPIED, FREE) if mode == "raw" else (255, 1) if negate else (0, 254)

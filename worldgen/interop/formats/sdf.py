@@ -34,7 +34,7 @@ __all__ = ["sdf", "write_sdf"]
 
 # Thickness of a mark, m.
 _THIN = Fraction(1, 1000)
-# Number of boxes from which a physics step of Fortress takes longer than the millisecond it
+# With more boxes than this, a physics step of Fortress takes longer than the millisecond it
 # simulates.
 _MANY = 2000
 _SCHEMA = "urn:worldgen:sdf"
@@ -63,9 +63,10 @@ def write_sdf(
         world: The world.
         destination: Where the file is written.
         height: Height of the walls, m.
-        robot: Whether to add a disc on two wheels at the start; with plugins it obeys velocity
+        robot: True to add a disc on two wheels at the start; with plugins it obeys velocity
             commands.
-        plugins: The systems for Gazebo to load, by its release; with none it loads its defaults.
+        plugins: The release of Gazebo that the listed systems are for; with none, Gazebo loads its
+            defaults.
         timestep: Time step of the engine, s.
 
     Raises:
@@ -102,13 +103,13 @@ def write_sdf(
             resources.files("worldgen.interop").joinpath("players", "gazebo_player.py").read_bytes()
         )
         files[table] = events_file(destination.name, parts.bodies, height, world=name)
-        notes.append(f"{script} moves what changes: a world file has no events")
+        notes.append(f"{script} moves the cells that change, because a world file has no events")
     # Many boxes make Gazebo slow.
     boxes = len(parts.still) + len(parts.bodies)
     if boxes > _MANY:
         notes.append(
-            f"{boxes} boxes: Gazebo falls behind real time; a step takes four times as long with "
-            f"twice as many"
+            f"{boxes} boxes: Gazebo falls behind real time; doubling the boxes makes a step take "
+            f"four times as long"
         )
     return Exported(files, notes=tuple(notes))
 
@@ -145,7 +146,7 @@ def _light(floor: PlacedBox, tall: Fraction) -> Iterator[str]:
 
 
 def _shapes(kind: str, name: str, geometry: str, colour: str, pose: str = "") -> Iterator[str]:
-    """Yield a shape; ``kind`` says whether it is solid or only visible."""
+    """Yield a shape; ``kind`` makes it solid or only visible."""
     inside = f"{f'<pose>{pose}</pose>' if pose else ''}<geometry>{geometry}</geometry>"
     if kind == "solid":
         yield f'        <collision name="{name}">{inside}</collision>'
@@ -215,7 +216,7 @@ def _marks(world: World, destination: Destination) -> Iterator[str]:
 def _moving(body: Body, tall: Fraction) -> Iterator[str]:
     """Yield a cell that the script moves.
 
-    A burning cell has no collision, because fire stops nothing.
+    A burning cell has no collision, because fire does not stop anything.
     """
     pose = _pose(body.box, body.box.centre[2] if body.shown else -tall)
     kind, colour = ("seen", _COLOURS["fire"]) if body.burning else ("solid", _COLOURS["cell"])

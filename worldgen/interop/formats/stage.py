@@ -55,8 +55,7 @@ define goal model
 # A polygon of 16 corners in the robot's disc; four are on the axes, so that Stage stretches it to
 # exactly the right size.
 _QUADRANT = (("1", "0"), ("0.9238", "0.3826"), ("0.7071", "0.7071"), ("0.3826", "0.9238"))
-# Height of walls and robot, m; a ranger is mounted on top of its robot and must not look over
-# walls.
+# Height of walls and robot, m; a ranger is mounted on top of its robot and must not see over walls.
 _TALL = "0.8"
 _LOW = "0.2"
 # Turn rate, degrees/s; our worlds have no limit.
@@ -69,7 +68,7 @@ def write_stage(world: World, destination: Destination, *, lidar: bool = False) 
     Args:
         world: The world.
         destination: Where the file is written.
-        lidar: Whether the robot has a ranger with 257 beams over a full turn (the last one equals
+        lidar: True to give the robot a ranger with 257 beams over a full turn (the last one equals
             the first) and a range of 10 m.
 
     Raises:
@@ -85,7 +84,7 @@ def write_stage(world: World, destination: Destination, *, lidar: bool = False) 
             picture=picture,
         )
     lines = [
-        "# A world of worldgen for Stage; m, degrees.",
+        "# A world made by worldgen for Stage; m, degrees.",
         "# Walls and rays are exact to this, a tenth of a cell.",
         f"resolution {decimal_text(exact(world.cell_size) / 10)}",
         "",

@@ -1,6 +1,6 @@
 """Export a world as a plan to scale, in SVG.
 
-One unit is a metre, and every element is named by what it is. ``worldgen show --svg`` draws a
+One unit is a metre, and every element is named after what it shows. ``worldgen show --svg`` draws a
 picture to look at, in pixels, with caption and signal; this format is for programs that measure,
 cut or edit. Its coordinates are the world's own, as exact decimals, and all other facts are in the
 metadata.
@@ -44,8 +44,8 @@ def write_svg(
     Args:
         world: A static world.
         destination: Where the file is written.
-        scale: Scale of the print, 1 to this number; 1 is life size.
-        witness: Whether to draw the certificate's path, if there is one.
+        scale: Scale of the print, as 1 to this number; 1 is life size.
+        witness: True to draw the certificate's path, if there is one.
 
     Raises:
         InvalidParameter: If the scale is below 0.001 or above a million.

@@ -1,4 +1,4 @@
-"""Plain text drawings, one character a cell, as many generators print their mazes."""
+"""Plain text drawings, one character per cell, as many generators print their mazes."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np
         if len(row) != width:
             raise FormatError(
                 "ragged-rows",
-                "a row of {cells} cells; the first has {width}; every row has that many",
+                "a row of {cells} cells; every row must have {width}, like the first",
                 cells=len(row),
                 width=width,
                 line=number,
@@ -155,7 +155,7 @@ def _place(
         raise FormatError(
             "twice",
             "{cells} cells are the {name}",
-            "draw one, or none",
+            "draw only one, or none",
             cells=len(found),
             name=name,
             line=int(found[1][0]) + 1,
@@ -195,7 +195,8 @@ def write_text_map(world: World, destination: Destination) -> Exported:
         )
     elif cells[target[1], target[0]] != _TARGET[0]:
         altered["target_radius"] = (
-            f"the target's radius, {world.target.radius:g} m, is not drawn, as the target is not"
+            f"the target's radius, {world.target.radius:g} m, is not drawn, because the target is "
+            f"not"
         )
     rows = (row.tobytes() + b"\n" for row in cells)
     return Exported({destination.name: b"".join(rows)}, altered)
@@ -203,7 +204,7 @@ def write_text_map(world: World, destination: Destination) -> Exported:
 
 text = Format(
     "text",
-    "drawing with a character a cell, .txt",
+    "drawing with one character per cell, .txt",
     (".txt",),
     re.compile(rb"(?=[ .SGE\r\n]*#)[# .SGE]+\r?\n[# .SGE]+(\r?\n|\Z)"),
     read_text_map,

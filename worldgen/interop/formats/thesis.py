@@ -44,8 +44,8 @@ def write_thesis_map(
     Args:
         world: A square with walls on all sides.
         destination: Where the file is written.
-        noise: Whether to apply the program's noise filter; ``as-imported`` does so if the imported
-            map had it.
+        noise: True to apply the program's noise filter; ``as-imported`` does so if the imported map
+            had it.
 
     Raises:
         InvalidWorld: If the world isn't a square of a size that fits, its border is open, or its
@@ -83,14 +83,14 @@ def _check_shape(world: World) -> None:
         raise InvalidWorld(
             "not-square",
             "{width} x {height} cells; a thesis map is a square",
-            "fill the shorter side up with walls",
+            "fill up the shorter side with walls",
             width=world.width,
             height=world.height,
         )
     if not MIN_SIZE <= world.width <= MAX_SIZE:
         raise InvalidWorld(
             "wrong-size",
-            "{width} x {height} cells; a thesis map has {min_size} to {max_size} a side",
+            "{width} x {height} cells; a thesis map has {min_size} to {max_size} per side",
             "export a smaller or larger world",
             width=world.width,
             height=world.height,
@@ -104,7 +104,7 @@ def _check_shape(world: World) -> None:
         iy, ix = (int(index) for index in opened[0])
         raise InvalidWorld(
             "open-border",
-            "the border is open at cell ({ix}, {iy}); a thesis map has a wall all round",
+            "the border is open at cell ({ix}, {iy}); a thesis map has a wall all around",
             "add a ring of solid cells",
             ix=ix,
             iy=iy,
@@ -147,8 +147,8 @@ def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
     turned = heading_to_lattice(start.heading) != heading_to_lattice(own.heading)
     if places[::2] != places[1::2] or turned:
         sentence = (
-            "the start pose is not stored; the program starts at 35, 35 px, 3.5 cells from "
-            "the left and the top"
+            "the start pose is not stored; the program always starts at 35, 35 px, which is 3.5 "
+            "cells from the left and the top"
         )
         yield "start", sentence
         yield "heading", sentence
@@ -157,5 +157,5 @@ def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
     if float(in_cells(world.robot_speed, world.cell_size)) != _SPEED_CELLS:
         yield (
             "robot_speed",
-            "the robot's speed is not stored; the program's robot drives 20 cells a second",
+            "the robot's speed is not stored; the program's robot drives at 20 cells per second",
         )

@@ -44,17 +44,17 @@ _PIXELS = 16
 # Parsed JSON takes up to about thirty times the file's size.
 _MOST_BYTES = 16 << 20
 _MOST_LISTED = (
-    # Cells that are written as numbers; the list of more would take megabytes.
+    # Limit on cells written as numbers; a longer list would take megabytes.
     1_000_000
 )
 _STARTS = ("start", "spawn", "robot")
 _TARGETS = ("target", "goal", "end", "finish")
-# Pixels and degrees: a smaller change is another program's rounding, not an edit by hand.
+# Pixels and degrees: a smaller change comes from another program's rounding, not from an edit.
 _MOVED = 1e-3
 
 
 def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> ForeignMap:
-    """Read a map of square tiles: a cell is solid where the layer of walls has a tile.
+    """Read a map of square tiles: a cell is solid if the layer of walls has a tile there.
 
     The start is an object called start, spawn or robot; the target is one called target, goal, end
     or finish.
@@ -86,7 +86,7 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
         notes.append(
             Note(
                 "no-scale",
-                "the map has no scale; a tile is taken as {cell_size:g} m",
+                "the map has no scale; a tile counts as {cell_size:g} m",
                 "--cell-size says another",
                 at_terminal=True,
                 cell_size=size,
@@ -111,8 +111,8 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
 def _warnings(walls: np.ndarray[Any, Any]) -> tuple[str, ...]:
     if walls.all():
         return (
-            "every cell has a tile, so all are solid; floors are tiles too? say with +layer= which "
-            "layer is walls",
+            "every cell has a tile, so all are solid; if floors are tiles too, name the layer of "
+            "walls with +layer=",
         )
     return ()
 
@@ -167,7 +167,7 @@ def write_tiled(world: World, destination: Destination) -> Exported:
 
     Args:
         world: The world.
-        destination: Where the map goes.
+        destination: Where the map is written.
     """
     picture = destination.sibling_file("-tile.png")
     made = {

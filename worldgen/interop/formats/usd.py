@@ -1,7 +1,7 @@
 """Export a world as a stage of Universal Scene Description, in its text form.
 
 Every wall is a cube with collision. The text is written here, so that no library is needed and the
-bytes are the same everywhere; the tests have Pixar's own library read and validate it.
+bytes are the same everywhere; the tests let Pixar's own library read and validate it.
 
 Source: Pixar, "Usda File Format Specification"; "UsdPhysics: USD Physics", OpenUSD 25.
 """
@@ -49,8 +49,8 @@ def write_usd(
         "#usda 1.0",
         "(",
         '    defaultPrim = "World"',
-        f'    doc = "A world of {world.width} x {world.height} cells, by worldgen; the rest is '
-        f'customData of /World."',
+        f'    doc = "A world of {world.width} x {world.height} cells, by worldgen; everything '
+        f'else is in the customData of /World."',
         "    kilogramsPerUnit = 1",
         "    metersPerUnit = 1",
         '    upAxis = "Z"',

@@ -59,7 +59,7 @@ def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
     keep_level, keep_upright = _apart(level_joins, upright_joins, corner.shape)
     along = level_joins.only(keep_level)
     across = upright_joins.only(keep_upright)
-    # Corners at which a cut begins or ends are done.
+    # Corners where a cut begins or ends are finished.
     for lines, at in ((along, corner), (across, corner.T)):
         at[lines.y, lines.begin] = at[lines.y, lines.end] = False
     crossed = _corners_on(across, (corner.shape[1], corner.shape[0])).T >= 0
@@ -183,7 +183,7 @@ def _rectangles(padded: _Bools, level_cut: _Bools, upright_cut: _Bools) -> _Ints
 
 
 def _next(edge: _Bools, row: _Ints, place: _Ints) -> _Ints:
-    """Return, for each of some rows, the first edge after a place."""
+    """Return the first edge after a place for each of some rows."""
     length = edge.shape[1]
     flat = np.flatnonzero(edge)
     after: _Ints = flat[np.searchsorted(flat, row * length + place, side="right")] % length

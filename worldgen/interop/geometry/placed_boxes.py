@@ -73,7 +73,7 @@ def solid_boxes(
         world: The world; only what is solid at all times counts.
         destination: Gives the frame of the coordinates; z is 0 at the foot of the walls.
         height: Height of the walls, m.
-        floor: Whether to add a box one cell thick below everything.
+        floor: True to add a box one cell thick below everything.
         bits: Bits of a coordinate, as in :class:`~worldgen.interop.geometry.grid_lines.GridLines`.
 
     Raises:

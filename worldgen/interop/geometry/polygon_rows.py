@@ -14,7 +14,7 @@ __all__ = ["cut_into_rows", "prepared", "row_pieces"]
 
 # Depth, cells, up to which a shape only touches a cell, because coordinates are rounded.
 TOUCH = 1e-6
-# Most corners; crossings grow with their square, and 500 random corners took minutes.
+# Limit on the corners; crossings grow with their square, and 500 random corners took minutes.
 _MENDABLE = 8
 # Half the width, cells, given to lines, because they stop robots too.
 _LINE = 1e-3
@@ -45,7 +45,7 @@ def prepared(points: npt.NDArray[np.float64]) -> Any:
 def cut_into_rows(
     shape: Any, rows: slice, columns: slice
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Return each row's cells that the shape reaches into, and those that it leaves partly free.
+    """Return the cells of each row that the shape reaches into, and those left partly free.
 
     Args:
         shape: The shape, in cells.

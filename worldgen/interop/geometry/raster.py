@@ -23,14 +23,15 @@ __all__ = ["Raster", "RasterBox", "RasterDisc", "natural_cell_size", "painted"]
 # Depth, cells, up to which a shape only touches a cell, because its coordinates were rounded.
 _TOUCH = 1e-6
 _MOST_PAINTED = (
-    # Most cells, counting each shape's window; more is an attack, or cells that are far too small.
+    # Limit on the cells, counting each shape's window; more means an attack, or cells that are far
+    # too small.
     500_000_000
 )
-# Cells painted while one corner is examined in a row.
+# Number of cells painted in the time that one corner of one row takes.
 _CORNER = 50
-# Largest distance, cells; nothing beyond is in any grid.
+# Largest distance, cells; nothing beyond it is in any grid.
 _FAR = 1e9
-# Number of cells to aim at if the cell size is ours to choose.
+# Number of cells to aim for if we choose the cell size.
 _MOST_SIDE = 2000
 # Default cell size, m.
 _USUAL = Fraction(1, 10)

@@ -41,8 +41,8 @@ class Bodies(NamedTuple):
         vertices: (n, 3) float64.
         closed: (m, 3) int64: triangles of closed bodies, counter-clockwise seen from outside.
         sheets: (k, 3) int64: triangles of all others.
-        closed_count: How many closed bodies there are.
-        open_count: How many open bodies there are.
+        closed_count: Number of closed bodies.
+        open_count: Number of open bodies.
     """
 
     vertices: Floats
@@ -67,9 +67,9 @@ class Section(NamedTuple):
 def sort_bodies(vertices: Floats, faces: Ints) -> Bodies:
     """Sort triangles into closed bodies and sheets.
 
-    Vertices at the same place count as one, whichever part of the file they come from, so a wall of
-    two materials is still one body. A body is closed if each of its edges runs as often one way as
-    the other.
+    Vertices at the same place count as one, no matter which part of the file they come from, so a
+    wall of two materials is still one body. A body is closed if each of its edges runs as often one
+    way as the other.
 
     Args:
         vertices: (n, 3) float64, finite.
@@ -127,7 +127,7 @@ def _without_copies(faces: Ints) -> tuple[Ints, Ints]:
 
 
 def _components(count: int, faces: Ints) -> tuple[Ints, int]:
-    """Return the number of each vertex's connected part, and how many parts there are."""
+    """Return the number of each vertex's connected part, and the number of parts."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

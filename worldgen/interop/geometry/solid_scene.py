@@ -1,6 +1,6 @@
-"""A world the way physics engines build it.
+"""A world as physics engines build it.
 
-It has boxes in m, bodies that come and go, and a floor, all as exact decimals.
+It has boxes in m, bodies that appear and disappear, and a floor, all as exact decimals.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ __all__ = ["TIMESTEPS", "Body", "SolidScene", "events_file", "numbered", "plain_
 
 # Time step of the player, s.
 TIMESTEPS = (1e-6, 1e3)
-# Most characters; names become parts of topics and file paths in other programs.
+# Limit on characters, because names become parts of topics and file paths in other programs.
 _LONGEST_NAME = 60
 
 
@@ -37,8 +37,8 @@ class Body:
     Args:
         name: Name of the body.
         box: Its place while it exists.
-        burning: Whether it is fire, which stops nothing.
-        shown: Whether it exists at time 0.
+        burning: True if it is fire, which does not stop a robot.
+        shown: True if it exists at time 0.
         changes: Times, s, and whether it exists from then on.
     """
 
@@ -55,7 +55,7 @@ class SolidScene:
 
     Args:
         still: Boxes that are always solid, with a wall around the grid if its border is open.
-        bodies: Cells that come and go.
+        bodies: Cells that appear and disappear.
         floor: The ground below everything.
     """
 
@@ -90,7 +90,7 @@ def scene(world: World, destination: Destination, height: float) -> SolidScene:
 
 
 def _states(world: World) -> dict[tuple[int, int], dict[float, CellState]]:
-    """Return, for every cell in the timeline, by row and column, its states from each time on.
+    """Return the states of every cell in the timeline, by row and column and then by time.
 
     If a cell changes several times at one time, the last change counts.
     """

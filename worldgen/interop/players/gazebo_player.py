@@ -1,15 +1,15 @@
-"""Plays what changes in a Gazebo world that worldgen wrote.
+"""Play the changes of a Gazebo world that worldgen wrote.
 
-Cells that become solid, free or burning. NAME_player.py is next to NAME.sdf and NAME_events.json.
-Start Gazebo paused, and next to it the player:
+Cells become solid, free or burning. NAME_player.py is next to NAME.sdf and NAME_events.json. Start
+Gazebo paused, and then the player:
 
     ign gazebo NAME.sdf        (Fortress; gz sim NAME.sdf from Garden on)
     python NAME_player.py
 
-It lets the world run to the time of a change, moves the models while time stands still, and lets it
-run on; so every change comes at its own simulated time, however long the commands take. It needs
-the standard library and Gazebo's own command alone. Ctrl-C ends it; Gazebo then stands still until
-it is told to continue.
+It runs the world to the time of a change, moves the models while time is stopped, and continues, so
+every change happens at its own simulated time no matter how long the commands take. It needs only
+the standard library and Gazebo's own command. Ctrl-C ends it; Gazebo is then paused until it is
+told to continue.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = ["main"]
 
 _TOO_LONG = 20_000  # characters of one request; a command line has room for six times that
 _PATIENCE = 5000  # ms for the answer to a request
-_SILENCE = 10  # s without word of the time; Gazebo says it several times a second
+_SILENCE = 10  # s without a message about the time; Gazebo sends several per second
 
 
 def _table() -> dict[str, Any]:
@@ -39,7 +39,7 @@ def _table() -> dict[str, Any]:
 
 
 class Gazebo:
-    """A running Gazebo, through its command: ``gz``, or ``ign`` up to Fortress."""
+    """A running Gazebo, controlled by its command: ``gz``, or ``ign`` up to Fortress."""
 
     def __init__(self, world: str) -> None:
         found = next((name for name in ("gz", "ign") if shutil.which(name)), None)
@@ -60,14 +60,14 @@ class Gazebo:
             sys.exit(f"{self._world}/{service} refused: {said}; is Gazebo running this world?")
 
     def run_to(self, until: float) -> None:
-        """Run to a simulated time, s, and stands still there."""
+        """Run to a simulated time, s, and pause there."""
         seconds, rest = divmod(round(until * 10**9), 10**9)
         self._ask("control", "WorldControl", f"run_to_sim_time {{ sec: {seconds} nsec: {rest} }}")
         while self.time() < until - 1e-9:
             time.sleep(0.01)
 
     def go_on(self) -> None:
-        """Let time pass."""
+        """Resume time."""
         self._ask("control", "WorldControl", "pause: false")
 
     def time(self) -> float:
@@ -78,7 +78,7 @@ class Gazebo:
                 words, capture_output=True, text=True, check=False, timeout=_SILENCE
             ).stdout
         except subprocess.TimeoutExpired:
-            sys.exit(f"{self._world}/stats says nothing; is Gazebo running this world?")
+            sys.exit(f"{self._world}/stats sends nothing; is Gazebo running this world?")
         block = re.search(r"sim_time\s*\{([^}]*)\}", said)
         numbers = dict(re.findall(r"(sec|nsec):\s*(\d+)", block[1] if block else ""))
         return int(numbers.get("sec", 0)) + int(numbers.get("nsec", 0)) / 10**9
@@ -99,7 +99,7 @@ class Gazebo:
 
 
 def main() -> None:
-    """Play all changes that are yet to come, then let the world run on."""
+    """Play all changes that are still to come, then let the world continue."""
     table = _table()
     gazebo = Gazebo(table["world"])
     now = gazebo.time()

@@ -1,15 +1,15 @@
-"""Plays what changes in a MuJoCo model that worldgen wrote.
+"""Play the changes of a MuJoCo model that worldgen wrote.
 
-Cells that become solid, free or burning. NAME_player.py is next to NAME.xml and NAME_events.json.
-Run it to watch the model in MuJoCo's viewer, or import it:
+Cells become solid, free or burning. NAME_player.py is next to NAME.xml and NAME_events.json. Run it
+to watch the model in MuJoCo's viewer, or import it:
 
     model = mujoco.MjModel.from_xml_path("NAME.xml")
     data = mujoco.MjData(model)
     play(model, data, until=30.0)  # mj_step with the events at their times
-    apply(model, data)             # or, in a loop of your own: all bodies where they belong at
+    apply(model, data)             # or, in your own loop: puts all bodies where they belong at
     data.time
 
-It needs the standard library and mujoco alone.
+It needs only the standard library and mujoco.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def play(
 
 
 def _watch() -> None:
-    """Run the model in MuJoCo's viewer, as fast as time goes."""
+    """Run the model in MuJoCo's viewer, in real time."""
     import time  # noqa: PLC0415
 
     import mujoco.viewer  # noqa: PLC0415

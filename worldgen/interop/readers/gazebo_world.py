@@ -1,4 +1,4 @@
-"""Read Gazebo worlds: what in their models stops a robot on the floor, and BARN's own style.
+"""Read Gazebo worlds: the parts of their models that stop a robot on the floor, and BARN's style.
 
 Source: the SDFormat specification; Daffan/the-barn-challenge, ``run.py`` and
     ``jackal_helper/worlds/BARN``.
@@ -157,7 +157,7 @@ def read_gazebo_world(
     frame = _frame(scene, own, cell_size, barn=barn)
     walls, notes = _cells(scene, frame, inner=raster == "inner")
     if own is None:
-        notes.append("beyond these cells everything is solid here and open ground in Gazebo")
+        notes.append("everything beyond these cells is solid here, but open ground in Gazebo")
     params: dict[str, Value] = {
         "format": "barn",
         "source": path.name,
@@ -173,7 +173,7 @@ def read_gazebo_world(
         radius = next(iter(_disc_radius(world, "start", scene)), None)
     if scene.low_or_high:
         notes.append(
-            f"{scene.low_or_high} shapes that lie flat on the floor, or above 2 m, are left out"
+            f"{scene.low_or_high} shapes that lie flat on the floor, or above 2 m, are ignored"
         )
     origin = (float(frame.left), float(frame.low))
     return ForeignMap(
@@ -204,7 +204,7 @@ def _numbers(scene: _GazeboScene, element: XmlElement, count: int) -> list[Fract
             Message(
                 "wrong-count",
                 "{name} is {text!q}",
-                "it has {count} numbers in it",
+                "it has {count} numbers",
                 name=name,
                 text=element.text.strip(),
                 count=count,
@@ -237,7 +237,9 @@ def _number(world: XmlElement, name: str, scene: _GazeboScene) -> float | None:
         raise _fault(
             scene,
             found,
-            Message("not-positive", "<{name}> is {value:g}; it is above 0", name=name, value=value),
+            Message(
+                "not-positive", "<{name}> is {value:g}; it must be above 0", name=name, value=value
+            ),
         )
     return value
 
@@ -257,7 +259,7 @@ def _pose(scene: _GazeboScene, element: XmlElement) -> _BodyPose:
             Message(
                 "unsupported",
                 "the pose is in another frame or unit",
-                "write it in m and rad of what it lies in",
+                "write it in m and rad, relative to the element that contains it",
             ),
         )
     return _BodyPose(*_numbers(scene, found, 6))
@@ -307,7 +309,7 @@ def _add_model(scene: _GazeboScene, model: XmlElement, pose: _BodyPose) -> None:
 
 
 def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, upright: bool) -> None:
-    # Find out how tall the shape is; skip what cannot be read.
+    # Find out how tall the shape is; skip shapes that cannot be read.
     if shape.name == "empty":
         return
     if shape.name == "plane":
@@ -388,7 +390,7 @@ def _frame(scene: _GazeboScene, own: XmlElement | None, wanted: float, *, barn: 
     if not bounds:
         raise FormatError(
             "empty",
-            "has nothing that stops a robot: no cylinder, box or sphere on the floor"
+            "has nothing that could stop a robot: no cylinder, box or sphere on the floor"
             + ("; not read are {unread!l}" if scene.unread else ""),
             unread=[*_unread(scene)],
             source=scene.source,
@@ -439,11 +441,13 @@ def _cells(
     # Solid cells are either completely covered, or at least touched.
     if inner:
         return raster.full, [
-            "cells are solid that lie in a shape whole; where a robot gets through here it may not "
-            "there"
+            "only cells completely inside a shape are solid, so a robot may get through here but "
+            "not there"
         ]
     count = f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m"
-    return raster.solid, [f"{count} are only partly covered, by posts say"] if raster.partly else []
+    return raster.solid, [
+        f"{count} are only partly covered, for example by posts"
+    ] if raster.partly else []
 
 
 def _ends(

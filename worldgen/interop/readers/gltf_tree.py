@@ -1,6 +1,6 @@
 """Check the JSON of a glTF file before a library builds what it claims.
 
-The result is a tree of bounded size without surprises. trimesh 5.2 allocates whatever an accessor
+The result is a well-formed tree of bounded size. trimesh 5.2 allocates whatever an accessor
     claims: a file of 400 bytes can ask for 22 GiB. It also silently drops some nodes with more than
     one parent.
 
@@ -20,7 +20,7 @@ __all__ = ["MOST_FACES", "check_gltf", "gltf_json", "root_extras"]
 MOST_FACES = 5_000_000
 _MOST_NODES = 200_000
 _MOST_DEPTH = 200
-# Most numbers in all accessors together.
+# Limit on the numbers in all accessors together.
 _MOST_VALUES = 60_000_000
 _COMPRESSED = (
     "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_mesh_quantization",
@@ -80,7 +80,7 @@ def check_gltf(document: dict[str, Any], source: str) -> None:
         raise FormatError(
             "wrong-structure",
             "breaks the rules of glTF 2.0 ({reason})",
-            "export it again; glTF-Validator says where",
+            "export it again; glTF-Validator reports where",
             reason=f"{type(error).__name__}: {error}"[:80],
             source=source,
         ) from error
@@ -91,7 +91,7 @@ def _check_extensions(document: dict[str, Any], source: str) -> None:
     if used:
         raise FormatError(
             "compressed",
-            "needs {extensions!l}, which is not read",
+            "needs {extensions!l}, which is not supported",
             "export it without compression",
             extensions=used,
             source=source,
@@ -107,7 +107,7 @@ def _check_sizes(document: dict[str, Any], source: str) -> None:
         values += count * _PARTS.get(accessor.get("type"), 1)
     if values > _MOST_VALUES or len(document.get("nodes", [])) > _MOST_NODES:
         raise FormatError(
-            "too-large", "holds more than is read", "export a smaller part of it", source=source
+            "too-large", "holds more than the limit", "export a smaller part of it", source=source
         )
 
 
@@ -124,7 +124,7 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
             if not isinstance(child, int) or not 0 <= child < len(nodes) or parent[child] >= 0:
                 raise FormatError(
                     "no-tree",
-                    "node {node} is not a child as glTF allows it",
+                    "node {node} is not a child in the form that glTF allows",
                     "export it again",
                     node=child,
                     source=source,
@@ -140,11 +140,11 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
         depth += 1
         level = [child for number in level for child in nodes[number].get("children", [])]
     if met < len(nodes):
-        raise FormatError("no-tree", "its nodes run in a circle", "export it again", source=source)
+        raise FormatError("no-tree", "its nodes form a cycle", "export it again", source=source)
     if depth > _MOST_DEPTH:
         raise FormatError(
             "too-deep",
-            "its nodes are {depth} deep; {most} are read",
+            "its nodes are {depth} levels deep; the limit is {most}",
             depth=depth,
             most=_MOST_DEPTH,
             source=source,
@@ -156,7 +156,7 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
     if total > MOST_FACES:
         raise FormatError(
             "too-large",
-            "has {faces} triangles; {most} are read",
+            "has {faces} triangles; the limit is {most}",
             "simplify it, or export a part of it",
             faces=total,
             most=MOST_FACES,

@@ -160,8 +160,8 @@ def _binary_raster(
     if rest < size or not data[at : at + 1].isspace():
         raise FormatError(
             "wrong-length",
-            "{bytes} bytes of pixels; the header's sizes need {needed}; the file is cut off, copy "
-            "it again",
+            "{bytes} bytes of pixels, but the header's sizes need {needed}; the file is "
+            "truncated, copy it again",
             bytes=max(rest, 0),
             needed=size,
             source=source,
@@ -170,7 +170,7 @@ def _binary_raster(
         raise FormatError(
             "wrong-length",
             "{excess} bytes more than the header's sizes need ({needed}); the file was changed, "
-            "perhaps copied as text",
+            "perhaps by copying it as text",
             "copy it as binary",
             excess=rest - size,
             needed=size,
@@ -182,7 +182,7 @@ def _binary_raster(
 def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[np.integer[Any]]:
     """Return pixels given as decimal words.
 
-    They are converted together, because Python objects would take 30 times the file.
+    They are converted together, because Python objects would take 30 times the file's size.
     """
     # Find the words; anything but digits and blanks is a fault.
     text = _COMMENT.sub(b"", data[at:]) if data.find(b"#", at) >= 0 else data[at:]
@@ -197,7 +197,8 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
     if len(begin) != count:
         raise FormatError(
             "wrong-length",
-            "{pixels} pixels; the header's sizes need {needed}; the file is damaged, save it again",
+            "{pixels} pixels, but the header's sizes need {needed}; the file is damaged, save it "
+            "again",
             pixels=len(begin),
             needed=count,
             source=source,

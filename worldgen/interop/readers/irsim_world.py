@@ -56,7 +56,7 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
         path: The YAML file.
         cell_size: Side of a cell, m; 0 means the obstacle map's, or the largest with all walls on
             its lines, or 0.1.
-        threshold: Least darkness of a solid pixel of the obstacle map, 0 white to 1 black.
+        threshold: Minimum darkness of a solid pixel of the obstacle map, 0 white to 1 black.
 
     Raises:
         FormatError: If the file breaks a rule, with the line if there is one.
@@ -111,7 +111,7 @@ def _length(table: YamlTable | None, key: str, default: Fraction = _SIZE) -> Fra
             key,
             Message(
                 "not-positive",
-                "{key} is {value:g}; it is a length above 0 m",
+                "{key} is {value:g}; it must be a length above 0 m",
                 key=key,
                 value=float(value),
             ),
@@ -145,7 +145,9 @@ def _picture(
         raise world.fault(
             "mdownsample",
             Message(
-                "wrong-type", "mdownsample is {value}; it is a whole number from 1 on", value=step
+                "wrong-type",
+                "mdownsample is {value}; it must be a whole number of 1 or more",
+                value=step,
             ),
         )
     # IR-SIM's own rule is "above one half"; at other thresholds a pixel that is exactly as dark
@@ -167,7 +169,7 @@ def _picture_name(world: YamlTable) -> str:
             Message(
                 "unsupported",
                 "obstacle_map {kind!q} is drawn by IR-SIM itself",
-                "save what it draws as a picture and name that",
+                "save the map that it draws as a picture, and name that",
                 kind=kind,
             ),
         )
@@ -177,7 +179,8 @@ def _picture_name(world: YamlTable) -> str:
 def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
     """Add the obstacles of one entry.
 
-    There are ``number`` of them, each with a shape and a state; the last ones serve for the rest.
+    There are ``number`` of them, each with a shape and a state; the last ones also apply to the
+    rest.
     """
     # Check the number of obstacles.
     number = int(_fraction(table, "number", Fraction(1)))
@@ -186,22 +189,22 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
             "number",
             Message(
                 "out-of-range",
-                "number is {number}; it is a whole number of obstacles, up to {most_objects}",
+                "number is {number}; it must be a whole number of obstacles, up to {most_objects}",
                 number=number,
                 most_objects=_MOST_OBJECTS,
             ),
         )
-    # Skip obstacles that do not stand still in known places.
+    # Skip obstacles that move, or have no known place.
     count = f"{number} obstacle{'s' * (number != 1)} at line {table.line}"
     kinematics = _tables(table, "kinematics")
     if kinematics and _word(kinematics[0], "name", "static") != "static":
-        scene.unread.append(f"{count} that can move; a world of ours has no bodies that drive")
+        scene.unread.append(f"{count} that can move; our worlds have no moving bodies")
         return
     if _word(table, "unobstructed", "false").lower() == "true":
-        scene.notes.append(f"{count} stop nobody in IR-SIM and are left out")
+        scene.notes.append(f"{count} do not stop a robot in IR-SIM and are ignored")
         return
     if _placing(table) != "manual":
-        scene.unread.append(f"{count} placed by chance; write their states into the file")
+        scene.unread.append(f"{count} placed at random; write their states into the file")
         return
     # Add one shape after another.
     states = table.rows("state") if "state" in table else [_STATE]
@@ -230,7 +233,7 @@ def _add_shape(
     at = (x - scene.corner[0], y - scene.corner[1])
     name = "circle" if shape is None else _word(shape, "name", "circle")
     if shape is not None and _word(shape, "random_shape", "false").lower() == "true":
-        scene.unread.append(f"the obstacle at line {shape.line}, shaped by chance")
+        scene.unread.append(f"the obstacle at line {shape.line}, with a random shape")
     elif name == "circle":
         radius = Fraction(1) if shape is None else _length(shape, "radius", Fraction(1, 5))
         middle = _middle(shape)
@@ -250,7 +253,8 @@ def _add_shape(
             "shape",
             Message(
                 "unsupported",
-                "shape {shape!q} is not read; circle, rectangle, polygon and linestring are",
+                "shape {shape!q} cannot be read; only circle, rectangle, polygon and linestring "
+                "can",
                 shape=name,
             ),
         )
@@ -301,7 +305,7 @@ def _add_parts(
                 "name",
                 Message(
                     "unsupported",
-                    "a compound in a compound is not read",
+                    "a compound in a compound cannot be read",
                     "put its parts into the outer one",
                 ),
             )
@@ -326,8 +330,7 @@ def _cells(scene: _IrsimScene, wanted: float, source: str) -> tuple[npt.NDArray[
     if raster.partly:
         scene.notes.append(
             f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m "
-            f"are only partly "
-            "covered; a smaller cell_size comes closer"
+            f"are only partly covered; a smaller cell_size is more accurate"
         )
     return raster.solid, float(size)
 
@@ -366,9 +369,7 @@ def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | 
     first = tables[0]
     number = sum(int(_fraction(table, "number", Fraction(1))) for table in tables)
     if number > 1:
-        scene.notes.append(
-            f"the file has {number} robots; the first was taken, the others left out"
-        )
+        scene.notes.append(f"the file has {number} robots; only the first was used")
     # Read its start and its last goal.
     start: _Point = None
     target: _Point = None
@@ -382,8 +383,8 @@ def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | 
         target = (*_from_corner(scene, first, "goal", goals[-1]), reach)
     else:
         scene.notes.append(
-            f"IR-SIM places the robot by chance ({_placing(first)}); start and target are placed "
-            f"here"
+            f"IR-SIM places the robot at random ({_placing(first)}), so start and target were "
+            f"placed here"
         )
     # Read its speed.
     speeds = first.rows("vel_max")[0] if "vel_max" in first else [Fraction(1)]
@@ -392,7 +393,7 @@ def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | 
             "vel_max",
             Message(
                 "not-positive",
-                "vel_max begins with {speed:g}; it is a speed above 0 m/s",
+                "vel_max begins with {speed:g}; it must be a speed above 0 m/s",
                 speed=float(speeds[0]),
             ),
         )
@@ -433,12 +434,12 @@ def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
             "shape",
             Message(
                 "unsupported",
-                "the robot's shape {shape!q} is not read",
+                "the robot's shape {shape!q} cannot be read",
                 "give it a circle with a radius",
                 shape=name,
             ),
         )
     scene.notes.append(
-        f"the robot is a {name}; the disc around it that its turning needs has {radius:g} m"
+        f"the robot is a {name}; the disc that it needs for turning has {radius:g} m"
     )
     return radius

@@ -74,8 +74,8 @@ def read_ints(data: bytes, source: str) -> Ints:
         if length > len(data) - first:
             raise FormatError(
                 "cut-short",
-                "byte {at}: a block of {length} bytes, of which the file has {left}; it is cut "
-                "short or damaged",
+                "byte {at}: a block of {length} bytes, of which the file has {left}; it is "
+                "truncated or damaged",
                 "fetch it again",
                 at=at,
                 length=length,
@@ -88,7 +88,7 @@ def read_ints(data: bytes, source: str) -> Ints:
     if len(payload) % 4:
         raise FormatError(
             "cut-short",
-            "{count} bytes of numbers; a number has 4, so the last one is cut short",
+            "{count} bytes of numbers; a number has 4, so the last one is truncated",
             "fetch the file again",
             count=len(payload),
             source=source,
@@ -101,7 +101,7 @@ def _check_header(data: bytes, source: str) -> None:
         came = data[:2].hex(" ").upper() or "nothing"
         raise FormatError(
             "unknown-format",
-            "begins with {came}; a Java object stream begins with AC ED 00 05",
+            "begins with {came}, but a Java object stream begins with AC ED 00 05",
             "give a file that the program saved",
             came=came,
             source=source,
@@ -127,7 +127,7 @@ def _check_header(data: bytes, source: str) -> None:
 
 
 def _record(data: bytes, at: int, source: str) -> tuple[int, int]:
-    """Return where the bytes of a record begin, and how many they are."""
+    """Return where the bytes of a record begin, and their number."""
     kind = data[at]
     if kind not in (_SHORT, _LONG):
         _refuse_record(kind, at, source)
@@ -144,10 +144,10 @@ def _record(data: bytes, at: int, source: str) -> tuple[int, int]:
 
 
 def _refuse_record(kind: int, at: int, source: str) -> NoReturn:
-    what = _RECORDS.get(kind, "no record of Java's")
+    what = _RECORDS.get(kind, "not a record of Java")
     raise FormatError(
         "not-numbers",
-        "byte {at}: {kind:02X} is {what}; a map holds bare numbers only (records 77 and 7A)",
+        "byte {at}: {kind:02X} is {what}; a map holds only bare numbers (records 77 and 7A)",
         "give a file that the program's map editor saved",
         at=at,
         kind=kind,

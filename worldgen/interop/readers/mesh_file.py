@@ -40,7 +40,7 @@ class RawMesh(NamedTuple):
     Args:
         vertices: (n, 3) float64, in the file's unit and axes.
         faces: (m, 3) int64.
-        held: Facts about the world in a file of ours, by the names of
+        held: Facts about the world in a file from worldgen, by the names of
             :data:`~worldgen.interop.format.HELD`, and ``size``; empty for other files.
         unit: Metres per unit, if the file gives it.
         left_out: Parts that are not surfaces, such as points and lines.
@@ -99,7 +99,7 @@ def _check_counts(data: bytes, kind: str, source: str) -> None:
 
 
 def _held(data: bytes, kind: str) -> dict[str, Any]:
-    """Return the facts about the world in a file of ours.
+    """Return the facts about the world in a file that worldgen wrote.
 
     They are in comments, as TOML, or in the header of an STL file.
     """
@@ -168,7 +168,7 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
                 process=False,
                 skip_materials=True,
             )
-    # The error is about a file that it names.
+    # The error is about a file that the mesh file names.
     except InvalidParameter as error:
         raise FormatError.of(error.message, source=str(path)) from error
     except WorldgenError:
@@ -188,7 +188,7 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
 def _in_one_frame(
     scene: Any, source: str
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], int]:
-    """Return all triangles of a scene, each instance in its place, and how many parts have none."""
+    """Return all triangles of a scene, each instance in its place, and the number of empty ones."""
     # Collect the vertices and triangles of every part.
     places: list[npt.NDArray[np.float64]] = [np.zeros((0, 3))]
     triangles: list[npt.NDArray[np.int64]] = [np.zeros((0, 3), np.int64)]

@@ -1,6 +1,7 @@
 """Cut a mesh at the height of a robot's lidar: find the floors, the plane and the cells.
 
-As with a real lidar, anything lower or higher than the plane is not seen: a table is its legs.
+As with a real lidar, anything lower or higher than the plane is not seen: only the legs of a table
+    appear.
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ _SAME_FLOOR = (
     # Levels less than this apart, m, are one floor, with a step or a platform.
     0.5
 )
-# Part of the largest floor's area; less is a landing or furniture.
+# Fraction of the largest floor's area; a smaller level is a landing or furniture.
 _SMALL = 0.25
-# Part of the largest coordinate: meshes are mostly stored as float32.
+# Fraction of the largest coordinate: meshes are mostly stored as float32.
 _ROUNDED = 2.0**-22
 # Depth in cells, as in `worldgen.interop.geometry.raster`.
 _TOUCH = 1e-6
@@ -55,7 +56,7 @@ _OURS = (
 
 @dataclass(frozen=True)
 class Plane:
-    """Where and how a mesh is cut.
+    """Where and how to cut a mesh.
 
     Args:
         height: Height above the floor, m.
@@ -102,7 +103,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
         raise InvalidParameter(
             "out-of-range",
             "floor={floor}: the mesh has {count} floors, at {heights} m",
-            "give one from 0",
+            "give a number from 0",
             floor=plane.floor,
             count=len(floors),
             heights=_listed(floors),
@@ -142,7 +143,7 @@ class _Told:
 
 
 def _checked(held: dict[str, Any]) -> dict[str, Any]:
-    """Return the facts in a file of ours, if all of them have the right form.
+    """Return the facts in a file from worldgen, if all of them have the right form.
 
     Otherwise the file is read like any other.
     """
@@ -293,8 +294,8 @@ def _notes(told: _Told, left_out: int) -> tuple[str, ...]:
     bodies = told.bodies
     level = floors[plane.floor]
     notes = [
-        f"cut {plane.height:g} m above the floor at {level:g} m; what ends below or begins above "
-        f"is not seen"
+        f"cut {plane.height:g} m above the floor at {level:g} m; parts that end below it or begin "
+        f"above it are not seen"
     ]
     if len(floors) > 1:
         notes.append(
@@ -309,9 +310,9 @@ def _notes(told: _Told, left_out: int) -> tuple[str, ...]:
         )
     if left_out:
         notes.append(
-            f"{left_out} parts that are not surfaces, such as points and lines, are left out"
+            f"{left_out} parts that are not surfaces, such as points and lines, are ignored"
         )
-    return (*notes, "beyond these cells everything is solid")
+    return (*notes, "everything beyond these cells is solid")
 
 
 def _warnings(told: _Told) -> tuple[str, ...]:
@@ -319,8 +320,8 @@ def _warnings(told: _Told) -> tuple[str, ...]:
     if _ODD_SIDES[0] <= max(sides[:2]) <= _ODD_SIDES[1]:
         return ()
     return (
-        f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if it is in another unit, say "
-        f"so with +unit",
+        f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if it is in another unit, "
+        f"give that with +unit",
     )
 
 

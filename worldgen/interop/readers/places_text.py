@@ -18,7 +18,7 @@ from worldgen.world import World
 __all__ = ["KEYS", "Places", "from_decimal", "place_words", "read_places"]
 
 KEYS = {"start": 3, "target": 3, "robot_radius": 1, "robot_speed": 1}
-"""Names of the facts, and how many numbers each has."""
+"""Names of the facts, and the number of values of each."""
 
 # More digits than the sum of any two float64 of a world.
 _NUMBER = re.compile(
@@ -77,9 +77,9 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
         if len(words[key]) != count:
             raise InvalidParameter(
                 "wrong-count",
-                "{key} has {values} values; it is one number"
+                "{key} has {values} values; it must be one number"
                 if count == 1
-                else "{key} has {values} values; it is {count} numbers",
+                else "{key} has {values} values; it must have {count} numbers",
                 key=key,
                 values=len(words[key]),
                 count=count,
@@ -114,5 +114,5 @@ def from_decimal(word: str, shift: float = 0.0) -> float:
         except OverflowError:
             pass
     raise InvalidParameter(
-        "not-a-number", "{word!q} is not a finite number", "write one like 0.05", word=word
+        "not-a-number", "{word!q} is not a finite number", "write one such as 0.05", word=word
     )

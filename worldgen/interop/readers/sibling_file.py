@@ -32,7 +32,7 @@ def sibling_file(path: Path, key: str, name: str) -> Path:
     if not other.is_relative_to(folder):
         raise InvalidParameter(
             "outside-folder",
-            "{key} {name} lies outside the map's folder",
+            "{key} {name} is outside the map's folder",
             "copy it there and name it without a path",
             key=key,
             name=quote(name, 80),
@@ -45,8 +45,8 @@ def sibling_file(path: Path, key: str, name: str) -> Path:
     if not there:
         raise InvalidParameter(
             "no-such-file",
-            "{key} {name} is not there",
-            "put it beside {map}",
+            "{key} {name} does not exist",
+            "put it next to {map}",
             key=key,
             name=quote(name, 80),
             map=path.name,

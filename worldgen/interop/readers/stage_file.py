@@ -24,8 +24,8 @@ _TOKEN = re.compile(
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})")
 # Nested parts, and definitions that build on definitions.
 _MOST_DEPTH = 16
-# Most tokens to read, counting a definition's again wherever it is used; Stage's hospital.world has
-# 498,236.
+# Limit on the tokens, counting those of a definition again wherever it is used; Stage's
+# hospital.world has 498,236.
 _MOST_TOKENS = 700_000
 
 
@@ -89,8 +89,8 @@ class Entity:
                     key,
                     Message(
                         "not-a-number",
-                        "{key} has {text!q}, no number",
-                        "write one like 0.05, without exponent",
+                        "{key} has {text!q}, which is not a number",
+                        "write one such as 0.05, without exponent",
                         key=key,
                         text=item.text,
                     ),
@@ -100,7 +100,7 @@ class Entity:
 
 @dataclass
 class _StageReader:
-    """Walks along the tokens and knows the definitions so far."""
+    """Walks along the tokens, and remembers the definitions so far."""
 
     tokens: list[_Token]
     at: int = 0
@@ -119,7 +119,7 @@ class _StageReader:
             else:
                 raise _fault(
                     token,
-                    Message("wrong-form", "{came!q} came where a name belongs", came=token.text),
+                    Message("wrong-form", "{came!q} is where a name belongs", came=token.text),
                 )
 
     def _spend(self, count: int, token: _Token) -> None:
@@ -142,7 +142,7 @@ class _StageReader:
                 self.tokens[self.at],
                 Message(
                     "wrong-form",
-                    "define needs a name and what it builds on",
+                    "define needs a name and a base",
                     "write `define wall model ( ... )`",
                 ),
             )
@@ -191,7 +191,7 @@ class _StageReader:
                 name,
                 Message(
                     "missing-value",
-                    '{name!q} has no value; behind a name come a number, a "word", [ or (',
+                    '{name!q} has no value; a name is followed by a number, a "word", [ or (',
                     name=name.text,
                 ),
             )
@@ -208,7 +208,7 @@ class _StageReader:
             yield token
         raise _fault(
             first,
-            Message("wrong-form", 'a list [ has a number or a "word" too few', "close it with ]"),
+            Message("wrong-form", 'a list [ lacks a number or a "word"', "close it with ]"),
         )
 
     def _entity(self, name: _Token, begin: int, end: int, depth: int) -> Entity:
@@ -218,7 +218,7 @@ class _StageReader:
                 name,
                 Message(
                     "nested-too-deep",
-                    "things are nested deeper than {most} levels",
+                    "entities are nested deeper than {most} levels",
                     "flatten them",
                     most=_MOST_DEPTH,
                 ),
@@ -295,7 +295,7 @@ def _tokens(
                     token,
                     Message(
                         "nested-too-deep",
-                        "files are included more than {most} deep",
+                        "files are included more than {most} levels deep",
                         "does one include itself?",
                         most=_MOST_DEPTH,
                     ),

@@ -51,7 +51,7 @@ _Point = tuple[Fraction, Fraction]
 
 @dataclass
 class _Includes:
-    """Files that a world file includes: those next to it are read, the others reported."""
+    """Files that a world file includes: those next to it are read, the others are reported."""
 
     path: Path
     notes: list[str] = field(default_factory=list)
@@ -70,7 +70,7 @@ class _Includes:
         try:
             file = sibling_file(self.path, "include", name)
         except InvalidParameter as error:
-            self.notes.append(f"{error}; what it defines is not known")
+            self.notes.append(f"{error}; its definitions are not known")
             return None
         return _text(file), str(file)
 
@@ -159,9 +159,7 @@ def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
         )
         raise FormatError.of(message, source=source)
     if len(found) > 1:
-        notes.append(
-            f"{len(found)} models have pictures; the largest was taken, the others left out"
-        )
+        notes.append(f"{len(found)} models have pictures; only the largest was used")
     return max(found, key=lambda entity: math.prod(entity.numbers("size")[:2]))
 
 
@@ -204,7 +202,7 @@ def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan
             "pose",
             Message(
                 "unsupported",
-                "the floor plan is turned or has an origin; only upright ones are read",
+                "the floor plan is turned or has an origin; only upright ones can be read",
                 "turn the picture",
             ),
         )
@@ -244,9 +242,9 @@ def _cells(
     if raster.partly:
         notes.append(
             f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m "
-            f"are only partly "
-            f"black, for pixels are {float(plan.across):g} x {float(plan.along):g} m; a smaller "
-            f"cell_size comes closer"
+            f"are only partly black, because pixels are {float(plan.across):g} x "
+            f"{float(plan.along):g} m; a smaller "
+            f"cell_size is more accurate"
         )
     return raster.solid, float(size)
 
@@ -258,7 +256,7 @@ def _is_robot(entity: Entity) -> bool:
 def _robot(world: Entity, notes: list[str]) -> Entity | None:
     robots = [entity for entity in world.parts if _is_robot(entity)]
     if len(robots) > 1:
-        notes.append(f"the file has {len(robots)} robots; the first was taken, the others left out")
+        notes.append(f"the file has {len(robots)} robots; only the first was used")
     return robots[0] if robots else None
 
 
@@ -336,4 +334,4 @@ def _unread(world: Entity, floor: Entity) -> Iterator[str]:
     ]  # fmt: skip
     if others:
         names = ", ".join(sorted({entity.names[0] for entity in others})[:5])
-        yield f"{len(others)} thing{'s' * (len(others) != 1)} beside the floor plan: {names}"
+        yield f"{len(others)} thing{'s' * (len(others) != 1)} besides the floor plan: {names}"

@@ -35,11 +35,11 @@ __all__ = [
 ]
 
 WALL = -2
-# Least cells a side: a border of walls around one cell.
+# Minimum cells per side: a border of walls around one cell.
 MIN_SIZE = 3
-# Most cells a side; the program itself stops at 100.
+# Limit on the cells per side; the program itself stops at 100.
 MAX_SIZE = 2000
-# Cells a side must be even.
+# The number of cells per side must be even.
 _LOADABLE = (10, 100)
 # Cells around a wall whose signal the noise filter changes.
 _REACH = 2
@@ -106,7 +106,7 @@ def filtered(values: Ints, target: tuple[int, int]) -> Ints:
 
 
 def program_start(size: int, cell_size: float) -> Pose:
-    """Return where the program starts its robot: 35 px from the left and the top, at 10 px a cell."""
+    """Return the start of the program's robot: 35 px from the left and top, at 10 px per cell."""
     halves = round(2 * _START_CELLS)
     x, y = (
         lattice_to_metres(cells * UNIT // 2, cell_size) for cells in (halves, 2 * size - halves)
@@ -115,7 +115,7 @@ def program_start(size: int, cell_size: float) -> Pose:
 
 
 def unloadable(size: int) -> str | None:
-    """Return why the program would not load a map of this size, or None if it would."""
+    """Return the reason why the program would not load a map of this size, or None if it would."""
     low, high = _LOADABLE
     if low <= size <= high and size % 2 == 0:
         return None
@@ -130,7 +130,7 @@ def read_thesis_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
 
     Args:
         path: The file; the program's own suffix is ``.gex``.
-        cell_size: Side of a cell, m; the format has pixels, 10 a cell.
+        cell_size: Side of a cell, m; the format has pixels, 10 per cell.
 
     Raises:
         FormatError: If it isn't a Java stream of bare numbers, or the numbers aren't a map.
@@ -169,9 +169,8 @@ def _explain(
     return notes, (
         Note(
             "signal-unknown",
-            "the values are neither squared distances to the target nor what the noise filter "
-            "makes of these in one go "
-            "({cells} cells fit neither)",
+            "the values are neither squared distances to the target nor the result of one pass of "
+            "the noise filter over them ({cells} cells fit neither)",
             "walls and target are kept, and export --to thesis will write the plain map",
             at_terminal=True,
             cells=neither,
@@ -181,7 +180,7 @@ def _explain(
 
 _THROUGH_NOISE = Note(
     "noise-filtered",
-    "the map has been through the noise filter, which a world has no room for: run it with "
+    "the map has been through the noise filter, which a world cannot store: run it with "
     "thesis-1+noise",
     "export --to thesis filters it again",
     at_terminal=True,
@@ -208,7 +207,7 @@ def _square(values: Ints, source: str) -> Ints:
     if not MIN_SIZE <= size <= MAX_SIZE:
         raise FormatError(
             "wrong-size",
-            "{size} x {size} cells; a map has {min_size} to {max_size} a side",
+            "{size} x {size} cells; a map has {min_size} to {max_size} per side",
             "give another file",
             size=size,
             min_size=MIN_SIZE,
@@ -225,8 +224,7 @@ def _check_values(values: Ints, source: str) -> None:
         raise FormatError(
             "wrong-values",
             "{value} in column {column}, row {row} from the top; a cell holds a squared "
-            "distance, 0 for the target, or {wall} for a wall; this is not a map, or a "
-            "damaged one",
+            "distance, 0 for the target, or {wall} for a wall; this is not a map, or it is damaged",
             value=values[row, column],
             column=column,
             row=row,
@@ -241,7 +239,7 @@ def _check_values(values: Ints, source: str) -> None:
         raise FormatError(
             "open-border",
             "the border is open in column {column}, row {row} from the top; a map has walls all "
-            "round",
+            "around",
             "close it in the program's map editor",
             column=column,
             row=row,

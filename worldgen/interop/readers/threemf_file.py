@@ -34,11 +34,11 @@ UNITS = {
     "meter": 1.0,
 }
 _MODEL = "3D/3dmodel.model"
-# Most bytes, unpacked.
+# Limit on the unpacked bytes.
 _MOST_XML = 256 << 20
 # Deepest nesting of components.
 _MOST_DEPTH = 16
-# Most items and components, each counted as often as it is placed.
+# Limit on items and components, each counted as often as it is placed.
 _MOST_PARTS = 200_000
 
 Floats = npt.NDArray[np.float64]
@@ -48,14 +48,14 @@ Mesh = tuple[Floats, Ints]
 
 @dataclass
 class _Left:
-    """How many more parts and triangles a file may place."""
+    """The number of parts and triangles that a file may still place."""
 
     parts: int
     faces: int
 
 
 def read_threemf(data: bytes, source: str) -> tuple[Floats, Ints, dict[str, Any], float]:
-    """Return vertices, triangles, the facts of a file of ours, and metres per unit.
+    """Return vertices, triangles, the facts of a file from worldgen, and metres per unit.
 
     Raises:
         FormatError: If the file breaks the format's rules.
@@ -94,7 +94,7 @@ def read_threemf(data: bytes, source: str) -> tuple[Floats, Ints, dict[str, Any]
 def _unpacked(data: bytes, source: str) -> bytes:
     """Return the model's XML.
 
-    The archive may claim any size, so no more is unpacked than is read.
+    The archive may claim any size, so only the bytes that are read are unpacked.
     """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive, archive.open(_MODEL) as stream:
@@ -219,7 +219,7 @@ def _joined(found: list[Mesh]) -> Mesh:
 
 
 def _held(root: XmlElement) -> dict[str, Any]:
-    """Return the facts in a file of ours, in an element of metadata, as TOML."""
+    """Return the facts in a file from worldgen, which are in an element of metadata, as TOML."""
     for element in _children(root, "metadata"):
         if element.attributes.get("name") == "worldgen:world":
             try:

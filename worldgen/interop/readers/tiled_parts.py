@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 Part: TypeAlias = dict[str, Any]
-# The upper bits say how a tile is flipped and turned.
+# The upper bits tell how a tile is flipped and turned.
 _TILE = 0x0FFFFFFF
 _MOST_LAYERS = 10_000
 # zlib and gzip are recognised by their headers.
@@ -68,7 +68,7 @@ def parse_tiled(data: bytes, source: str) -> Part:
     ) as error:
         raise FormatError(
             "wrong-form",
-            "is not a map that Tiled would write",
+            "is not a map in the form that Tiled writes",
             "save it from Tiled again",
             source=source,
         ) from error
@@ -83,15 +83,15 @@ def parse_tiled(data: bytes, source: str) -> Part:
         raise FormatError(
             "endless-map",
             "is endless",
-            "take the tick off Infinite in Tiled's Map Properties",
+            "clear Infinite in Tiled's Map Properties",
             source=source,
         )
     kind = parsed.get("orientation", "orthogonal")
     if kind != "orthogonal":
         raise FormatError(
             "unsupported",
-            "its orientation is {orientation!q}; only orthogonal maps are worlds",
-            "draw it again as one",
+            "its orientation is {orientation!q}; only orthogonal maps can become worlds",
+            "draw it again as an orthogonal map",
             orientation=str(kind),
             source=source,
         )
@@ -100,7 +100,7 @@ def parse_tiled(data: bytes, source: str) -> Part:
         raise FormatError(
             "not-square",
             "tiles of {width} x {height} pixels; a cell is a square",
-            "set both sides alike in Map Properties",
+            "make both sides equal in Map Properties",
             width=tile[0],
             height=tile[1],
             source=source,
@@ -118,7 +118,7 @@ def checked_number(part: Part, key: str, source: str) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= 1_000_000:
         raise FormatError(
             "not-a-number",
-            "{key} is {value!q}, no whole number of 0 or more",
+            "{key} is {value!q}, which is not a whole number of 0 or more",
             "save it again",
             key=key,
             value=json.dumps(value),
@@ -140,7 +140,7 @@ def all_layers(parsed: Part, source: str) -> list[Part]:
         if not isinstance(layer, dict) or len(found) >= _MOST_LAYERS:
             raise FormatError(
                 "too-many-layers",
-                "a layer isn't one, or there are more than {most}",
+                "a layer is not an object, or there are more than {most}",
                 "save it again",
                 most=_MOST_LAYERS,
                 source=source,
@@ -153,7 +153,7 @@ def all_layers(parsed: Part, source: str) -> list[Part]:
 
 
 def tile_layer(layers: list[Part], name: str, source: str) -> Part:
-    """Return the layer of walls: the named one, else one called walls or the only one.
+    """Return the layer of walls: the named one, otherwise one called walls, or the only one.
 
     Raises:
         FormatError: If there is none, or the choice is ambiguous.
@@ -170,8 +170,8 @@ def tile_layer(layers: list[Part], name: str, source: str) -> Part:
             "layer-missing" if name else "ambiguous-layer",
             "there is no layer {name!q}; layers of tiles: {known!l:none}"
             if name
-            else "the layer of walls cannot be told; layers of tiles: {known!l:none}",
-            "say one with --from tiled+layer=NAME",
+            else "it is unclear which layer has the walls; layers of tiles: {known!l:none}",
+            "name it with --from tiled+layer=NAME",
             at_terminal=True,
             name=name,
             known=[quote(layer["name"]) for layer in tiles[:20]],
@@ -194,7 +194,7 @@ def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArr
     if size != (width, height):
         raise FormatError(
             "wrong-size",
-            "{name} has {layer_width} x {layer_height} cells, the map {width} x {height}",
+            "{name} has {layer_width} x {layer_height} cells, but the map has {width} x {height}",
             "save it again",
             name=name,
             layer_width=size[0],
@@ -257,7 +257,7 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
     if kind not in ("none", "zlib", "gzip"):
         raise FormatError(
             "unsupported",
-            "{name} is packed by {compression!q}",
+            "{name} is compressed with {compression!q}",
             "save it in Tiled as CSV or zlib",
             name=name,
             compression=str(kind),

@@ -93,7 +93,7 @@ def read_xml(data: bytes, source: str) -> XmlElement:
 
 
 class _TreeBuilder:
-    """Builds the tree, and refuses what could make a small file large as soon as it appears."""
+    """Build the tree, and refuse anything that could make a small file large when it appears."""
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -115,8 +115,8 @@ class _TreeBuilder:
         raise self._fault(
             Message(
                 "unsupported",
-                "a document type ({name!q}) is declared; worlds have none, delete the <!DOCTYPE "
-                "...>",
+                "a document type ({name!q}) is declared; worlds have none, so delete the "
+                "<!DOCTYPE ...>",
                 name=name,
             )
         )
@@ -138,7 +138,7 @@ class _TreeBuilder:
                 Message(
                     "too-large",
                     "more than {most_depth} levels or {most_elements} elements",
-                    "cut a smaller world out",
+                    "cut out a smaller world",
                     most_depth=_MOST_DEPTH,
                     most_elements=_MOST_ELEMENTS,
                 )

@@ -1,4 +1,4 @@
-"""Read YAML as nodes: builds no value, obeys no tag, expands nothing, and reports lines."""
+"""Read YAML as nodes with their lines; no values, tags or aliases are resolved."""
 
 from __future__ import annotations
 
@@ -112,8 +112,8 @@ class YamlTable:
                 key,
                 Message(
                     "not-a-number",
-                    "{key} is {word!q}, no finite number",
-                    "write one like 0.05",
+                    "{key} is {word!q}, which is not a finite number",
+                    "write one such as 0.05",
                     key=key,
                     word=word,
                 ),
@@ -164,8 +164,8 @@ class YamlTable:
                 key,
                 Message(
                     "not-a-number",
-                    "{key} is {word!q}, no number",
-                    "write one like 0.05",
+                    "{key} is {word!q}, which is not a number",
+                    "write one such as 0.05",
                     key=key,
                     word=word,
                 ),
@@ -228,7 +228,7 @@ def read_yaml(text: bytes, source: str, example: str) -> YamlTable:
     Args:
         text: The file.
         source: Name of the file for messages.
-        example: A typical line, for messages: "a ROS map has `image: map.pgm` and the like".
+        example: A typical line, for messages: "a ROS map has `image: map.pgm` and similar keys".
 
     Raises:
         FormatError: If it isn't YAML, isn't a table, or has anchors, aliases, or lists nested too
@@ -293,14 +293,14 @@ def _compose(text: bytes, source: str) -> yaml.Node | None:
 
 
 def _refuse_tricks(text: str, source: str) -> None:
-    """Reject what makes a small YAML file large or deep, before a tree is built."""
+    """Reject anything that makes a small YAML file large or deep, before a tree is built."""
     depth = 0
     for event in yaml.parse(text, Loader=_LOADER):
         line = 1 if event.start_mark is None else event.start_mark.line + 1
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
             raise FormatError(
                 "unsupported",
-                "anchors and aliases (& and *) are not read",
+                "anchors and aliases (& and *) are not supported",
                 "write the value out",
                 line=line,
                 source=source,

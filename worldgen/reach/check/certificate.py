@@ -1,7 +1,7 @@
 """Check a certificate without any of the code that made it: shapely, numpy, plain Python.
 
-A witness is checked in cells with a tolerance of 1e-8, which is 1e-9 m at the usual 0.1 m a cell. A
-cut's gaps and winding are multiples of half cells, so they are checked exactly. If the target's
+A witness is checked in cells with a tolerance of 1e-8, which is 1e-9 m at the usual 0.1 m per cell.
+A cut's gaps and winding are multiples of half cells, so they are checked exactly. If the target's
 disc overlaps the chain, its decisive poses are computed to 180 digits, and doubtful ones count
 against the certificate.
 """
@@ -34,9 +34,9 @@ __all__ = [
     "path_of",
 ]
 
-# Cells by which a path may be nearer to a wall than the radius.
+# Cells by which a path may be closer to a wall than the radius.
 TOLERANCE = 1e-8
-# Share of the speed by which a piece may be too fast.
+# Fraction of the speed by which a piece may be too fast.
 SPEED_TOLERANCE = 1e-9
 
 Cells: TypeAlias = npt.NDArray[np.int64]
@@ -48,8 +48,8 @@ class CheckReport:
     """The result of a check.
 
     Args:
-        valid: Whether the certificate proves its claim for the requested radius.
-        reason: One sentence that says what holds, or what does not.
+        valid: True if the certificate proves its claim for the requested radius.
+        reason: One sentence about what holds, or what does not.
         clearance: Length, m: the measured radius of the largest disc that a witness lets through,
             or half the widest gap of a cut. It is 0 if the check failed before it was measured.
     """
@@ -60,7 +60,7 @@ class CheckReport:
 
 
 class _Refused(Exception):
-    """The certificate is invalid; the message gives the reason."""
+    """Raised if the certificate is invalid; the message gives the reason."""
 
 
 def check_certificate(
@@ -78,7 +78,7 @@ def check_certificate(
     """
     certificate = world.certificate if certificate is None else certificate
     if certificate is None:
-        return CheckReport(False, "the world carries no certificate", 0.0)
+        return CheckReport(False, "the world has no certificate", 0.0)
     if isinstance(certificate, JointWitness):
         return _check_joint(world, certificate, radius)
     if world.others:
@@ -108,7 +108,7 @@ def _check_joint(world: World, joint: JointWitness, radius: float | None) -> Che
     # Check each path alone.
     for number, path in enumerate(joint.paths, start=1):
         alone = world.alone(number)
-        # Where it has parked, it has to be safe until the last robot arrives.
+        # The place where it parks has to be safe until the last robot arrives.
         report = check_certificate(alone, _waiting(path, joint.duration), radius=radius)
         if report.valid and _leaves_target(alone, path):
             report = CheckReport(False, "the path leaves the target again", report.clearance)
@@ -172,9 +172,9 @@ def _leaves_target(world: World, path: Witness) -> bool:
 def _check_one_of_several(
     world: World, certificate: Witness | Cut, radius: float | None
 ) -> CheckReport:
-    """Check a cut of one of several robots; where that robot cannot arrive, not all of them can."""
+    """Check a cut of one of several robots; if that robot cannot arrive, not all of them can."""
     if not isinstance(certificate, Cut):
-        return CheckReport(False, "the witness is about one robot, and there are several", 0.0)
+        return CheckReport(False, "the witness is about one robot, but there are several", 0.0)
     if not 1 <= certificate.robot <= len(world.robots):
         return CheckReport(False, f"there is no robot {certificate.robot}", 0.0)
     report = check_certificate(world.alone(certificate.robot), certificate, radius=radius)
@@ -301,13 +301,13 @@ def _check_witness(world: World, witness: Witness, radius: float, measured: list
     )
     _require(
         clearance >= witness.clearance / size - TOLERANCE,
-        f"the witness claims {witness.clearance} m of clearance and has {clearance * size:.9g} m, "
+        f"the witness claims {witness.clearance} m of clearance but has {clearance * size:.9g} m, "
         f"at {where}",
     )
 
 
 def path_of(world: World, witness: Witness) -> WitnessPoints:
-    """Return the witness if it starts and ends right, stays in the grid and keeps to the speed."""
+    """Return the witness if its ends are right, it stays in the grid, and it keeps to the speed."""
     # The times must begin at 0 and never go back.
     times = witness.times
     x = witness.x
@@ -400,7 +400,7 @@ def _timed_clearance(
     piece = piece[meet]
     if not len(cell):
         return reach, where
-    # Measure the parts driven meanwhile.
+    # Measure the parts driven in that time.
     low = np.maximum(since[cell], begin[piece])
     high = np.minimum(until[cell], end[piece])
     distances = shapely.distance(path.parts(piece, low, high), boxes[cell])
@@ -408,7 +408,7 @@ def _timed_clearance(
     if distances[at] >= reach:
         return reach, where
     named = (
-        f"cell ({ix[cell[at]]}, {iy[cell[at]]}), blocked meanwhile, between {low[at]:.6g} s "
+        f"cell ({ix[cell[at]]}, {iy[cell[at]]}), blocked at that time, between {low[at]:.6g} s "
         f"and {high[at]:.6g} s"
     )
     return float(distances[at]), named
@@ -427,15 +427,13 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
     )
     _require(
         cut.clearance * (1 + 1e-12) >= measured[0],
-        f"the cut claims to stop discs above {cut.clearance} m and has a gap of twice "
+        f"the cut claims to stop discs above {cut.clearance} m but has a gap of twice "
         f"{measured[0]:.9g} m",
     )
     # Cells must be in the grid or just outside it.
     for ix, iy in cells:
         near = -1 <= ix <= world.width and -1 <= iy <= world.height
-        _require(
-            near, f"cell ({ix}, {iy}) of the cut lies beyond the ring of cells around the grid"
-        )
+        _require(near, f"cell ({ix}, {iy}) of the cut is beyond the ring of cells around the grid")
     in_cells = _decimal(radius) / _decimal(world.cell_size)
     at = gaps.index(wide)
     _require(
@@ -446,7 +444,7 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
     # The start or the grid may rule out the disc at once.
     spans = blocked_spans(world)
     if _start_is_covered(world, cells, in_cells, spans):
-        return "the start is nearer to a solid cell than the radius"
+        return "the start is closer to a solid cell than the radius"
     if 2 * in_cells > min(world.width, world.height):
         return "the disc is wider than the grid"
     # Every cell must be blocked at all times.
@@ -501,16 +499,16 @@ def _check_sides(
             shapely.Point(float(target[0]), float(target[1])).distance(ring)
             > float(reach) + TOLERANCE
         ):
-            return "the chain parts the start from the whole target"
+            return "the chain separates the start from the whole target"
     try:
         poses = poses_to_part(blocked, radius, target, reach)
     except TooMuch:
-        raise _Refused("the target's disc is too large to look at all of its poses") from None
+        raise _Refused("the target's disc is too large to examine all of its poses") from None
     left = sum(_winds_round(line, pose) == home for pose in poses)
-    _require(left == 0, "the chain does not part the start from every clear pose of the target")
+    _require(left == 0, "the chain does not separate the start from every clear pose of the target")
     if not poses:
         return "no pose in the target's disc is clear"
-    return "the chain parts the start from every clear pose of the target"
+    return "the chain separates the start from every clear pose of the target"
 
 
 def _closed_line(cells: list[tuple[int, int]]) -> list[tuple[Fraction, Fraction]]:

@@ -19,8 +19,8 @@ from worldgen.world import World
 
 __all__ = ["check_confinement"]
 
-# Tolerance in tiles: a robot that is late, or a tile that is far from the target, by less than this
-# counts as in time, or as there.
+# Tolerance in tiles: a robot that is late by less than this counts as in time, and a tile that is
+# farther from the target by less than this counts as at the target.
 SLACK = 1e-9
 
 Tile: TypeAlias = tuple[int, int]
@@ -28,7 +28,7 @@ Slabs: TypeAlias = tuple[int, int]
 
 
 class _ConfinementRefused(Exception):
-    """The confinement is invalid; the message gives the reason."""
+    """Raised if the confinement is invalid; the message gives the reason."""
 
 
 def check_confinement(
@@ -48,10 +48,10 @@ def check_confinement(
         return CheckReport(False, str(refusal), 0.0)
     within = "" if proof.deadline is None else f" within {proof.deadline:g} s"
     if not len(proof.stays):
-        return CheckReport(True, f"no robot gets so far{within}", 0.0)
+        return CheckReport(True, f"no robot gets that far{within}", 0.0)
     return CheckReport(
         True,
-        f"no robot gets out of {len(proof.stays)} stays{within}, and none is at the target",
+        f"no robot leaves the {len(proof.stays)} stays{within}, and none of them is at the target",
         0.0,
     )
 
@@ -67,12 +67,13 @@ class _Check:
         self.proof = proof
         self.k = proof.k
         if not (isinstance(proof.k, int) and proof.k >= 1 and proof.slab > 0):
-            raise _ConfinementRefused("a tile or a slab has no size")
+            raise _ConfinementRefused("a tile or a slab has size 0")
         size = _decimal(world.cell_size)
         speed = _decimal(world.robot_speed)
         if proof.slab * speed > size / proof.k:
             raise _ConfinementRefused(
-                f"in a slab of {float(proof.slab):g} s the robot gets farther than one tile's side"
+                f"in a slab of {float(proof.slab):g} s the robot can move farther than one tile's "
+                f"side"
             )
         # Convert the robot, its start and its target to tiles.
         self.radius = _decimal(radius) / size
@@ -119,7 +120,7 @@ class _Check:
             inside = 0 <= ix < self.world.width * self.k and 0 <= iy < self.world.height * self.k
             if not (inside and 0 <= first <= last):
                 raise _ConfinementRefused(
-                    f"a stay in tile ({ix}, {iy}) from slab {first} to {last} is none"
+                    f"({ix}, {iy}) from slab {first} to {last} is not a valid stay"
                 )
             self.stays[ix, iy].append((first, last))
             if first <= self.last and self._apart((ix, iy), self.target) <= self.reach + SLACK:
@@ -150,9 +151,7 @@ class _Check:
         stays = self.stays.get(tile, [])
         at = bisect.bisect_right(stays, (first, 2 * NEVER_ENDS)) - 1
         if not any(begin <= first and end >= last for begin, end in stays[: at + 1]):
-            raise _ConfinementRefused(
-                f"a robot gets out of its stay into tile {tile} in slab {first}"
-            )
+            raise _ConfinementRefused(f"a robot leaves its stay into tile {tile} in slab {first}")
 
     @staticmethod
     def _apart(tile: Tile, point: tuple[float, float]) -> float:
@@ -162,7 +161,7 @@ class _Check:
         return math.sqrt(dx * dx + dy * dy)
 
     def _where_in_time(self, tile: Tile) -> list[Slabs]:
-        """Return the slabs in which a pose of the tile may be clear, reached and still in time."""
+        """Return the slabs in which a pose of the tile may be clear, reachable, and in time."""
         if tile not in self.alive:
             soonest = (self._apart(tile, self.start) - SLACK) / self.pace - 1
             to_go = max(self._apart(tile, self.target) - self.reach, 0.0)

@@ -1,8 +1,8 @@
-"""Checks the distances between the robots of a joint witness, without any of the code that made it.
+"""Check the distances between the robots of a joint witness, without any of the code that made it.
 
 Between two points in time at which neither path bends, two robots move uniformly along straight
-lines, so the one moves along a straight line relative to the other. Their distance there is that of
-a segment from the origin. Distances are in metres, with the tolerance of a witness.
+lines, so each moves along a straight line relative to the other. Their distance there is that of a
+segment from the origin. Distances are in metres, with the tolerance of a witness.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ Floats: TypeAlias = npt.NDArray[np.float64]
 
 
 class PairDistance(NamedTuple):
-    """How near two robots come to each other.
+    """The smallest distance between two robots.
 
     Args:
         first: Number of one robot, from 1.
         second: Number of the other.
         distance: Smallest distance of their centres, m.
-        time: When, s.
+        time: Time of that distance, s.
     """
 
     first: int
@@ -38,11 +38,11 @@ class PairDistance(NamedTuple):
 
 
 def pair_distances(paths: Sequence[Witness], within: Floats) -> Iterator[PairDistance]:
-    """Yield how near the robots of each pair come, of those that may come near enough to matter.
+    """Yield the smallest distance of each pair of robots that may come close enough to matter.
 
     Args:
         paths: A path of each robot; a robot waits at the end of its path.
-        within: (n, n) float64, m. Pairs whose paths are everywhere farther apart are left out.
+        within: (n, n) float64, m. Pairs whose paths are farther apart everywhere are skipped.
     """
     boxes = np.array([(p.x.min(), p.y.min(), p.x.max(), p.y.max()) for p in paths])
     low = boxes[:, :2]
@@ -55,7 +55,7 @@ def pair_distances(paths: Sequence[Witness], within: Floats) -> Iterator[PairDis
 
 
 def _distance(one: Witness, two: Witness) -> tuple[float, float]:
-    """Smallest distance of two robots, m, and when, s."""
+    """Return the smallest distance of two robots, m, and its time, s."""
     times = np.union1d(one.times, two.times)
     # Beyond its end, interpolation keeps the last point of a path: the robot waits there.
     x = np.interp(times, one.times, one.x) - np.interp(times, two.times, two.x)
@@ -75,7 +75,7 @@ def _distance(one: Witness, two: Witness) -> tuple[float, float]:
 def nearest_pair(
     world: World, paths: Sequence[Witness], radii: Sequence[float]
 ) -> tuple[PairDistance | None, float]:
-    """Return the pair that overlaps most, if any does, and the largest equal radius that fits.
+    """Return the pair that overlaps most, if any, and the largest equal radius that fits.
 
     Args:
         world: The world, whose cells give the unit of the tolerance.
@@ -83,11 +83,12 @@ def nearest_pair(
         radii: Radius of each robot, m.
 
     Returns:
-        The pair whose centres come nearest to each other, compared with the sum of their radii, or
-        None if no two robots come near each other; and half the smallest distance of two centres, m.
+        The pair whose centres come closest to each other, compared with the sum of their radii, or
+        None if no two robots come close to each other; and half the smallest distance of two
+        centres, m.
     """
     sums = np.add.outer(np.asarray(radii, float), np.asarray(radii, float))
-    # Half the smallest distance is wanted too, and it may be that of two small robots.
+    # Half the smallest distance is needed too, and it may belong to two small robots.
     reach = np.full_like(sums, max(sums.max(), 2.0 * max(path.clearance for path in paths)))
     worst: PairDistance | None = None
     worst_room = np.inf

@@ -24,7 +24,7 @@ __all__ = ["delayed", "witness_margin"]
 def delayed(world: World, witness: Witness, delay: float) -> Witness:
     """Return the witness of a robot that waits at the start, and does everything ``delay`` s later.
 
-    It claims to let the world's robot through, and no larger disc.
+    It claims a clearance for the world's robot only, not for any larger disc.
     """
     times = np.concatenate([[0.0], witness.times + delay])
     x, y = (np.concatenate([values[:1], values]) for values in (witness.x, witness.y))
@@ -34,9 +34,9 @@ def delayed(world: World, witness: Witness, delay: float) -> Witness:
 def witness_margin(world: World, witness: Witness, *, radius: float | None = None) -> float:
     """Return the delay, s, up to which every delayed copy of a valid witness is valid.
 
-    The delay may be infinite. The robot waits at the start meanwhile, and must be safe there. If
-    the disc is too near to a cell from time u to time v, and the cell is blocked from b to e, they
-    collide at delays between b - v and e - u.
+    The delay may be infinite. The robot waits at the start for that time, and must be safe there.
+    If the disc is too near to a cell from time u to time v, and the cell is blocked from b to e,
+    they collide at delays between b - v and e - u.
 
     Args:
         world: The world.
@@ -56,7 +56,7 @@ def witness_margin(world: World, witness: Witness, *, radius: float | None = Non
     length = np.diff(path.times)[piece]
     since = begin + first * length
     until = begin + last * length
-    # Those further back are over before the disc comes near.
+    # Spans before that are over before the disc comes near.
     ahead = met & (spans.end[cell] > (since + until) / 2)
     left = spans.begin[cell][ahead] - until[ahead]
     return float(max(left.min(initial=np.inf), 0.0))
@@ -97,7 +97,7 @@ def _near(
 def _in_box(
     x: Floats, y: Floats, dx: Floats, dy: Floats, wide: float, high: float
 ) -> tuple[Floats, Floats]:
-    """Return the shares at which a piece enters and leaves the unit square, once widened."""
+    """Return the shares at which a piece enters and leaves the widened unit square."""
     first = np.zeros(len(x))
     last = np.ones(len(x))
     with np.errstate(all="ignore"):

@@ -1,8 +1,9 @@
-"""Checks that two robots would have to change places in a passage too narrow for both.
+"""Check that two robots would have to change places in a passage too narrow for both.
 
-Shares no code with what found it. The theorem: two discs in a strip of height h, whose radii add up
-to more than h / 2, are never at the same place along it, because they would be at most h - r - s
-apart across it. So their order along the strip never changes, and the targets want it reversed.
+This shares no code with the search. The theorem: two discs in a strip of height h, whose radii add
+up to more than h / 2, are never at the same place along it, because they would be at most h - r - s
+apart across it. So their order along the strip never changes, but the targets require the opposite
+order.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def _fault(world: World, swap: Swap, radius: float | None) -> str:
     if not strip[_cell_of(world, other)]:
         return "the two robots are in different rooms"
 
-    # The strip is the box around the room; its height is what is across the axis.
+    # The strip is the box around the room; its height is its extent across the axis.
     rows, columns = np.nonzero(strip)
     cells = rows if swap.axis == "x" else columns
     height = (int(cells.max()) - int(cells.min()) + 1) * _exact(world.cell_size)

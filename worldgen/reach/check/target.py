@@ -1,12 +1,12 @@
 """Check that a cut separates the start from every clear pose of the target's disc.
 
 It shares nothing with the prover. Each connected part of those poses has a pose nearest to the
-disc's centre. At that pose, one cell or two bar the direct line to the centre. So it is the centre,
-the nearest point on the edge of one cell's neighbourhood, or an intersection of two such edges
-(docs/explanation/reachability.md). Edges lie on lines and circles. All such points are computed to
-180 digits. A point within 10**-80 cell of being clear counts as clear, and one that close to the
-disc counts as inside, so doubtful cases count against the certificate. Floats only decide which
-points are near enough to be examined.
+disc's centre. At that pose, one or two cells block the direct line to the centre. So it is the
+centre, the nearest point on the edge of one cell's neighbourhood, or an intersection of two such
+edges (docs/explanation/reachability.md). Edges lie on lines and circles. All such points are
+computed to 180 digits. A point within 10**-80 cell of being clear counts as clear, and one that
+close to the disc counts as inside, so doubtful cases count against the certificate. Floats only
+decide which points are near enough to be examined.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ import numpy.typing as npt
 __all__ = ["TooMuch", "poses_to_part"]
 
 _DIGITS = (
-    # Digits of places, of their excess over the least radius, and of its roots.
+    # Digits of places, of their excess over the smallest radius, and of its roots.
     180
 )
 # Digits that remain of a root near zero.
 _CERTAIN = 80
-# Most points to examine.
+# Limit on the points to examine.
 _MOST = 4_000_000
 
 Place: TypeAlias = tuple[Decimal, Decimal]
@@ -38,7 +38,7 @@ Cell: TypeAlias = tuple[int, int]
 
 
 class TooMuch(Exception):
-    """The target's disc has too many poses to examine each."""
+    """Raised if the target's disc has too many poses to examine each."""
 
 
 def poses_to_part(
@@ -127,7 +127,7 @@ def _places(cells: list[Cell], middle: Place, radius: Decimal, doubt: Decimal) -
 
 
 def _half_chord(radius: Decimal, height: Decimal, doubt: Decimal) -> Decimal | None:
-    """Return half the chord of a circle at a height above its centre; None where it has none."""
+    """Return half the chord of a circle at a height above its centre; None if there is none."""
     square = radius**2 - height**2
     return None if square < -doubt else max(square, Decimal(0)).sqrt()
 
@@ -154,7 +154,7 @@ def _where_circles_meet(corners: list[Cell], radius: Decimal, doubt: Decimal) ->
 
 
 def _is_clear(cells: set[Cell], place: Place, radius: Decimal, doubt: Decimal) -> bool:
-    """Return True unless a place is certainly nearer to some cell than the radius."""
+    """Return True unless a place is certainly closer to some cell than the radius."""
     x, y = place
     reach = math.ceil(radius) + 1
     least = (radius - doubt) ** 2

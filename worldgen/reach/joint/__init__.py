@@ -1,1 +1,1 @@
-"""Joint plans of several robots: who is where at which time, clear of walls and of each other."""
+"""Plan for several robots jointly: where each is at any time, clear of walls and of the others."""

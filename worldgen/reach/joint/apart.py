@@ -1,4 +1,4 @@
-"""Whether two robots that move at the same time stay apart, exactly."""
+"""Decide exactly whether two robots that move at the same time stay apart."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _LENGTHS_SQ = (1, 2, 4, 5, 8)
 
 
 def conflict_limits(radii: list[Fraction], k: int) -> npt.NDArray[np.int64]:
-    """Return the whole numbers with which C compares squared distances of robots.
+    """Return the integers that C compares with squared distances of robots.
 
     Args:
         radii: Radius of each class, cells.
         k: Nodes per cell side.
 
     Returns:
-        (classes, classes, 9) int64: least squared distance, in nodes, times the squared length.
+        (classes, classes, 9) int64: smallest squared distance, in nodes, times the squared length.
     """
     limits = np.zeros((len(radii), len(radii), 9), np.int64)
     for i, one in enumerate(radii):
@@ -43,9 +43,9 @@ def stay_apart(
     """Return True if two robots stay apart while each goes straight from one point to another.
 
     Args:
-        one: From where to where one robot goes.
-        other: From where to where the other goes, in the same time.
-        apart_sq: Square of the distance that they have to keep.
+        one: Where one robot begins and ends.
+        other: Where the other begins and ends, in the same time.
+        apart_sq: Square of the distance that they must keep.
     """
     (ax, ay), (bx, by) = one
     (cx, cy), (dx, dy) = other

@@ -1,4 +1,4 @@
-"""Decides whether all robots of a world can reach their targets, with a proof where there is one."""
+"""Decide whether all robots of a world can reach their targets, with a proof if one is found."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from worldgen.world import Cut, World
 
 __all__ = ["decide_joint"]
 
-_FINER = 4  # nodes per cell side where half cells have no plan
+_FINER = 4  # nodes per cell side if half cells have no plan
 _MOST_FINE = 40_000  # cells of a world that is searched on the finer graph too
 
 
@@ -28,20 +28,20 @@ def decide_joint(
 ) -> Decision:
     """Decide whether all robots of a world can reach their targets together.
 
-    A joint witness proves that they can. That they cannot is proved by a cut for one of them, or by
-    two robots that would have to change places in a passage too narrow for both. Where all joint
-    moves over a graph were searched without success, the reason states so, but that proves nothing about
+    A joint witness proves that they can. The opposite is proved by a cut for one of them, or by two
+    robots that would have to change places in a passage too narrow for both. If all joint moves
+    over a graph were searched without success, the reason states this, but it proves nothing about
     the plane.
 
     Args:
-        world: A world of several robots; its own certificate is not looked at.
+        world: A world of several robots; its own certificate is ignored.
         radius: Radius of every robot, m; each one's own if None.
-        margin: s by which all may set out later, in a world that changes.
-        certificate: Whether the proof is wanted.
-        cut: Whether it is wanted if it is a cut. Without it, nothing that shows that there is no
-            witness is looked for, and the search for one is short.
+        margin: Seconds by which all robots may start late, in a world that changes.
+        certificate: True to return the proof.
+        cut: True to return the proof also if it is a cut. Otherwise, no proof that there is no
+            witness is searched for, and the search for a witness is short.
     """
-    # First on half cells, then on finer ones, which take longer but find tighter plans.
+    # Search half cells first, then finer ones, which take longer but find tighter plans.
     exhausted = 0
     for k in (2, _FINER) if cut else (2,):
         if k > 2 and world.walls.size > _MOST_FINE:
@@ -54,13 +54,14 @@ def decide_joint(
             witness = make_joint_witness(question, plan.nodes)
             if witness is not None:
                 reason = (
-                    f"joint paths of {witness.length:.4g} m in all; the last robot arrives after "
+                    f"joint paths with a total length of {witness.length:.4g} m; the last robot "
+                    f"arrives after "
                     f"{witness.duration:.4g} s"
                 )
                 return Decision(REACHABLE, witness if certificate else None, reason)
         elif plan.is_exhausted and question.spans is None:
             exhausted = k
-        # Before the finer graph is searched, look for a proof that there is nothing to find.
+        # Before searching the finer graph, look for a proof that there is nothing to find.
         if k == 2 and cut:
             blocked = _proved_impossible(world, radius, certificate)
             if blocked is not None:
@@ -73,9 +74,9 @@ def _undecided_reason(exhausted: int) -> str:
     if not exhausted:
         return "no joint plan was found, and nothing proves that there is none"
     return (
-        f"all joint moves on the grid of 1/{exhausted} cells were searched, from the nodes chosen for the "
-        "starts and with robots that stay where they arrive, and none brings every "
-        "robot to its target; this is a statement about the grid, not a proof for the plane"
+        f"all joint moves on the grid of 1/{exhausted} cells were searched, from the nodes chosen "
+        f"for the starts and with robots that stay where they arrive, but none brings every robot "
+        f"to its target; this is a statement about the grid, not a proof for the plane"
     )
 
 

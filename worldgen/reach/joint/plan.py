@@ -1,4 +1,4 @@
-"""The searches for a joint plan, cheapest first."""
+"""Search for a joint plan, with the cheapest methods first."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from worldgen.support.ccall import check, pointer, writable
 
 __all__ = ["PlanResult", "find_plan"]
 
-# Each robot that has no way is planned first the next time. In most worlds that helps within a few
-# turns; twice the number of robots is enough, and more than forty only cost time.
+# Each robot without a path is planned first in the next round. In most worlds this works within a
+# few rounds; twice the number of robots is enough, and more than forty only cost time.
 _MOST_ORDERS = 40
 _MOST_ONE = 2_000_000  # states of one robot
 _MOST_EXHAUST = 300_000  # joint states: about 3 s for two robots in a narrow place
 _FEW = 3  # robots whose joint states are searched one by one
-_MOST_LACAM = 30_000  # joint states for more of them
+_MOST_LACAM = 30_000  # joint states for more robots
 _QUICK_EXHAUST = 30_000  # for a search that is not thorough: some tens of milliseconds
 _QUICK_LACAM = 1_000
 _QUICK_ONE = 200_000
@@ -35,7 +35,7 @@ class PlanResult:
 
     Args:
         nodes: (ticks + 1, robots) int64, node of each robot; None if no plan was found.
-        is_exhausted: Whether there is no plan over this graph.
+        is_exhausted: True if it is known that there is no plan over this graph.
     """
 
     nodes: Ints | None
@@ -45,13 +45,12 @@ class PlanResult:
 def find_plan(question: JointQuestion, *, thorough: bool = True) -> PlanResult:
     """Look for a plan in which all robots get from their nodes to their targets.
 
-    The robots are planned one after another at first, in several orders. What that cannot solve,
-    it leaves to a search over the joint states: all of them for few robots, and depth first for
-    many.
+    At first, the robots are planned one after another, in several orders. If that fails, it
+    searches the joint states: all of them for few robots, and depth first for many.
 
     Args:
         question: Robots, nodes and ticks.
-        thorough: Whether to search long; a generator has other places to try instead.
+        thorough: True to search for long; a generator has other places to try instead.
     """
     described, held = question.described()
     nodes = _one_after_the_other(question, described, thorough=thorough)
@@ -63,13 +62,13 @@ def find_plan(question: JointQuestion, *, thorough: bool = True) -> PlanResult:
     else:
         most = _MOST_LACAM if thorough else _QUICK_LACAM
         found = _joint(lib.wg_joint_lacam, described, most)
-    del held  # C has their addresses only
+    del held  # C has only their addresses
     return found
 
 
 def _one_after_the_other(question: JointQuestion, described: Any, *, thorough: bool) -> Ints | None:
-    """Plan by priority; those that find no way get the highest priority in the next try."""
-    # Begin with the robots that have the farthest to go.
+    """Plan by priority; a robot that finds no path gets the highest priority in the next try."""
+    # Begin with the robots that have the longest paths.
     starts = [end.node for end in question.ends]
     far = question.distances[np.arange(len(starts)), starts]
     order = np.argsort(-far, kind="stable").astype(np.int64)
@@ -86,7 +85,7 @@ def _one_after_the_other(question: JointQuestion, described: Any, *, thorough: b
         if made[0] != ffi.NULL:
             return _taken(made[0], described.robots)
         stuck = int(failed[0])
-        # One that has no way even if all others make room for it has to make room itself.
+        # A robot that has no path even if all others make room for it has to make room itself.
         is_first = stuck == order[0]
         rest = order[order != stuck]
         order = np.concatenate([rest, [stuck]] if is_first else [[stuck], rest])

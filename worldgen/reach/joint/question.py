@@ -1,4 +1,4 @@
-"""A world of several robots as the joint searches take it: nodes, ticks, starts and targets."""
+"""Convert a world of several robots for the joint searches: nodes, ticks, starts and targets."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from worldgen.world import World
 
 __all__ = ["JointQuestion", "RobotEnds", "crossing_steps", "joint_question"]
 
-_MOST_NODES = 60_000_000  # nodes times robots: each has a distance of four bytes
-_MOST_CHOICES = 20_000  # ways to put the starts on nodes that are tried
+_MOST_NODES = 60_000_000  # limit on nodes times robots: each has a distance of four bytes
+_MOST_CHOICES = 20_000  # limit on the assignments of starts to nodes that are tried
 
 # The steps across and up, in the order of the core.
 _EIGHT_STEPS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (-1, 1), (1, -1))
@@ -37,7 +37,7 @@ Ints = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class RobotEnds:
-    """How a robot gets onto the nodes and off them again.
+    """How a robot gets onto the nodes and off again.
 
     Args:
         start: Where it starts, lu.
@@ -58,7 +58,7 @@ class JointQuestion:
         world: The world.
         radii: Radius of each robot, cells.
         rasters: Where the discs are clear.
-        spans: When cells are blocked; None in a still world.
+        spans: When cells are blocked; None in a static world.
         ticks: Whole time units per second.
         tick: Time units in which every robot can take any step.
         ends: Starts and goals of the robots.
@@ -84,7 +84,7 @@ class JointQuestion:
 
     @property
     def has_first_leg(self) -> bool:
-        """True if some robot has to go to a node first; then all take a tick for it."""
+        """True if some robot has to go to a node first; all robots then spend a tick on this."""
         return any(end.start != self.point(end.node) for end in self.ends)
 
     def point(self, node: int) -> ExactPoint:
@@ -93,11 +93,11 @@ class JointQuestion:
         return (node % self.stride * unit, node // self.stride * unit)
 
     def apart_sq(self, one: int, other: int) -> Fraction:
-        """Return the square of the distance that two robots keep, lu."""
+        """Return the square of the distance that two robots must keep, lu."""
         return ((self.radii[one] + self.radii[other]) * UNIT) ** 2
 
     def described(self) -> tuple[Any, list[Any]]:
-        """Return the question as C reads it, and the arrays that must outlive it."""
+        """Return the question in the form that C reads, and the arrays that must outlive it."""
         # Group the robots by radius.
         classes = sorted(set(self.radii))
         class_of = np.array([classes.index(radius) for radius in self.radii], np.int64)
@@ -143,13 +143,13 @@ class JointQuestion:
 def joint_question(
     world: World, *, k: int, radius: float | None, margin: float
 ) -> JointQuestion | None:
-    """Return the question about a world over a graph; None if it has no place for some robot.
+    """Return the question about a world over a graph; None if some robot has no place on it.
 
     Args:
         world: The world.
         k: Nodes per cell side.
         radius: Radius of every robot, m; each one's own if None.
-        margin: s by which all may set out later, in a world that changes.
+        margin: Seconds by which all robots may start late, in a world that changes.
     """
     robots = world.robots
     size = world.cell_size
@@ -249,7 +249,7 @@ def _before_parking(nodes: Sequence[int], start: ExactPoint, disc: Disc, graph: 
 def _goal_nodes(
     walls: Walls, graph: Graph, disc: Disc
 ) -> tuple[npt.NDArray[np.bool_], ExactPoint | None]:
-    """Return which nodes end a path; and the point to go to from there, if they are not in the target."""
+    """Return the nodes that end a path, and the point to go to from those outside the target."""
     flags = np.zeros(graph.clear.size, np.bool_)
     flags[nodes_within(disc, graph)] = True
     if flags.any():
@@ -288,8 +288,8 @@ def _nearest_first(
 def _choose_nodes(
     options: list[list[int]], starts: list[ExactPoint], radii: list[Fraction], k: int, stride: int
 ) -> list[int] | None:
-    """Choose a node for each robot such that all can go there at once, straight from their starts."""
-    # Try the nodes of each robot in turn, and go back if none fits.
+    """Choose a node for each robot so that all can go there at once, straight from their starts."""
+    # Try the nodes of each robot in turn, and backtrack if none fits.
     unit = UNIT // k
     chosen: list[int] = []
     tried = [0] * (len(options) + 1)

@@ -1,4 +1,4 @@
-"""Where each size of disc is clear, tick by tick, in a world that may change."""
+"""Find where each size of disc is clear, tick by tick, in a world that may change."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from worldgen.world import World
 
 __all__ = ["MOST_TICKS", "Rasters", "make_rasters"]
 
-MOST_TICKS = 50_000  # ticks in which a world may change; more are not searched
-_MOST_BYTES = 400_000_000  # of all rasters
+MOST_TICKS = 50_000  # limit on the ticks in which a world may change
+_MOST_BYTES = 400_000_000  # limit on the bytes of all rasters
 
 Bools = npt.NDArray[np.bool_]
 
@@ -28,7 +28,7 @@ class Rasters:
         k: Nodes per cell side.
         clear: (rasters, classes, rows, columns) bool; as in a ``Graph``.
         middle: The same for the middles of squares.
-        raster_of: (ticks,) int64, raster of each tick; the last one holds from then on.
+        raster_of: (ticks,) int64, raster of each tick; the last one stays valid from then on.
         blocked: (rasters, height, width) bool, the cells that are blocked at some time of the tick.
     """
 
@@ -63,7 +63,7 @@ def make_rasters(
         world: The world.
         radii: Radius of each class, cells.
         k: Nodes per cell side.
-        spans: When cells are blocked; None in a still world.
+        spans: When cells are blocked; None in a static world.
         tick: Length of a tick, in ticks of ``spans``.
 
     Returns:
@@ -73,7 +73,7 @@ def make_rasters(
         blocked = world.walls[None]
         raster_of = np.zeros(1, np.int64)
     else:
-        # A span counts from the tick in which it begins to the one in which it ends.
+        # A span counts from the tick in which it begins to the tick in which it ends.
         first = np.maximum(-(-spans.begin // tick) - 1, 0)
         last = np.minimum(spans.end // tick, MOST_TICKS + 1)
         ticks = np.union1d(first, last + 1)

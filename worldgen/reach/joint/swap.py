@@ -1,13 +1,13 @@
-"""Two robots that would have to change places in a passage too narrow for both: proved in the plane.
+"""Prove that two robots would have to change places in a passage too narrow for both.
 
-Let both robots be confined to a strip of height h, with radii r and s. Where they are at the same x,
-their centres are at most h - r - s apart, and at least r + s because the discs do not overlap. So if
-h < 2 (r + s), they are never at the same x, and the one that starts on the left stays on the left:
-positions change continuously. If each point of its target is right of each point of the other's
-target, not both can be in their targets at once. The same holds with x and y exchanged.
+Let both robots be confined to a strip of height h, with radii r and s. If they are at the same x,
+their centres are at most h - r - s apart, and at least r + s because the discs do not overlap. So
+if h < 2 (r + s), they are never at the same x, and the one that starts on the left stays on the
+left: positions change continuously. If each point of its target is right of each point of the
+other's target, not both can be in their targets at once. The same holds with x and y exchanged.
 
-A disc cannot pass between two solid cells that touch at a corner. So a robot is confined to the free
-cells that a walk over cell sides leads to, and to the box around them.
+A disc cannot pass between two solid cells that touch at a corner. So a robot is confined to the
+free cells that a walk over cell sides leads to, and to the box around them.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from worldgen.world import World
 
 __all__ = ["find_swap"]
 
-# Pairs looked at. Each room is flooded once.
+# Limit on the pairs examined. Each robot's room is flooded once.
 _MOST_PAIRS = 2000
 
 
 def find_swap(world: World, radius: float | None = None) -> Swap | None:
-    """Return a pair of robots that would have to pass each other where they cannot.
+    """Return a pair of robots that would have to pass each other but cannot.
 
     Args:
         world: A world of several robots.

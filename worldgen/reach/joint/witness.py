@@ -1,4 +1,4 @@
-"""From a joint plan over nodes to a joint witness: legs, honest times, few points, clearances."""
+"""Convert a joint plan over nodes to a joint witness: legs, true times, few points, clearances."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Ints: TypeAlias = npt.NDArray[np.int64]
 
 
 def make_joint_witness(question: JointQuestion, nodes: Ints) -> JointWitness | None:
-    """Return the witness of a plan; None if the last legs to the targets are in each other's way.
+    """Return the witness of a plan; None if the last legs to the targets conflict.
 
     Args:
         question: Robots, nodes and ticks.
@@ -61,7 +61,7 @@ def _places(question: JointQuestion, nodes: Ints) -> list[list[ExactPoint]] | No
 
 
 def _times(question: JointQuestion, moments: list[list[ExactPoint]]) -> list[int]:
-    """Return the time of each moment: in a still world, no tick is longer than its steps need."""
+    """Return the time of each moment; in a static world, no tick is longer than its steps need."""
     if question.spans is not None:
         return [index * question.tick for index in range(len(moments))]
     size = question.world.cell_size
@@ -81,11 +81,11 @@ def _times(question: JointQuestion, moments: list[list[ExactPoint]]) -> list[int
 
 
 def _merged(times: list[int], places: list[ExactPoint]) -> tuple[list[int], list[ExactPoint]]:
-    """Leave out points at which the robot keeps its velocity, and the waiting at the end."""
+    """Remove points at which the velocity does not change, and the wait at the end."""
     kept_times = [times[0]]
     kept = [places[0]]
     for time, place in zip(times[1:], places[1:], strict=True):
-        if time == kept_times[-1]:  # a tick in which nobody moves takes no time
+        if time == kept_times[-1]:  # a tick in which no robot moves takes no time
             continue
         if len(kept) > 1 and _is_straight(kept_times[-2:], kept[-2:], time, place):
             kept_times.pop()
@@ -99,7 +99,7 @@ def _merged(times: list[int], places: list[ExactPoint]) -> tuple[list[int], list
 
 
 def _is_straight(times: list[int], places: list[ExactPoint], time: int, place: ExactPoint) -> bool:
-    """Return True if the velocity of the last piece is that of the next one too."""
+    """Return True if the next piece has the same velocity as the last one."""
     before = times[1] - times[0]
     after = time - times[1]
     return all(
@@ -116,7 +116,7 @@ def _path(
     if question.spans is None:
         square = clearance_sq(Walls(world.walls, question.radii[robot]), places)
     else:
-        # It has to be safe where it waits until the last one has arrived.
+        # The place where it waits has to be safe until the last robot has arrived.
         walls = ChangingWalls(world, question.spans, question.radii[robot])
         square = walls.clearance_sq([*places, places[-1]], [*times, max(end, times[-1])])
     clearance = root_down(square * (exact(world.cell_size) / UNIT) ** 2)

@@ -1,4 +1,4 @@
-"""Find the cells whose centres the disc can reach: what a coverage task asks a robot to visit."""
+"""Find the cells whose centres the disc can reach, which a coverage task asks a robot to visit."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["coverage_tour", "reachable_cells"]
 # Nodes per cell side: centres and corners of cells, and the middles of their edges.
 _NODES = 2
 
-# How many of a node's eight steps are along the axes.
+# Number of a node's eight steps that are along the axes.
 _AXIS_STEPS = 4
 
 # The number of the start, which is not a node.
@@ -44,7 +44,7 @@ def reachable_cells(world: World) -> npt.NDArray[np.bool_]:
         raise InvalidWorld(
             "world-changes",
             "the world changes, so the cells that can be reached change too",
-            "take a world that stands still",
+            "use a world that does not change",
         )
     return _Ground(world).reached()
 
@@ -52,14 +52,14 @@ def reachable_cells(world: World) -> npt.NDArray[np.bool_]:
 def coverage_tour(world: World) -> list[tuple[float, float]]:
     """Return a tour that visits every cell of :func:`reachable_cells`: a proof that it can be done.
 
-    The disc is clear along all of it. It walks a spanning tree in depth, so it is at most twice as
-    long as the tree.
+    The disc is clear along all of it. It is a depth-first walk of a spanning tree, so it is at most
+    twice as long as the tree.
 
     Args:
         world: A world that does not change.
 
     Returns:
-        Corners of the tour, m, from the start on.
+        Corners of the tour, m, beginning at the start.
 
     Raises:
         InvalidWorld: If the world changes.
@@ -69,7 +69,7 @@ def coverage_tour(world: World) -> list[tuple[float, float]]:
     parent = found.tree()
     stride = found.graph.stride
 
-    # Keep the branches that lead to a centre that is wanted.
+    # Keep the branches that lead to a requested centre.
     rows, columns = np.nonzero(wanted)
     children: dict[int, list[int]] = {}
     kept = {_START}
@@ -80,7 +80,7 @@ def coverage_tour(world: World) -> list[tuple[float, float]]:
             children.setdefault(parent[node], []).append(node)
             node = parent[node]
 
-    # Walk them in depth; the way back ends with the last centre.
+    # Walk them depth first; the walk ends at the last centre.
     start = (world.start.x, world.start.y)
     return [
         start if node == _START else found.place(node, world.cell_size) for node in _walk(children)
@@ -148,7 +148,7 @@ class _Ground:
                 other = node + step
                 if other in parent or not 0 <= other < len(clear) or not clear[other]:
                     continue
-                # Steps along the axes come first, and need no look at a middle.
+                # Steps along the axes come first, and need no check of a middle.
                 if k < _AXIS_STEPS or middle[node + between]:
                     parent[other] = node
                     queue.append(other)

@@ -1,9 +1,9 @@
 """Find a path for a square as wide as the disc, over whole cells.
 
-This is fast and takes one byte a cell, but it misses some paths. The half cells of a world of
+This is fast and takes one byte per cell, but it misses some paths. The half cells of a world of
 20,000 x 20,000 would take 20 GB. If a square of whole cells at least as wide as the disc is free,
 the disc is clear in its middle, and on straight lines between the middles of neighbouring squares.
-So a path found here is a proof; if none is found, the half cells must be searched after all.
+So a path found here is a proof; if none is found, the half cells must still be searched.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ _PORTION = 50_000_000
 
 
 def coarse_path(walls: Walls, start: ExactPoint, goal: ExactPoint) -> list[ExactPoint]:
-    """Return the points from one clear pose to another, lu, with a clear line between each two.
+    """Return the points from one clear pose to another, lu, with clear lines between neighbours.
 
-    The result is empty if no square gets there.
+    The result is empty if the squares give no path.
     """
     side = max(1, math.ceil(2 * walls.radius))
     begin = _square_round(walls, start, side)
@@ -52,7 +52,7 @@ def coarse_path(walls: Walls, start: ExactPoint, goal: ExactPoint) -> list[Exact
 
 
 def _square_round(walls: Walls, point: ExactPoint, side: int) -> tuple[int, int] | None:
-    """Return the first cell of a free square from whose middle the disc can go straight to a point."""
+    """Return the first cell of a free square whose middle has a straight clear line to a point."""
     nearest = [round((value / _HALF - side) / 2) for value in point]
     for dx, dy in itertools.product((0, -1, 1), repeat=2):
         ix = nearest[0] + dx

@@ -29,7 +29,7 @@ _HALF = UNIT // 2
 _LU = Fraction(1, UNIT)
 
 ROUNDING = Fraction(1, 2**120)
-"""Share of the radius by which a path to an irrational pose may be too near."""
+"""Fraction of the radius by which a path to an irrational pose may be too close."""
 
 
 def ask_still(world: World, radius: float, *, rounded: bool) -> Any:
@@ -38,7 +38,7 @@ def ask_still(world: World, radius: float, *, rounded: bool) -> Any:
     Args:
         world: A static world.
         radius: Radius of the robot, m.
-        rounded: Whether the start will be a rounded one.
+        rounded: True if the start will be a rounded one.
     """
     target = world.target
     place = (target.x, target.y, target.radius)
@@ -46,7 +46,7 @@ def ask_still(world: World, radius: float, *, rounded: bool) -> Any:
     return None if known is None else ffi.new("WgStill *", known[0])
 
 
-# Look it up by floats: hashing a fraction takes as long as ten of these.
+# Look it up by floats, because hashing a fraction takes ten times as long.
 @functools.lru_cache(maxsize=1024)
 def _known(
     radius: float, cell_size: float, speed: float, place: tuple[float, float, float], rounded: bool
@@ -119,7 +119,7 @@ def witness_of(found: Any, cell_size: float) -> Witness:
 def _clearance(least: int, corners: tuple[tuple[int, int], ...], cell_size: float) -> float:
     """Return the clearance, m.
 
-    It is the least of a square and of the squared distances from corners, lu.
+    It is the smallest of a square and the squared distances from corners, lu.
     """
     square = min(
         [Fraction(least), *(Fraction(side * side, length_sq) for side, length_sq in corners)]

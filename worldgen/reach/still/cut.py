@@ -1,8 +1,8 @@
 """Find a cut: a closed chain of solid cells, gaps below 2 r, around either the start or the target.
 
-Two cells are linked if their gap is below 2 r. Each link carries a bit: whether its line (centre,
+Two cells are linked if their gap is below 2 r. Each link carries a bit: 1 if its line (centre,
 closest point, closest point, centre) crosses the ray upwards from the start, xor the same for the
-target. A cycle whose bits add up to an odd number separates start from target, and there is one
+target. A cycle whose bits add up to an odd number separates start from target, and one exists
 exactly if the two are in different components of the clear poses
 (docs/explanation/reachability.md). A breadth-first search over (cell, bit) in C decides whether
 there is one, and then finds a short one.
@@ -10,8 +10,8 @@ there is one, and then finds a short one.
 Several targets get a bit each; then only a cycle with all bits odd separates the start from them
 all.
 
-Poses are whole numbers of 1/1024 cell, or of a finer unit where a target is not a multiple of that and
-a link passes it closely, so every crossing is decided exactly.
+Poses are whole numbers of 1/1024 cell, or of a finer unit if a target is not a multiple of that and
+a link passes close to it, so every crossing is decided exactly.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from worldgen.support.ccall import check, pointer, writable
 __all__ = ["MOST_TARGETS", "Chain", "find_chain", "link_limit", "refinement", "rim_cells"]
 
 MOST_TARGETS = 6
-"""Most poses that one search handles."""
+"""Limit on the poses that one search handles."""
 
 # Steps between two checks for Ctrl-C.
 _PORTION = 20_000_000
@@ -100,7 +100,7 @@ def _digits(radius: Fraction, points: Sequence[ExactPoint]) -> tuple[list[int], 
 
 @functools.lru_cache(maxsize=256)
 def link_limit(radius: Fraction) -> int:
-    """Return the least squared gap, cells, that a disc passes; squared gaps are whole numbers."""
+    """Return the smallest squared gap, an integer, in cells, that a disc fits through."""
     return math.ceil((2 * radius) ** 2)
 
 

@@ -1,8 +1,8 @@
 """The search graph: clear points at multiples of 1/k cell, joined to eight neighbours, exactly.
 
-An axis step of one unit has its least clearance at an end, a diagonal step at an end or at its
-middle (docs/explanation/reachability.md proves it). So two rasters decide every edge: ``clear`` at the nodes,
-``middle`` at the middles of the unit squares.
+An axis step of one unit has its smallest clearance at an end, a diagonal step at an end or at its
+middle (docs/explanation/reachability.md proves it). So two rasters decide every edge: ``clear`` at
+the nodes, ``middle`` at the middles of the unit squares.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ __all__ = [
 
 # Nodes expanded between two checks for Ctrl-C: 0.2 s.
 _PORTION = 2_000_000
-# Most targets of a flood: it checks each of them in each run.
+# Limit on the targets of a flood, which checks all of them in each run.
 _MOST_STOPS = 16
-# Nodes that a flood fills in the time of expanding one.
+# Nodes that a flood fills in the time that a search needs to expand one.
 _LOOK = 32
 
 Ints = npt.NDArray[np.int64]
@@ -50,8 +50,8 @@ class Graph:
 
     Args:
         k: Nodes per cell side.
-        clear: (k * height + 1, k * width + 1) bool, whether the disc is clear at the node.
-        middle: Same shape; whether it is clear half a unit right of and above the node. The last
+        clear: (k * height + 1, k * width + 1) bool, True if the disc is clear at the node.
+        middle: Same shape; True if it is clear half a unit right of and above the node. The last
             row and column have no such point and are False.
     """
 
@@ -87,16 +87,16 @@ def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph
 
 @functools.lru_cache(maxsize=256)
 def clear_from(radius: Fraction, m: int) -> int:
-    """Return the least squared distance, in 1/m cell, at which a disc is clear.
+    """Return the smallest squared distance, in 1/m cell, at which a disc is clear.
 
-    The distance from a multiple of 1/m cell to a cell is the root of such a whole number, so the
+    The distance from a multiple of 1/m cell to a cell is the root of such an integer, so the
     comparison is exact.
     """
     return math.ceil((m * radius) ** 2)
 
 
 def touching_cells(a: int, b: int, m: int, radius: Fraction) -> list[tuple[int, int]]:
-    """Return the cells (dx, dy) closer to the point (a/m, b/m) than the radius.
+    """Return the cells (dx, dy) that are closer to the point (a/m, b/m) than the radius.
 
     All lengths are in cells.
     """
@@ -144,7 +144,7 @@ def find_path(
         ends: Nodes at which the search stops.
         spare: Nodes to accept if no end is connected to a source.
         toward: Node (x, y) that guides the search.
-        bridges: Pairs of nodes that are also joined; used only if there is no other path.
+        bridges: Pairs of nodes that are also connected; used only if there is no other path.
 
     Returns:
         Flat indices from source to end, without those in the middle of a straight line; empty if

@@ -32,17 +32,17 @@ __all__ = [
 ]
 
 _PATIENCE = (
-    # Corners in a row that may be out of sight before a straight line ends at the last one seen.
+    # Limit on consecutive hidden corners before a straight line ends at the last one seen.
     6
 )
-# Straight lines that may fail on one path; long paths get fewer.
+# Limit on failed straight lines per path; lower for long paths.
 _TESTS = 6_000
 
 Ints: TypeAlias = npt.NDArray[np.int64]
 
 
 def merge_straight(points: list[ExactPoint]) -> list[ExactPoint]:
-    """Leave out repeated points and points in the middle of a straight line."""
+    """Remove repeated points and points in the middle of a straight line."""
     kept: list[ExactPoint] = []
     ux: Number
     uy: Number
@@ -110,11 +110,11 @@ def _as_read(x: Ints, y: Ints) -> tuple[Any, Any]:
 def _whole_points(points: Sequence[ExactPoint]) -> tuple[Ints, Ints, npt.NDArray[np.uint8]]:
     """Return both coordinates in lu, rounded down.
 
-    Also return whether they are whole, so that nothing was lost.
+    Also return whether they are integers, so that nothing was lost.
     """
     whole = np.array([isinstance(x, int) and isinstance(y, int) for x, y in points], np.uint8)
     floors = list(points)
-    # There are few: all others are nodes of a graph.
+    # There are few such points: all others are nodes of a graph.
     for i in np.flatnonzero(whole == 0).tolist():
         floors[i] = (math.floor(points[i][0]), math.floor(points[i][1]))
     both = np.array(floors, np.int64)
@@ -139,7 +139,7 @@ def clearance_sq(walls: Walls, points: Sequence[ExactPoint]) -> Fraction:
 def _least_of_whole(
     walls: Walls, points: Sequence[ExactPoint], reach: int
 ) -> tuple[Fraction, list[tuple[ExactPoint, ExactPoint]]]:
-    """Return the least squared distance, up to that of ``reach``, and the pieces it leaves out."""
+    """Return the smallest squared distance, up to that of ``reach``, and the pieces left out."""
     if len(points) == 1:
         return Fraction(reach * reach), [(points[0], points[0])]
     x, y, whole = _whole_points(points)
@@ -169,7 +169,7 @@ def _least_of_whole(
 def root_down(square: Fraction) -> float:
     """Return the largest float whose shortest decimal, squared, is at most ``square``."""
     shift = max(0, 128 - square.numerator.bit_length() + square.denominator.bit_length())
-    # 64 bits of the root, whatever its size.
+    # Compute 64 bits of the root, no matter how large it is.
     shift += shift % 2
     root = float(
         Fraction(math.isqrt((square.numerator << shift) // square.denominator), 1 << (shift // 2))
@@ -190,7 +190,7 @@ def root_up(square: Fraction) -> float:
 def ticks_per_second(cell_size: float, speed: float) -> int:
     """Return the resolution of a path's times.
 
-    It is a microsecond, or less if the robot crosses a cell in less than 1 ms.
+    It is a microsecond, or less if the robot crosses a cell in under 1 ms.
     """
     ticks = 10**6
     while cell_size / speed * ticks < 1000 and ticks < 10**12:
@@ -199,7 +199,7 @@ def ticks_per_second(cell_size: float, speed: float) -> int:
 
 
 def travel_ticks(p: ExactPoint, q: ExactPoint, cell_size: float, speed: float, ticks: int) -> int:
-    """Return the least whole number of ticks in which the robot gets from p to q, exactly."""
+    """Return the smallest number of ticks in which the robot gets from p to q, exactly."""
     return _ticks(
         (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2, *ticks_per_unit_sq(cell_size, speed, ticks)
     )

@@ -18,7 +18,7 @@ from worldgen.reach.still.walls import Walls
 
 __all__ = ["bridges"]
 
-# Most gaps to examine, narrowest first.
+# Limit on the gaps to examine, narrowest first.
 _MOST = 20_000
 # Points on either side of a gap's middle.
 _STEPS = 16
@@ -48,7 +48,7 @@ def bridges(walls: Walls, graph: Graph) -> list[tuple[int, int]]:
 
 def _slanting_gaps(walls: Walls, graph: Graph) -> list[tuple[int, int, int, int]]:
     """Return clear middles (node x, y) of gaps at odd angles, with the bisector's step."""
-    # Its cell (0, 0) is (-1, -1).
+    # Its cell (0, 0) is cell (-1, -1) of the grid.
     rim = rim_cells(walls.solid)
     rows, columns = rim.shape
     reach = math.ceil(2 * walls.radius) + _WIDE + 1

@@ -40,7 +40,7 @@ __all__ = ["decide", "links"]
 
 # Nodes per cell side if half cells neither find a path nor leave a cut.
 _FINER = (4, 8, 16)
-# A finer graph than this is not searched: about 1 GB.
+# Limit on the nodes of a graph to search; this many take about 1 GB.
 _MOST_NODES = 40_000_000
 # The same limit in a world that changes.
 _MOST_TIMED_NODES = 4_000_000
@@ -64,14 +64,14 @@ def decide(
         radius: Radius of the disc, m; the robot's if omitted.
         margin: Time, s. In a world that changes, the witness must remain valid if the robot first
             waits at the start for up to this long, and then does everything that much later.
-        certificate: Whether to return the proof in a static world. Without it, small worlds take a
+        certificate: True to return the proof in a static world. Without it, small worlds take a
             fraction of the time: the existence of a path or a cut is still proved, but neither is
             constructed.
-        cut: Whether to return the proof if it is a cut.
+        cut: True to return the proof if it is a cut.
 
     Raises:
-        InvalidParameter: If the radius is not a finite number above 0, or the margin not one from 0
-            on.
+        InvalidParameter: If the radius is not a finite number above 0, or the margin is negative or
+            not finite.
     """
     radius = world.robot_radius if radius is None else radius
     check_radius(radius, world.cell_size)
@@ -128,7 +128,7 @@ class _ReachQuery:
         exact_start: The start given by the world's decimals, lu.
         disc: The target.
         goal: A clear pose in the target's disc, if one is known.
-        wants_cut: Whether to construct a cut.
+        wants_cut: True to construct a cut.
     """
 
     world: World
@@ -163,7 +163,7 @@ class _ReachQuery:
         """Return True if the disc may be at a point."""
         x, y = point
         if x % (UNIT // 2) == 0 == y % (UNIT // 2) and self.world.walls.size <= FROM_CELLS:
-            # The graph knows this, and is needed anyway.
+            # The graph has the answer, and is needed anyway.
             column = int(x) // (UNIT // 2)
             row = int(y) // (UNIT // 2)
             rows, columns = self._halves.clear.shape
@@ -173,7 +173,7 @@ class _ReachQuery:
         return self.walls.is_clear(point, point)
 
     def answer(self, *, certificate: bool = True, cut: bool = True) -> Decision:
-        """Return the decision, with its witness or its cut if wanted."""
+        """Return the decision, with its witness or its cut if requested."""
         # Small worlds are decided in one call of C.
         self.wants_cut = cut
         answer, has_path = self._at_once(certificate)
@@ -195,10 +195,10 @@ class _ReachQuery:
             found = self._path_off_graph() or self._path_through_pinches()
         if not found:
             reason = (
-                "there is a way, only just wide enough for the disc, and no path along it was found"
+                "there is a passage just wide enough for the disc, but no path along it was found"
             )
             return Decision(UNDECIDED, None, reason)
-        # Build the witness if it is wanted.
+        # Build the witness if it is requested.
         if not certificate:
             return Decision(REACHABLE, None, _NOT_ASKED)
         points: list[ExactPoint] = [*shorten(self.walls, found)]
@@ -258,7 +258,7 @@ class _ReachQuery:
         if not self._is_clear(self.exact_start):
             return self._covered_start()
         if self.exact_start != self.start and not self.walls.is_clear(self.exact_start, self.start):
-            # The start touches a wall, and would not after rounding.
+            # The start touches a wall, which rounding would hide.
             self.start = self.exact_start
         return None
 
@@ -267,7 +267,7 @@ class _ReachQuery:
         if not self.wants_cut:
             return Decision(BLOCKED, None, _CUT_NOT_ASKED)
         cell, distance_sq = self.walls.nearest(self.exact_start)
-        reason = f"the start is nearer than the radius to cell {cell}"
+        reason = f"the start is closer than the radius to cell {cell}"
         return self._blocked(cell, Fraction(distance_sq) / UNIT**2, reason)
 
     def _path(self, k: int, *, pinched: bool = False, cornered: bool = False) -> list[ExactPoint]:
@@ -275,8 +275,8 @@ class _ReachQuery:
 
         Args:
             k: Nodes per cell side.
-            pinched: Whether to use bridges too.
-            cornered: Whether to enter and leave the graph around a corner too.
+            pinched: True to use bridges too.
+            cornered: True to enter and leave the graph around a corner too.
         """
         # Link start and goal to the graph.
         graph = self._halves
@@ -322,7 +322,7 @@ class _ReachQuery:
         return _links_round_corners(self.walls, graph, self.start), off
 
     def _path_off_graph(self) -> list[ExactPoint]:
-        """Return the start, if the target's disc holds it.
+        """Return the start, if the target's disc contains it.
 
         Otherwise return a path to the goal with at most one corner and no node.
         """
@@ -387,14 +387,13 @@ class _ReachQuery:
         return Decision(
             UNDECIDED,
             None,
-            "each pose in the target's disc is walled off, and no single ring was found",
+            "each pose in the target's disc is walled off, but no single ring was found",
         )
 
     def _ringed(self, chain: Chain) -> Decision:
         reason = (
-            f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start "
-            f"and "
-            f"target"
+            f"a ring of {len(chain)} cells, with every gap narrower than the disc, separates "
+            f"start and target"
         )
         return self._blocked(chain, self._stopped_sq(chain), reason)
 
@@ -409,7 +408,7 @@ class _ReachQuery:
         return Fraction(widest_gap_sq(chain), 4) if beyond(chain, self.start, self.disc) else None
 
     def _blocked(self, chain: Chain | Cell, stopped_sq: Fraction | None, reason: str) -> Decision:
-        """Return the decision, with the cut and what it stops if wanted.
+        """Return the decision, with the cut and its clearance if requested.
 
         Args:
             chain: The chain, or the only cell.
@@ -469,8 +468,8 @@ def _links_round_corners(walls: Walls, graph: Graph, point: ExactPoint) -> dict[
     """Yield clear nodes that the disc reaches from a point over one corner along the axes.
 
     If the point touches a wall's side and a cell's corner, the path may have to follow the wall at
-    first: the room next to it widens as slowly as a circle leaves its tangent, so the first node
-    may be far along and near across.
+    first: the free space next to it widens as slowly as a circle leaves its tangent, so the first
+        node may be far along the wall and close to it.
     """
     unit = UNIT // graph.k
     links: dict[int, ExactPoint] = {}

@@ -1,4 +1,4 @@
-"""The finitely many clear poses of the target's disc that decide for all of them, exactly.
+"""Find finitely many clear poses of the target's disc that decide exactly for all of them.
 
 Every connected part of the clear poses in the disc has a pose nearest to the disc's centre. That
 pose is the centre itself, the foot of a perpendicular from it on the edge of one cell's
@@ -29,7 +29,7 @@ from worldgen.support.ccall import check, pointer
 
 __all__ = ["DecidingPoses", "deciding_poses", "described_target"]
 
-# Cells; the error of floats is far smaller where they select what is examined exactly.
+# Cells; the error of floats is far smaller when they select what is examined exactly.
 _SLACK = 1e-6
 _BITS = (
     # Binary digits of a root: far finer than the distance of any clear pose from any cut.
@@ -299,7 +299,7 @@ def _approximate(pose: _ExactPose) -> tuple[float, float]:
 
 
 def _almost_clear(walls: Walls, at: Floats) -> npt.NDArray[np.bool_]:
-    """Return a (n,) bool array: whether points (n, 2) are clear, or nearly, in floats."""
+    """Return a (n,) bool array: True for points (n, 2) that are clear, or nearly, in floats."""
     reach = math.ceil(walls.radius) + 1
     limit = max(0.0, float(walls.radius) - _SLACK)
     pad = reach + 1
@@ -335,7 +335,7 @@ def _in_disc(pose: _ExactPose, x: Fraction, y: Fraction, radius: Fraction) -> bo
 def _compared(
     pose: _ExactPose, dx: tuple[Fraction, Fraction], dy: tuple[Fraction, Fraction], radius: Fraction
 ) -> int:
-    """Return the sign of dx**2 + dy**2 - radius**2, each d being d[0] + d[1] * root."""
+    """Return the sign of dx**2 + dy**2 - radius**2, where each d is d[0] + d[1] * root."""
     whole = dx[0] ** 2 + dy[0] ** 2 + (dx[1] ** 2 + dy[1] ** 2) * pose.square - radius**2
     return _sign(whole, 2 * (dx[0] * dx[1] + dy[0] * dy[1]), pose.square)
 

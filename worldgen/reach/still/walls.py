@@ -47,7 +47,7 @@ def _in_units_sq(radius: Fraction) -> Fraction:
 
 @functools.lru_cache(maxsize=256)
 def described_disc(radius: Fraction) -> Any:
-    """Return a disc of ``radius`` cells in the form that C compares with."""
+    """Return a disc of ``radius`` cells in the form that C uses for comparisons."""
     square = _in_units_sq(radius)
     return ffi.new("WgDisc *", (math.ceil(radius * UNIT), math.ceil(square), float(square)))
 
@@ -82,7 +82,7 @@ class Walls:
 
     @functools.cached_property
     def disc(self) -> Any:
-        """The radius in the form that C compares with."""
+        """The radius in the form that C uses for comparisons."""
         return described_disc(self.radius)
 
     @functools.cached_property
@@ -97,10 +97,10 @@ class Walls:
         return self.cells.tobytes()
 
     def near(self, p: ExactPoint, q: ExactPoint, reach: int) -> Iterator[Cell]:
-        """Yield solid cells (ix, iy) that may lie within ``reach`` lu of segment pq.
+        """Yield solid cells (ix, iy) that may be within ``reach`` lu of segment pq.
 
-        No nearer cell is missing. Of the outside, only the ring next to the grid is included, since
-        the rest is never nearer.
+        No closer cell is missing. Outside the grid, only the ring next to it is included, since
+        other cells are never closer.
         """
         (px, py), (qx, qy) = (p, q) if p[1] <= q[1] else (q, p)
         first = max(-1, (py - reach) // UNIT - 1)
@@ -119,7 +119,7 @@ class Walls:
                 low, high = high, low
             begin = max(-1, (low - 1 - reach) // UNIT - 1)
             end = min(self.width, (high + 1 + reach) // UNIT + 1) + 1
-            # Row by row, which avoids a second copy of everything.
+            # Go row by row, which avoids a second copy of everything.
             if self.solid.size > _MOST_BYTES:
                 row = self.cells[iy + 1, begin + 1 : end + 1]
                 yield from ((begin + ix, iy) for ix in np.flatnonzero(row).tolist())
@@ -169,7 +169,8 @@ def segment_box_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> tuple[Number, Nu
 
     It is exact: a numerator and a denominator.
 
-    The least distance between two disjoint convex polygons is attained at a vertex of one of them.
+    The smallest distance between two disjoint convex polygons is attained at a vertex of one of
+    them.
     """
     ex = q[0] - p[0]
     ey = q[1] - p[1]
@@ -186,7 +187,7 @@ def segment_box_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> tuple[Number, Nu
     y0 = cell[1] * UNIT
     if segment_meets_box(p, q, x0, y0, UNIT):
         return 0, 1
-    # Otherwise a corner of the cell is nearest to the inside of the segment.
+    # Otherwise a corner of the cell is nearest to the interior of the segment.
     divisor: Number = over
     for cx, cy in ((x0, y0), (x0 + UNIT, y0), (x0, y0 + UNIT), (x0 + UNIT, y0 + UNIT)):
         ux = cx - p[0]

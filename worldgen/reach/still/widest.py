@@ -14,8 +14,8 @@ __all__ = ["widest_disc"]
 def widest_disc(world: World) -> float:
     """Return the largest radius, m, with which a disc can get from the start to the target.
 
-    It is 0 if no robot's disc can. It is found by bisection, since a smaller disc gets wherever a
-    larger one does. The answer is right to the last bit: the next larger float is too large.
+    It is 0 if no robot's disc can. It is found by bisection, since a smaller disc can go wherever a
+    larger one can. The answer is right to the last bit: the next larger float is too large.
 
     Args:
         world: A static world.
@@ -26,7 +26,8 @@ def widest_disc(world: World) -> float:
     if world.is_dynamic:
         raise InvalidParameter(
             "world-changes",
-            "the world changes, and the largest disc that could pass is known of still ones only",
+            "the world changes, but the largest disc that could pass is defined only for static "
+            "worlds",
         )
     low = 0.0
     high = min(world.width, world.height) * world.cell_size

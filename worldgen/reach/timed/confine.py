@@ -50,7 +50,7 @@ class Reach:
 
 
 def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> Reach | None:
-    """Return where a disc of ``radius`` cells can be at most, and whether that excludes the target.
+    """Return bounds on where a disc of ``radius`` cells can be, and if they exclude the target.
 
     Args:
         world: The world.
@@ -72,8 +72,8 @@ def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> R
     safe = safe_intervals(alive, _inner(spans), classes)
     home, goal = _distances(world, alive.shape, k)
     states = _States.of(safe, slab)
-    # Leave out states that the robot cannot reach, or cannot arrive from.
-    # Tiles per slab.
+    # Remove states that the robot cannot reach, or from which it cannot arrive in time. Tiles per
+    # slab.
     pace = float(exact(world.robot_speed) * slab * k / (spans.ticks * exact(world.cell_size)))
     states.begin_no_earlier(np.ceil((home - _SLACK) / pace) - 1)
     if deadline is not None:

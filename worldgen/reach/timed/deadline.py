@@ -39,8 +39,8 @@ def decide_in_time(
 ) -> Decision:
     """Return True if a disc can get from the start to the target by a deadline, or at all.
 
-    In addition to :func:`decide`, it confines the robot. That can prove the target out of reach
-    although no wall lasts: because the robot is shut in, burns, or has too far to go.
+    In addition to :func:`decide`, it confines the robot. This can prove the target unreachable
+    although no wall is permanent: because the robot is shut in, burns, or has too far to go.
 
     Args:
         world: The world; its own certificate is ignored.
@@ -100,14 +100,14 @@ def _confined(world: World, radius: float, deadline: float | None, why: str) -> 
             return Decision(BLOCKED, None, reason, reach.proof)
         earliest = max(earliest, reach.earliest)
     if earliest > 0.0:
-        why = f"{why}, and it is not excluded that one takes {earliest:.6g} s"
+        why = f"{why}, but a path of {earliest:.6g} s is not excluded"
     return Decision(UNDECIDED, None, why)
 
 
 def until(world: World, deadline: float) -> World:
     """Return the world without its changes after a deadline.
 
-    They do not concern a robot that must arrive by then.
+    They do not affect a robot that must arrive by then.
     """
     kept = world.timeline.times <= deadline
     return (
@@ -124,8 +124,8 @@ def _all_in_time(world: World, deadline: float | None, radius: float | None) -> 
     if deadline is None or not isinstance(proof, JointWitness) or proof.duration <= deadline:
         return decision
     reason = (
-        f"the joint paths found take {proof.duration:.6g} s; whether all robots can be faster is not "
-        "decided"
+        f"the joint paths found take {proof.duration:.6g} s; whether all robots can be faster is "
+        f"undecided"
     )
     return Decision(UNDECIDED, None, reason)
 
@@ -135,12 +135,12 @@ def latest_start(
 ) -> float | None:
     """Return the longest wait at the start, s, after which some path still arrives in time.
 
-    It is exact for the paths of the graph on which witnesses are sought; a path off that graph may
+    It is exact for the paths of the graph that is searched for witnesses; a path off that graph may
     allow more.
 
     Args:
         world: The world.
-        deadline: Time, s, by which it has to be there; None for any time.
+        deadline: Time, s, by which the robot must arrive; None for any time.
         radius: Radius of the disc, m; the robot's if omitted.
 
     Returns:

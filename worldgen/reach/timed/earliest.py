@@ -1,9 +1,9 @@
 """Find the earliest arrival in a world that changes, by safe-interval search on the same graph.
 
-A point of the graph is safe while no blocked cell is nearer than the radius. The clearance of an
-edge is attained at its ends or its middle, whatever the cells, so an edge is safe while these are.
-A state of the search is (node, safe interval): within one interval, an earlier arrival is never
-worse, since the robot can wait.
+A point of the graph is safe while no blocked cell is closer than the radius. The clearance of an
+edge is attained at its ends or its middle, whatever the cells, so an edge is safe while these
+points are. A state of the search is (node, safe interval): within one interval, an earlier arrival
+is never worse, since the robot can wait.
 
 Source: Mike Phillips, Maxim Likhachev, "SIPP: Safe Interval Path Planning for Dynamic
     Environments", 2011.
@@ -38,9 +38,9 @@ __all__ = [
     "shorten_timed",
 ]
 
-# Corners that one straight line may replace.
+# Limit on the corners that one straight line may replace.
 _LOOK_AHEAD = 24
-# Straight lines tried on one path; long paths look ahead less.
+# Limit on straight lines tried per path; long paths look ahead less.
 _TESTS = 20_000
 # Queue entries between two checks for Ctrl-C.
 _PORTION = 200_000
@@ -52,7 +52,7 @@ Ints = npt.NDArray[np.int64]
 class TimedPath:
     """Points, 1/1024 cell, and the ticks at which the robot is there.
 
-    It moves evenly between them.
+    It moves uniformly between them.
     """
 
     points: list[ExactPoint]
@@ -110,7 +110,7 @@ def _with_waits(
 
 
 def shorten_timed(walls: ChangingWalls, path: TimedPath) -> TimedPath:
-    """Replace corners by evenly driven straight lines that stay clear of what blocks meanwhile.
+    """Replace corners by straight lines at uniform speed that stay clear of all blocked cells.
 
     Waits are kept: a line never spans one.
     """
@@ -196,7 +196,7 @@ def _search_states(
     goal[ends] = 1
     x, y = toward
     spread = int(np.maximum(np.abs(ends % stride - x), np.abs(ends // stride - y)).max())
-    # An end is nearer than ``toward`` by at most this much.
+    # An end is closer than ``toward`` by at most this much.
     lean = (x, y, spread * ticks[1])
     begun = _first_states(nodes, sources)
     final, node_of, cost, came, depart = _search(nodes, middles, stride, begun, goal, lean, ticks)

@@ -107,7 +107,7 @@ def safe_intervals(
 def _described(
     clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
 ) -> tuple[Any, Any]:
-    """Return points and spans in the form that C reads, and the arrays to keep alive meanwhile."""
+    """Return points and spans in the form that C reads, and the arrays that must outlive them."""
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0) + 1
     cells = np.pad(spans.changing, pad)
     number = np.zeros(cells.size, np.int64)

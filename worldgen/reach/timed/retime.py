@@ -19,7 +19,7 @@ _TRIES = 40
 
 
 def retime(world: World, walls: ChangingWalls, witness: Witness) -> Witness:
-    """Return the same path, with each piece driven at full speed and begun as soon as it is clear.
+    """Return the same path, with each piece driven at full speed and as soon as it is clear.
 
     It arrives no later. If the robot arrives at a point earlier than before, it is safe there until
     the old time, so the rest can still be driven as before.

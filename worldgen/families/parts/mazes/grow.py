@@ -23,11 +23,11 @@ Algorithm: TypeAlias = Literal[
 # Computes a number of words from the columns and rows.
 Size: TypeAlias = Callable[[int, int], int]
 
-# Most random words per call of the core. This many stay in the cache, and a call takes some
+# Limit on the random words per call of the core. This many stay in the cache, and a call takes some
 # hundredths of a second. The number must not change: a corridor continues to draw from the stream
 # after a tree of up to 999 x 999 chambers, at the end of the last call's words.
 MOST_WORDS = 1 << 17
-# The number that stands for all picks of a growing tree; shares are parts of it.
+# The number that stands for all picks of a growing tree; shares are multiples of 1 / this.
 SHARE = 1 << 16
 
 

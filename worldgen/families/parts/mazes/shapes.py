@@ -13,8 +13,8 @@ __all__ = ["LEAST", "Shape", "shape_mask"]
 
 Shape: TypeAlias = Literal["square", "disc", "ring", "cross", "diamond"]
 
-# Least chambers per side of each shape. From this size on, the shape is recognisable and connected,
-# and no single chamber sticks out.
+# Minimum chambers per side for each shape. From this size on, the shape is recognisable and
+# connected, and no single chamber sticks out.
 LEAST = {"square": 2, "disc": 4, "ring": 6, "cross": 6, "diamond": 4}
 
 
@@ -27,7 +27,7 @@ def shape_mask(shape: str, side: int) -> Mask:
     if side < LEAST[shape]:
         raise InvalidParameter(
             "no-room",
-            "mask={shape} needs {least} x {least} chambers and there are {side} x {side}",
+            "mask={shape} needs {least} x {least} chambers, but there are {side} x {side}",
             "give a larger size, or narrower passages and walls",
             shape=shape,
             least=LEAST[shape],
