@@ -39,13 +39,15 @@ VERDICTS = tuple(Verdict)
 # Runs in one call of the core: few enough that every core gets something to do.
 _MOST_AT_ONCE = 256
 
-# Robots in lockstep: enough to make NumPy worthwhile, few enough for the processor's cache.
+# Limit on robots in lockstep: enough to make NumPy worthwhile, few enough for the processor's
+# cache.
 _MOST_IN_A_GROUP = 1024
 
-# Memory that the robots of one group may take.
+# Limit on the memory of the robots of one group, bytes.
 _GROUP_BYTES = 1 << 26
 
-# Memory for the logs of all runs under way. Loops are found in them; they take 8 bytes a step.
+# Limit on the memory of the logs of all current runs, bytes. Loops are found in them; they take 8
+# bytes per step.
 _LOG_BYTES = 1 << 30
 _MOST_WORKERS = 1024
 _CODE = {verdict: np.int8(code) for code, verdict in enumerate(VERDICTS)}
@@ -67,7 +69,7 @@ class Runs:
         steps: int64, steps simulated, as in :attr:`sim.Episode.steps`.
         time: float64, simulated time, s.
         path_length: float64, distance driven, m.
-        collisions: int64, times that the robot began to touch a wall.
+        collisions: int64, number of times that the robot began to touch a wall.
         area_covered: float64, area of the cells that its centre was in after a step, m2.
         digest: uint64, the trace's digest; 0 unless it was requested.
         names: Names of the controllers.
@@ -155,9 +157,9 @@ def simulate_many(
         worlds: One world or several.
         controllers: Names of controllers, controllers themselves, or their classes.
         options: How the runs are done, as for :func:`sim.simulate`.
-        seeds: The seeds, or how many to use, counted from 0.
+        seeds: The seeds, or the number of seeds to use, counted from 0.
         starts: Poses to start from in every world; if omitted, each world's own start.
-        digest: Whether to compute the digest of each trace.
+        digest: True to compute the digest of each trace.
         workers: Threads, 1 to 1024; if omitted, one per core.
         **settings: Single options, as an alternative to ``options``:
             ``motion="endpoint", steps=5000, beams=36``.
@@ -264,7 +266,7 @@ def _jobs(
 
 
 def _at_once(most: int, steps: Iterable[int]) -> int:
-    """Return how many runs of this many steps, up to ``most``, have logs that fit into memory."""
+    """Return the number of runs of this many steps, up to ``most``, whose logs fit into memory."""
     return max(1, min(most, _LOG_BYTES // (8 * (max(steps, default=0) + 1))))
 
 
@@ -328,7 +330,7 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
             warnings.warn(
                 f"{called(controller)} raised for some of many robots, or changed what is outside "
                 f"its memory; "
-                "it is run for one robot at a time, which takes far longer",
+                "it runs for one robot at a time, which takes far longer",
                 stacklevel=2,
             )
             for row, which in zip(rows[part].tolist(), world[part].tolist(), strict=True):

@@ -43,7 +43,7 @@ ENDED = -2
 UNSEEN = -1
 """Marks a random number that the controller has not read, so every value is equally likely."""
 
-# The word of a state that counts the draws.
+# Index of the word of a state that counts the draws.
 _DRAWS = 4
 
 # The ending of a step that has not been simulated yet.
@@ -58,7 +58,7 @@ class Outcomes:
     """The states that some draws lead to, and the successors of each.
 
     Args:
-        coin: How many values a random number can take.
+        coin: Number of values that a random number can take.
         states: (n, k) complete states, the start first. Their number of draws is set to 0.
         faces: (n,) the value that the next random number will take, from 0, or :data:`UNSEEN`.
         following: The successors of each state: pairs of the value that leads there and the number
@@ -111,35 +111,35 @@ class Outcomes:
 
 
 def why_not_explored(controller: Controller, world: World, options: RunOptions) -> str:
-    """Return why the states of a run cannot all be explored; empty if nothing but their number can.
+    """Return why the states of a run cannot all be explored, whatever their number; empty if they can.
 
     Args:
         controller: The controller.
         world: The world that it drives in.
         options: Options of the run.
     """
-    # First what the controller and the motion model must be.
+    # Check the controller and the motion model first.
     if not isinstance(controller, CompiledController):
         return "only what a compiled controller does can be explored"
     if MOTIONS.get(options.motion).name != "swept":
         return "only the motion model swept has a lattice of poses on which no wall is ever entered"
     robot = robot_for(controller, options.robot)
-    # Then everything that makes a state's future depend on more than the state.
+    # Then check everything that makes a state's future depend on more than the state.
     if world.is_dynamic:
         return "the world changes"
     if options.task != TARGET:
-        return "what is left to cover depends on everything that happened before"
+        return "the cells left to cover depend on everything that happened before"
     if robot.pushes:
         return "pushes at stated times make a state's future depend on the time"
     if robot.moved and senses_of(controller) & lib.WG_SENSE_ODOMETRY:
-        return "the controller reads odometry, which what moves the robot makes wrong"
+        return "the controller reads odometry, which disturbances make wrong"
     if is_noisy(controller, options):
-        # Last the sources of randomness, which must be few and the controller's own.
+        # Last, check the sources of randomness, which must be few and the controller's own.
         return "the simulator draws its own random numbers, for slip or a noisy sensor"
     if "time" in controller.senses:
         return "the controller reads the clock, so it never returns to a state"
     if "random" in controller.senses and not robot.coin:
-        return "a random number may be any below 1; give it few values with +coin=N"
+        return "a random number may be any number below 1; limit it to a few values with +coin=N"
     return ""
 
 
@@ -165,7 +165,7 @@ def explore(
     if against or not isinstance(found, CompiledController):
         raise InvalidParameter(
             "not-explorable",
-            "not everything that can happen can be looked at: {reason}",
+            "not everything that can happen can be explored: {reason}",
             reason=against,
         )
     search = _Search(LatticeRun(world, found, options), found, most)

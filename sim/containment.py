@@ -1,6 +1,7 @@
 """Decide whether controllers from shared libraries run in their own process.
 
-Campaigns turn this on, so that a crash of the controller is a verdict and not the campaign's end.
+Campaigns turn this on, so that a crash of the controller is a verdict and does not end the
+campaign.
 """
 
 from __future__ import annotations

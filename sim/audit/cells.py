@@ -186,7 +186,7 @@ class Surroundings:
             self._right[row, last + 2] - 1,
         ]
 
-        # And the solid cells that the piece itself passes over.
+        # Add the solid cells that the piece itself passes over.
         valid = [np.ones(len(piece), np.bool_)] * 2
         for step in range(int((last - first).max(initial=-1)) + 1):
             column = np.minimum(first + step, last)
@@ -200,7 +200,7 @@ class Surroundings:
         return _within_reach(pieces, Pairs(piece, ix, iy, np.full(len(piece), -1)), reach)
 
     def _near_changing(self, pieces: Parts, reach: float) -> Pairs:
-        # All cells of the piece's bounding box, grown by the reach, that change.
+        # Add the changing cells in the piece's bounding box, grown by the reach.
         piece, iy = self._rows(pieces, reach)
         inside = (iy >= 0) & (iy < self.height)
         piece = piece[inside]

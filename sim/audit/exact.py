@@ -1,8 +1,8 @@
 """Decide close calls in rational numbers.
 
-Close calls are whether the centre really entered a wall, and whether it really left the grid. A
-float stands for its shortest decimal, as in the world's file: with cells of 0.1 m, 0.3 m is exactly
-on the face of cell 3.
+They are the questions whether the centre really entered a wall or really left the grid. A float
+stands for its shortest decimal, as in the world's file: with cells of 0.1 m, 0.3 m is exactly on
+the face of cell 3.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from fractions import Fraction
 
 __all__ = ["Move", "decimal", "is_beyond", "meet_inside", "run_along", "run_between"]
 
-# Fractions of a move that lie before its beginning and after its end.
+# Fractions of a move before its beginning and after its end.
 _BEFORE = Fraction(-1)
 _AFTER = Fraction(2)
 

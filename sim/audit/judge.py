@@ -1,8 +1,8 @@
 """Judge whether a trajectory recorded in any simulator was possible in a world.
 
 This is an independent referee that shares no code with the simulator. It assumes that the centre
-moves on a straight line at constant speed between two samples. ``docs/howto/audit.md`` explains each kind
-of finding and how exact it is.
+moves on a straight line at constant speed between two samples. ``docs/howto/audit.md`` explains
+each kind of finding and how exact it is.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ __all__ = [
 Floats = npt.NDArray[np.float64]
 
 KINDS = ("tunnel", "overlap", "outside", "jump", "burned", "start")
-# Depth of a cut that is not reported, m.
+# Depth up to which a cut is not reported, m.
 DEFAULT_TOLERANCE = 1e-6
 
 # The audit's own precision, m.
@@ -82,7 +82,7 @@ class Trajectory:
 
     @staticmethod
     def fault(times: Floats, x: Floats, y: Floats) -> tuple[int, Message] | None:
-        """Return the first sample that breaks a rule, and a message that says how.
+        """Return the first sample that breaks a rule, and a message about it.
 
         The sample is -1 if the fault is in the trajectory as a whole. Without a fault, return
         ``None``.
@@ -134,10 +134,10 @@ class Finding:
         t: Time when it was worst, s; the earliest if there are several.
         x: Position of the centre at that time, m.
         y: The same, m.
-        depth: How bad it was at worst, m. For a ``tunnel``, the distance from the centre to the
+        depth: How far it went at worst, m. For a ``tunnel``, the distance from the centre to the
             nearest face of the cell that it is in. For ``overlap`` and ``burned``, the radius minus
             the distance to the cell. For ``outside``, the distance from the centre to the grid. For
-            a ``jump``, how much further it went than it could. For ``start``, the distance from the
+            a ``jump``, how much farther it went than it could. For ``start``, the distance from the
             first sample to the start.
         cell: Cell (ix, iy) at worst; -1 or the grid's width or height stand for the outside.
             ``None`` for findings without a cell.
@@ -170,9 +170,9 @@ class Audit:
         reached: Time when the centre first was in the target, s; ``None`` if it never was.
         path_length: Length of the path, m.
         duration: Time from the first sample to the last, s.
-        clearance: Least distance of the centre to the outside or to anything solid or burning at
+        clearance: Smallest distance of the centre to the outside or to anything solid or burning at
             that time, m. It is the radius of the largest disc that could have taken this path.
-        nearest: Time (s) and position (m, m) of that least distance.
+        nearest: Time (s) and position (m, m) of that smallest distance.
         shaved: Number of moves whose straight line cuts a corner between clear samples, which does
             not count as a finding.
         shaved_depth: Depth of the deepest such cut, m.
@@ -209,13 +209,13 @@ def audit(
     Args:
         world: The world, including its robot's radius and speed.
         trajectory: The recorded trajectory.
-        tolerance: Depth of a cut of the disc that is not reported, m.
-        slack: How much further apart than speed and time allow two samples may be, m, because
+        tolerance: Depth up to which a cut of the disc is not reported, m.
+        slack: How much farther apart than speed and time allow two samples may be, m, because
             recorded positions are rounded; 1/256 of a cell if omitted.
-        straight: Whether the robot is known to move straight from sample to sample. If not, a line
+        straight: True if the robot is known to move straight from sample to sample. If not, a line
             no longer than the radius whose ends are clear may cut a corner, as it does when the
             robot slides around it.
-        from_start: Whether it is a finding if the first sample is away from the world's start.
+        from_start: True to report it as a finding if the first sample is not at the world's start.
 
     Returns:
         Findings and figures.
@@ -333,7 +333,7 @@ def _report(
     findings: list[Finding],
     elsewhere: list[Finding],
 ) -> Audit:
-    # Notes: facts that may explain a finding, or the lack of one.
+    # Collect notes: facts that may explain a finding, or the lack of one.
     size = world.cell_size
     times = trajectory.times
     notes = [
@@ -343,7 +343,7 @@ def _report(
     ]
     if world.is_dynamic and times[0] != 0.0:
         notes.append(
-            f"the first sample is at {times[0]:.9g} s, and the world changes in seconds from 0 on"
+            f"the first sample is at {times[0]:.9g} s, but the world's changes are timed from 0 s"
         )
     depth = result.shaved_depth * size
     if result.shaved:

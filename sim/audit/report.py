@@ -18,7 +18,7 @@ __all__ = ["as_lines", "as_object", "draw"]
 Floats = npt.NDArray[np.float64]
 
 _MOST_LINES = 40
-# Marks of one kind; more of them would hide the picture.
+# Limit on marks of one kind; more of them would hide the picture.
 _MOST_MARKS = 400
 _MARKS: dict[str, MarkKind] = {
     "tunnel": "tunnel",
@@ -110,7 +110,7 @@ def _words(world: World, finding: Finding) -> str:
             if finding.speed < math.inf
             else "in no time, at infinite speed"
         )
-        return f"up to {depth} further in one step than {world.robot_speed:g} m/s allow, {speed}"
+        return f"up to {depth} farther in one step than {world.robot_speed:g} m/s allow, {speed}"
     return f"the first sample is {depth} away from the world's start"
 
 
@@ -132,8 +132,8 @@ def _figures(world: World, audit: Audit) -> str:
     t, x, y = audit.nearest
     return (
         f"{audit.samples} samples, {audit.duration:.6g} s, {audit.path_length:.6g} m, {reached}; "
-        f"least clearance "
-        f"{audit.clearance:.6g} m at t = {t:.6g} s, ({x:.6g}, {y:.6g}) m, radius "
+        f"smallest clearance {audit.clearance:.6g} m at t = {t:.6g} s, ({x:.6g}, {y:.6g}) m, "
+        f"radius "
         f"{world.robot_radius:g} m"
     )
 

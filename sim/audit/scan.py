@@ -136,9 +136,9 @@ class Scan:
 
     Args:
         hits: Stretches by kind of finding, merged.
-        clearance: Least distance of the centre to the outside or to anything solid or burning,
+        clearance: Smallest distance of the centre to the outside or to anything solid or burning,
             cells.
-        nearest: Place on the path of that least distance.
+        nearest: Place on the path of that smallest distance.
         shaved: Number of moves whose straight line cuts a corner between clear samples, which does
             not count as a finding.
         shaved_depth: Depth of the deepest such cut, cells.
@@ -151,7 +151,7 @@ class Scan:
     shaved_depth: float = 0.0
 
     def note_clearance(self, distance: Floats, at: Floats) -> None:
-        """Keep the least distance, and the first place that has it."""
+        """Keep the smallest distance, and the first place that has it."""
         if len(distance):
             least = distance.min()
             place = at[distance == least].min()
@@ -162,7 +162,7 @@ class Scan:
 
 @dataclass(frozen=True)
 class _Measured:
-    """Pairs of a piece and a cell, with how near they come; (n,) each."""
+    """Pairs of a piece and a cell, with their distance; (n,) each."""
 
     pairs: Pairs
     row: npt.NDArray[np.intp]
@@ -173,7 +173,7 @@ class _Measured:
     # The same for the whole move.
     window: tuple[Floats, Floats]
     distance: Floats
-    # Fraction of the move at which the distance is least.
+    # Fraction of the move at which the distance is smallest.
     nearest: Floats
     # Depth of the centre in the cell, negative outside of it; -inf if it is far away.
     inside: Floats
@@ -185,8 +185,8 @@ def scan(way: AuditPath, radius: float, tolerance: float, *, straight: bool) -> 
     Args:
         way: The trajectory.
         radius: Radius of the disc, cells.
-        tolerance: Depth of a cut of the disc that is not reported, cells.
-        straight: Whether every straight line counts as driven; see :func:`_shaved`.
+        tolerance: Depth up to which a cut of the disc is not reported, cells.
+        straight: True if every straight line counts as driven; see :func:`_shaved`.
     """
     around = Surroundings(way.world)
     result = Scan()
@@ -210,7 +210,8 @@ def scan(way: AuditPath, radius: float, tolerance: float, *, straight: bool) -> 
         for kind, hits in kinds.items():
             found[kind].append(merged(hits))
 
-    # If the whole path stays further away than was looked, search further for its clearance.
+    # If the whole path stays farther away than the searched distance, search farther for its
+    # clearance.
     if result.clearance > reach:
         _widest(way, around, least, result)
     result.hits = {kind: merged(Hits.of(many)) for kind, many in found.items()}
@@ -234,7 +235,7 @@ def _portions(
 def _measure(
     way: AuditPath, around: Surroundings, rows: npt.NDArray[np.intp], reach: float, least: Floats
 ) -> _Measured:
-    """Measure how near some moves come to the cells around them.
+    """Measure the distances of some moves to the cells around them.
 
     Lower bounds on the distance that each move keeps are noted in ``least``.
     """
@@ -444,7 +445,7 @@ def _tunnels(measured: _Measured, way: AuditPath, around: Surroundings) -> Hits:
 
 
 def _doubt(measured: _Measured, way: AuditPath, around: Surroundings) -> Floats:
-    """Return how wrong rounding may make ``inside``, in cells.
+    """Return the possible error of ``inside`` from rounding, in cells.
 
     Both positions and fractions computed from times are rounded.
     """

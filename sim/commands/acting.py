@@ -1,4 +1,4 @@
-"""Which behaviour of a composition acted when, for the command line."""
+"""Report which behaviour of a composition acted when, for the command line."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ __all__ = ["acting_shares", "counts_behaviours", "who_acted"]
 
 
 def counts_behaviours(scenarios: list[Scenario], world: World, steps: int | None) -> bool:
-    """Return True if a run has behaviours to count, and is short enough to be recorded for that.
+    """Return True if a run has behaviours to count, and is short enough to be recorded for this.
 
     Args:
-        scenarios: One for each robot; behaviours are counted for a robot that is alone.
-        world: Its witness decides how long the run may take.
+        scenarios: One for each robot; behaviours are counted only for a single robot.
+        world: Its witness determines how long the run may take.
         steps: Budget to use instead.
     """
     short = scenarios[0].options(world, steps).steps <= MAX_RECORDED
@@ -26,13 +26,14 @@ def counts_behaviours(scenarios: list[Scenario], world: World, steps: int | None
 
 
 def who_acted(scenarios: list[Scenario], episode: Episode) -> list[str]:
-    """Return the behaviour that acted in each step; nothing if the run has none, or no recording."""
+    """Return the behaviour that acted in each step; empty without behaviours or a recording."""
     arbitration = _arbitration(scenarios)
     trace = episode.trace
     if arbitration is None or trace is None:
         return []
     if trace.active is not None:
-        # Under stepped the thesis's own program acts, and counts its behaviours in its own order.
+        # Under ``stepped``, the thesis's own program acts, and counts its behaviours in its own
+        # order.
         names = (*BEHAVIOURS, NOBODY)
         return [names[part] for part in trace.active[1:].tolist()]
     return acting(arbitration, trace)
@@ -48,7 +49,7 @@ def acting_shares(scenarios: list[Scenario], episode: Episode) -> dict[str, dict
 
 
 def _arbitration(scenarios: list[Scenario]) -> Arbitration | None:
-    """Return how the robot arbitrates, if it is alone and does."""
+    """Return how the robot arbitrates, if it is alone and arbitrates."""
     if len(scenarios) > 1:
         return None
     found: Arbitration | None = getattr(

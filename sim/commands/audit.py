@@ -1,4 +1,4 @@
-"""``worldgen audit``: was a recorded trajectory possible in this world?"""
+"""``worldgen audit``: check whether a recorded trajectory was possible in a world."""
 
 from __future__ import annotations
 
@@ -28,22 +28,27 @@ PATH = click.Path(path_type=Path)
     default=1e-6,
     show_default=True,
     metavar="M",
-    help="Depth of a cut, m, that is not reported.",
+    help="Depth up to which a cut is not reported, m.",
 )
 @click.option(
     "--slack",
     type=float,
     metavar="M",
-    help="How much longer than its speed allows a step may be, m [default: cell / 256].",
+    help="Distance by which a step may be longer than the speed allows, m.  [default: cell / 256]",
 )
 @click.option(
     "--straight",
     is_flag=True,
-    help="The robot went straight between samples: corners that lines cut count.",
+    help="The robot drove straight between samples, so corners that the lines cut count.",
 )
-@click.option("--from-start", is_flag=True, help="The first sample must be the world's start.")
 @click.option(
-    "--picture", type=PATH, metavar="OUT.png", help="Draw world, trajectory and findings."
+    "--from-start", is_flag=True, help="Require that the first sample is the world's start."
+)
+@click.option(
+    "--picture",
+    type=PATH,
+    metavar="OUT.png",
+    help="Draw the world, the trajectory and the findings.",
 )
 @json_option
 @force_option
@@ -60,10 +65,10 @@ def audit(
 ) -> None:
     """Check whether a trajectory from any simulator was possible.
 
-    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up); - is stdin. Reported
-    are walls that the centre went through (tunnel) or the disc cut into (overlap), paths outside the
-    grid, jumps faster than the robot, and touched fire; docs/howto/audit.md describes them. Exit code 0 if it
-    was possible, 1 if not.
+    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up); - is stdin. It
+    reports walls that the centre went through (tunnel) or the disc cut into (overlap), paths
+    outside the grid, jumps faster than the robot, and touched fire; docs/howto/audit.md describes
+    them. Exit code 0 if it was possible, 1 if not.
     """
     from sim.audit import audit as audit_trajectory
     from sim.audit.file import read_trajectory
@@ -88,7 +93,7 @@ def audit(
             straight=straight,
             from_start=from_start,
         )
-    # Report, draw, and tell by the exit code whether the trajectory was possible.
+    # Report and draw; the exit code tells whether the trajectory was possible.
     if as_json:
         emit_json(as_object(result, tolerance))
     else:

@@ -1,4 +1,4 @@
-"""``worldgen behaviours``: the behaviours that a controller can be composed of."""
+"""``worldgen behaviours``: list the behaviours that a controller can be composed of."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ EXAMPLES = (
     "--chart",
     type=click.Path(path_type=Path),
     metavar="OUT",
-    help="Draw how the controller arbitrates, as a flow chart: .svg.",
+    help="Draw how the controller arbitrates, as a flow chart (.svg).",
 )
 @json_option
 @force_option
@@ -44,7 +44,7 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
     # Without a controller, list the library.
     if controller is None:
         if chart is not None:
-            raise click.UsageError("--chart draws a controller: name one")
+            raise click.UsageError("--chart draws a controller, so name one")
         _list_library(as_json)
         return
     # Check the chart's file before the work.

@@ -1,4 +1,4 @@
-"""``worldgen compare``: controllers over worlds and seeds, in one table."""
+"""``worldgen compare``: compare controllers over worlds and seeds in one table."""
 
 from __future__ import annotations
 
@@ -47,8 +47,10 @@ _TIME_FOR_NEVER = 300.0
     metavar="A,B,C",
     help="Controllers to compare; see above. May be repeated.",
 )
-@click.option("--motion", help="Motion model [default: that of the published figures, else swept].")
-@click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
+@click.option(
+    "--motion", help="Motion model.  [default: that of the published figures, otherwise swept]"
+)
+@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
 @click.option(
     "--seeds",
     type=click.IntRange(1, 1_000_000),
@@ -61,14 +63,14 @@ _TIME_FOR_NEVER = 300.0
     type=click.IntRange(0, 2**64 - 1),
     default=0,
     show_default=True,
-    help="The first of them.",
+    help="The first seed.",
 )
-@click.option("--steps", type=int, help="Budget in steps [default: 50 times the witness's time].")
+@click.option("--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]")
 @click.option(
     "--against",
     type=PATH,
     metavar="CSV",
-    help="Earlier figures [default: published.csv next to the worlds].",
+    help="Earlier figures to compare with.  [default: published.csv next to the worlds]",
 )
 @click.option(
     "--csv", "table", type=PATH, metavar="OUT", help="Write one line for each world and controller."
@@ -95,8 +97,8 @@ def compare(
     """Run several controllers in many worlds and print one table.
 
     PATH is a .grid file or a folder of them. After a controller's name, +option=value varies its
-    run, so that thesis-1,thesis-1+arbiter=A2 sets the old way against the new. A controller with
-    chance runs with many seeds. docs/howto/compare.md describes table, CSV and JSON.
+    run, so that thesis-1,thesis-1+arbiter=A2 compares the old arbiter with the new. A random
+    controller runs with many seeds. docs/howto/compare.md describes table, CSV and JSON.
     """
     from sim.compare.comparison import compare as compare_worlds
     from sim.compare.picture import MAX_CONTROLLERS, draw_comparison
@@ -118,7 +120,8 @@ def compare(
     scenarios = _scenarios(controllers, _motion(motion, figures), time_step, seed)
     if picture is not None and len(scenarios) > MAX_CONTROLLERS:
         raise click.UsageError(
-            f"--picture tells {MAX_CONTROLLERS} controllers apart, not {len(scenarios)}; name fewer"
+            f"--picture can distinguish {MAX_CONTROLLERS} controllers, not {len(scenarios)}; name "
+            f"fewer"
         )
     worlds = [_with_time(world, figures) for world in _worlds(paths)]
     _note_strangers(figures, worlds, scenarios)
@@ -171,7 +174,7 @@ def _motion(motion: str | None, figures: Sequence[PublishedRow]) -> str:
     if len(named) != 1:
         return "swept"
     (found,) = named
-    note(f"motion {found}, as in the published figures; --motion takes another")
+    note(f"motion {found}, as in the published figures; --motion overrides it")
     return found
 
 
@@ -274,6 +277,6 @@ def _note_strangers(
         other = sorted(used - {"", scenario.run.motion})
         if other:
             note(
-                f"{label} runs under {scenario.run.motion}, and its published figures are of "
+                f"{label} runs under {scenario.run.motion}, but its published figures are for "
                 f"{', '.join(other)}"
             )

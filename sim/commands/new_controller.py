@@ -39,7 +39,7 @@ _COMPILERS = {
     "--out",
     type=click.Path(path_type=Path),
     metavar="DIR|FILE",
-    help="Where to write [default: ./NAME.py, .c or .cpp].",
+    help="Where to write it.  [default: ./NAME.py, .c or .cpp]",
 )
 @json_option
 @force_option
@@ -47,10 +47,10 @@ def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force:
     """Write a working, commented controller to start from.
 
     All kinds drive by the same rule: to the target, and after a bump away from the wall for a
-    while. Those in C and C++ and the compiled one take millions of steps a second and their loops
-    are proved; the Python class takes some hundred thousand and its loops are proved too, and so
-    are those of the vector class, which takes millions where it drives many robots; the process may
-    be in any language and hide anything, so it is at most stalled.
+    while. The kinds in C and C++ and the compiled one run millions of steps per second, and their
+    loops are proved. The Python class runs some hundred thousand, the vector class millions if it
+    drives many robots; their loops are proved too. The process may be in any language and hide any
+    state, so at most it is reported as stalled.
     """
     import importlib.resources
 
@@ -94,8 +94,8 @@ def _word(name: str) -> str:
         raise InvalidParameter(
             "not-a-controller-name",
             "{name!r} is not a name for a controller",
-            "take up to 64 letters, digits, - and _, a letter first, and no word of Python's own, "
-            "such as my-robot",
+            "use up to 64 letters, digits, - and _, beginning with a letter, and no Python "
+            "keyword, as in my-robot",
             name=name,
         )
     return word
@@ -115,8 +115,8 @@ def _place(out: Path | None, word: str, kind: str) -> Path:
     if kind != "process" and out.suffix != suffix:
         raise OutputError(
             "no-place-for-file",
-            "{out} is not a folder that is there, and no {suffix} file",
-            "make the folder, or name a {suffix} file",
+            "{out} is neither an existing folder nor a {suffix} file",
+            "create the folder, or name a {suffix} file",
             out=out,
             suffix=suffix,
         )

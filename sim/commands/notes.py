@@ -1,4 +1,4 @@
-"""Notes at the terminal about options that change nothing."""
+"""Print notes about options that change nothing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["note_unused"]
 
 
 def note_unused(scenarios: Iterable[Scenario], *, seeds: Collection[str] = ()) -> None:
-    """Report on stderr which options have no effect on these runs, or less than one might think.
+    """Report on stderr which options have no effect on these runs, or less than expected.
 
     Args:
         scenarios: The scenarios that are run.

@@ -1,4 +1,4 @@
-"""``worldgen run``: one controller, one world, one verdict."""
+"""``worldgen run``: run one controller in one world and print the verdict."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ EXAMPLES = (
 )
 OUT = click.Path(path_type=Path)
 _BLOCKED = (
-    "the target cannot be reached in this world, whatever the controller does: `worldgen "
-    "verify` says why"
+    "the target cannot be reached in this world, whatever the controller does; `worldgen verify` "
+    "explains why"
 )
 _UNDECIDED = "it is undecided whether the target can be reached in this world"
 _UNDECIDED_TOGETHER = "it is undecided whether all robots can arrive in this world"
@@ -51,10 +51,10 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 @click.option(
     "--task",
     type=click.Choice(("target", "cover")),
-    help="Reach the target, or cover every cell whose centre can be reached [default: target].",
+    help="Reach the target, or cover every cell whose centre can be reached.  [default: target]",
 )
-@click.option("--steps", type=int, help="Budget in steps [default: 50 times the witness's time].")
-@click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
+@click.option("--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]")
+@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
 @click.option(
     "--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers."
 )
@@ -62,7 +62,7 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     "--trail",
     type=OUT,
     metavar="OUT",
-    help="Draw world and trail: .png, .svg, .html, or .gif, which moves.",
+    help="Draw world and trail: .png, .svg, .html, or an animated .gif.",
 )
 @click.option(
     "--trace",
@@ -139,7 +139,7 @@ def run(
     check_contract(_at_fault(scenarios, episode), episode.evidence, episode.steps)
     reachable = _is_reachable(world, episode)
     uncertain = _why_uncertain(world, scenarios)
-    # Print the result and what may explain it.
+    # Print the result, and anything that may explain it.
     if as_json:
         emit_json(
             {
@@ -158,7 +158,7 @@ def run(
         undecided = _UNDECIDED_TOGETHER if world.others else _UNDECIDED
         note(_BLOCKED if reachable is False else undecided)
     if uncertain and episode.verdict not in ARRIVALS:
-        note(f"with these disturbances no controller is sure to arrive: {uncertain}")
+        note(f"with these disturbances, no controller is certain to arrive: {uncertain}")
     # Write the trace and the picture.
     states = _csv(episode, who_acted(scenarios, episode))
     if trace is not None and states:
@@ -178,7 +178,7 @@ def run(
 
 
 def _why_uncertain(world: World, scenarios: list[Scenario]) -> str:
-    """Return why no controller is sure to arrive with these disturbances; empty if one can be."""
+    """Return why no controller is certain to arrive with these disturbances; empty if one can be."""
     from sim.options.disturbances import why_arrival_is_not_certain
 
     reasons = (why_arrival_is_not_certain(world, one.run.robot) for one in scenarios)
@@ -208,7 +208,7 @@ def _label(scenarios: list[Scenario]) -> str:
 
 
 def _at_fault(scenarios: list[Scenario], episode: Episode) -> str:
-    """Return the name of the controller that made a fault, if one did."""
+    """Return the name of the controller that failed, if one did."""
     number = getattr(episode.evidence, "robot", None)
     return scenarios[(number or 1) - 1].controller
 

@@ -1,4 +1,4 @@
-"""``worldgen train``: a controller that learns practises in worlds."""
+"""``worldgen train``: train a learning controller in worlds."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ EXAMPLES = (
     show_default=True,
     help="A controller that learns: q-learner, behaviours+by=learning:..., or learned:FILE to continue.",
 )
-@click.option("--episodes", default=200, show_default=True, help="Runs to learn from.")
-@click.option("--steps", default=2000, show_default=True, help="Budget of each of them, in steps.")
+@click.option("--episodes", default=200, show_default=True, help="Number of runs to learn from.")
+@click.option("--steps", default=2000, show_default=True, help="Budget of each run, in steps.")
 @click.option(
     "--explore",
     default=300,
     show_default=True,
-    help="Thousandths of the decisions that are random at first; they fall to zero.",
+    help="Random decisions at first, in thousandths; the rate falls to zero.",
 )
 @click.option(
     "--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random choices."
@@ -46,7 +46,7 @@ EXAMPLES = (
     "--curve",
     type=click.Path(path_type=Path),
     metavar="OUT",
-    help="Draw the learning curve: .svg.",
+    help="Draw the learning curve (.svg).",
 )
 @json_option
 @force_option
@@ -133,4 +133,4 @@ def _say(learned: Learned) -> None:
             f"{point.steps} steps"
         )
     best = min(learned.curve, key=lambda point: (-point.reached, point.steps))
-    click.echo(f"kept what it knew after {best.episodes} episodes: {len(learned.numbers)} numbers")
+    click.echo(f"kept the numbers after {best.episodes} episodes: {len(learned.numbers)} numbers")

@@ -1,4 +1,4 @@
-"""Compare controllers over worlds and seeds: what each did, who was best, and the totals.
+"""Compare controllers over worlds and seeds: what each did, which was best, and the totals.
 
 A random controller runs with many seeds, any other once. Its time in a world is the median over the
 seeds with which it arrives, and it counts as arriving if at least half of them do.
@@ -53,7 +53,7 @@ class NamedWorld:
         world: The world.
         stem: Name of its file without folder and extension; other tables may use it.
         folder: Folder of its file.
-        least_time: Least budget of a run, s, if the witness's time alone gives less.
+        least_time: Minimum budget of a run, s, if the witness's time alone gives less.
     """
 
     name: str
@@ -137,7 +137,7 @@ class Cell:
 
     @property
     def verdicts(self) -> dict[str, int]:
-        """How often each verdict occurred, in the order of :class:`sim.verdict.Verdict`."""
+        """The number of runs with each verdict, in the order of :class:`sim.verdict.Verdict`."""
         counts = Counter(run.verdict for run in self.runs)
         return {verdict: counts[verdict] for verdict in Verdict if verdict in counts}
 
@@ -291,14 +291,14 @@ class Comparison:
 
 
 def standing(times: Sequence[float]) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return who was best and who was worst, including ties.
+    """Return which controllers were best and which were worst, including ties.
 
     Args:
         times: Times, s; ``inf`` for never.
 
     Returns:
-        Indices of the best and of the worst. The first is empty if nobody arrives, the second if
-        all times are equal.
+        Indices of the best and of the worst. The first is empty if none arrives, the second if all
+        times are equal.
     """
     first = min(times)
     last = max(times)
@@ -326,7 +326,7 @@ def compare(
     Args:
         worlds: The rows.
         scenarios: The columns by label; the seed of each is the first that it runs with.
-        seeds: How many seeds a random controller runs with.
+        seeds: Number of seeds that a random controller runs with.
         steps: Budget of each run; if omitted, it follows from each world's witness.
         progress: Called with a short text after each cell.
 
@@ -365,7 +365,7 @@ def compare(
 
 @dataclass(frozen=True)
 class _TriedRun:
-    """One run and what is known about it."""
+    """One run, and the facts known about it."""
 
     run: ComparedRun
     evidence: Evidence | None
@@ -380,7 +380,7 @@ class _Column:
 
     @property
     def declared_random(self) -> bool:
-        """Whether the controller, or the simulator under it, declares that it is random."""
+        """True if the controller, or the simulator under it, declares that it is random."""
         chance = isinstance(self.controller, CompiledController) and self.controller.randomised
         return chance or is_noisy(self.controller, self.scenario.run)
 
@@ -449,7 +449,7 @@ class _Column:
             raise InvalidParameter.of(place) from error
 
     def _try_unnamed(self, world: World, options: RunOptions) -> _TriedRun:
-        """Run without recording; simulate in full only what needs a proof or an explanation."""
+        """Run without recording; simulate in full only runs that need a proof or an explanation."""
         outcome = prepare(world, self.controller, options).run(
             options.steps, find_loop=True, record=False, digest=False
         )

@@ -15,7 +15,8 @@ __all__ = ["MAX_CONTROLLERS", "draw_comparison"]
 
 MAX_CONTROLLERS = 8
 _LONGEST_LABEL = 18
-# Steps of a run that does not arrive. Drawing more of its path would only blacken the picture.
+# Limit on the drawn steps of a run that does not arrive. More of its path would only blacken the
+# picture.
 _MOST_STEPS = 20_000
 
 
@@ -25,8 +26,8 @@ def draw_comparison(comparison: Comparison) -> bytes:
     For a random controller, the run with the median time is drawn, or the first if none arrives.
 
     Raises:
-        InvalidParameter: If there are more than :data:`MAX_CONTROLLERS`, which could not be told
-            apart in a picture.
+        InvalidParameter: If there are more than :data:`MAX_CONTROLLERS`, which could not be
+            distinguished in a picture.
     """
     panels = []
     for world, cells in zip(comparison.worlds, comparison.cells, strict=True):

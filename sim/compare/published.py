@@ -1,6 +1,7 @@
-"""Read published tables of results, and measure how far a comparison agrees with them.
+"""Read published tables of results, and measure how well a comparison agrees with them.
 
-``docs/howto/compare.md`` describes the file. Only its columns world, controller and time are required.
+``docs/howto/compare.md`` describes the file. Only its columns world, controller and time are
+required.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ __all__ = [
 ]
 
 _NEEDED = ("world", "controller", "time")
-# Seconds; a longer time is taken for a mistake.
+# Seconds; a longer time counts as a mistake.
 _LONGEST = 1e9
 
 # Fractions between which the middle 95 % of the seeds are.
@@ -79,7 +80,7 @@ class PublishedRow:
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far our time is from a published one; times in s.
+    """The difference of our time from a published one; times in s.
 
     ``relative`` is (ours - theirs) / theirs.
     """
@@ -93,15 +94,15 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far a published table agrees with ours.
+    """How well a published table agrees with ours.
 
     Args:
         figures: Published figures by (row, column); a cell may have several.
         rankings: Number of worlds in which both rank the controllers in the same order, and of
             worlds with at least two figures.
-        never: Number of cells in which both report never, and of cells in which either does.
+        never: Number of cells in which both tables have "never", and of cells in which either has.
         within: Number of published times within the middle 95 % of our seeds, and of all times that
-            can be compared so.
+            can be compared in this way.
         largest: The cell without randomness whose time deviates most; of several figures, the
             nearest counts.
     """
@@ -160,7 +161,7 @@ def _figure(
     if len(row) != len(header):
         raise FormatError(
             "wrong-count",
-            "{count} fields under a header of {wanted}",
+            "{count} fields, but the header has {wanted}",
             "give as many",
             count=len(row),
             wanted=len(header),
@@ -272,7 +273,7 @@ def relative(ours: float, theirs: float) -> float:
 
 
 def agreement(comparison: Comparison, figures: Iterable[PublishedRow]) -> Agreement:
-    """Return how far a published table agrees with ours."""
+    """Return how well a published table agrees with ours."""
     known = tuple(figures)
     found: dict[tuple[int, int], tuple[PublishedRow, ...]] = {}
     for row, world in enumerate(comparison.worlds):

@@ -38,7 +38,7 @@ CSV_COLUMNS = (
     "area_covered",
 )
 
-# Columns of text for sentences below a table.
+# Width of sentences below a table, in characters.
 _WIDTH = 116
 
 
@@ -103,8 +103,8 @@ def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
         keys.append("(k/n): k of n seeds arrive, the time is their median.")
     if beside is not None and beside.figures:
         keys.append(
-            "In brackets behind a published time: ours less that; for chance the share of seeds no "
-            "later."
+            "In brackets after a published time: ours minus that; for random controllers, the "
+            "share of seeds no later."
         )
     return text + "\n" + _wrapped(" ".join(keys))
 
@@ -161,7 +161,7 @@ def _by_the_point(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> list
 
 def _totals_table(comparison: Comparison) -> str:
     totals = comparison.totals()
-    # Arrivals and failures of every controller, and who was best if there are several.
+    # Arrivals and failures of every controller, and which was best if there are several.
     rows = [["total", *comparison.labels], ["arrived", *map(_arrived, totals)]]
     rows.append(
         [
@@ -184,7 +184,7 @@ def _totals_table(comparison: Comparison) -> str:
             rows.append(["mean time", *(f"{total.mean_time:.3f}" for total in totals)])
             rows.append(["median time", *(f"{total.median_time:.3f}" for total in totals)])
 
-    # Say which worlds the times are over, and how the intervals are computed.
+    # Explain which worlds the times cover, and how the intervals are computed.
     text = aligned(rows)
     if len(totals) > 1:
         count = len(comparison.common)
@@ -206,7 +206,7 @@ def _arrived(total: Total) -> str:
 
 def _agreement_text(beside: Agreement) -> str:
     if not beside.figures:
-        return "No published figure is of one of these worlds and controllers."
+        return "No published figure is about one of these worlds and controllers."
     parts = []
     if beside.rankings[1]:
         parts.append(f"same ranking in {beside.rankings[0]} of {beside.rankings[1]} worlds")
@@ -214,17 +214,17 @@ def _agreement_text(beside: Agreement) -> str:
         parts.append(f'"never" agrees in {beside.never[0]} of {beside.never[1]} cells')
     if beside.within[1]:
         parts.append(
-            f"{beside.within[0]} of {beside.within[1]} figures lie within the middle 95 % of our "
+            f"{beside.within[0]} of {beside.within[1]} figures are within the middle 95 % of our "
             f"seeds"
         )
     if beside.largest is not None:
         far = beside.largest
         parts.append(
-            f"largest deviation without chance {far.relative:+.1%} "
+            f"largest deviation without randomness {far.relative:+.1%} "
             f"({far.label} in {far.world}: {far.ours:.3f} against {far.theirs:.3f})"
         )
     if not parts:
-        return "None of the published figures of these worlds and controllers can be compared."
+        return "None of the published figures for these worlds and controllers can be compared."
     return _wrapped("Against the published figures: " + "; ".join(parts) + ".")
 
 

@@ -5,7 +5,7 @@ Contents:
         controller as one of these.
     Observation, Command: A controller's input and output, for one robot.
     Observations, Commands: The same for many robots, in arrays.
-    MemoryField, MemoryMap: How a controller's memory is shown to people.
+    MemoryField, MemoryMap: How a controller's memory is shown to users.
     CONTROLLERS: Finds a controller by name, as ``package.module:name``, ``./file.py:name``, or
         ``cmd:./program --flag``.
     controller_of: Finds a controller by name, or checks the one that it is given.

@@ -129,11 +129,11 @@ class Observation(NamedTuple):
 
 
 NO_NEIGHBOURS: Floats = np.zeros((0, 0, layout.NEIGHBOUR_MESSAGE))
-"""What robots that sense no others see of them."""
+"""Neighbours of robots that do not sense other robots."""
 
 
 class Observations(NamedTuple):
-    """What many robots see: the fields of an :class:`Observation`, as arrays of shape (n,)."""
+    """Observations of many robots: the fields of an :class:`Observation`, of shape (n,) each."""
 
     bump: npt.NDArray[np.bool_]
     bump_bearing: Floats
@@ -155,7 +155,7 @@ class Observations(NamedTuple):
     beams: Floats
     """(n, beams) m, distance to the first wall along each range beam."""
     neighbours: Floats = NO_NEIGHBOURS
-    """(n, most, 5 + message) the fields of each :class:`Neighbour`; nan where there is none."""
+    """(n, most, 5 + message) the fields of each :class:`Neighbour`; nan if there is none."""
 
     @classmethod
     def of(cls, array: Floats) -> Observations:
@@ -178,9 +178,9 @@ class Command(NamedTuple):
     Args:
         speed: m/s along the heading, negative for backwards; clamped to the robot's top speed.
         turn_rate: rad/s, counter-clockwise; takes effect before the next move.
-        used_random: Whether ``observation.random`` was used, so that the next one must be new.
+        used_random: True if ``observation.random`` was used, so that the next one must be new.
         message: Numbers to send to the neighbours, at most as many as the run's ``message`` option
-            allows; ignored for a robot that is alone.
+            allows; ignored for a single robot.
     """
 
     speed: float = 0.0
@@ -190,7 +190,7 @@ class Command(NamedTuple):
 
 
 class Commands(NamedTuple):
-    """What many robots are commanded.
+    """Commands for many robots.
 
     Each field of a :class:`Command` is an array of shape (n,), or one number for all robots.
     """
@@ -203,7 +203,7 @@ class Commands(NamedTuple):
 
 @dataclass(frozen=True)
 class CompiledController:
-    """A compiled controller: it runs millions of steps a second, and its loops can be proved.
+    """A compiled controller: it runs millions of steps per second, and its loops can be proved.
 
     Args:
         name: Name in messages and files.
@@ -211,16 +211,16 @@ class CompiledController:
             (:mod:`sim.kernels.layout`), which numba compiles. It changes ``memory`` and ``command``
             in place and keeps all its state in ``memory``.
         memory: The numbers in the memory at reset.
-        start_speed: Speed during the first step, before anything has been seen, m/s; limited to the
+        start_speed: Speed during the first step, before the first observation, m/s; limited to the
             robot's top speed.
         thesis_rule: 1, 2 or 3 if ``stepped`` runs the thesis's own robot in its place, else 0.
-        randomised: Whether it uses random numbers.
+        randomised: True if it uses random numbers.
         senses: Names of the fields of :class:`Observation` that it reads; the others may be nan. By
             default it gets all but ``time``, and a step takes up to twice as long. A controller
             that reads ``time`` never repeats a state, so its loops cannot be proved.
-        needs: Options of the robot that it cannot work without, such as ``RobotOptions(beams=36)``.
-            A run that sets them differently takes precedence.
-        slow: Whether a step takes tens of microseconds, as one in Python does; a campaign then does
+        needs: Options of the robot that it requires, such as ``RobotOptions(beams=36)``. A run that
+            sets them differently takes precedence.
+        slow: True if a step takes tens of microseconds, like one in Python; a campaign then does
             less work in each unit.
         memory_fields: Numbers of the memory that have a name, for pages that show a run.
         memory_map: Returns what the memory (m,) represents in the world, also for pages; a run
@@ -293,7 +293,7 @@ def check_declared(name: str, senses: object, needs: object) -> None:
     if not isinstance(needs, RobotOptions):
         raise InvalidParameter(
             "wrong-declaration",
-            "controller {name!r} has needs={needs!r}, which are not options of a robot",
+            "controller {name!r} has needs={needs!r}, which is not a RobotOptions",
             "write RobotOptions(beams=36)",
             name=name,
             needs=needs,
@@ -327,7 +327,7 @@ class PythonController(Protocol):
 class VectorController(Protocol):
     """A controller as a Python class that acts for many robots at once, with NumPy.
 
-    It runs millions of steps a second. Row i of everything belongs to robot i and must depend on
+    It runs millions of steps per second. Row i of everything belongs to robot i and must depend on
     nothing else. The number of robots varies, may be 1, and falls as robots arrive. A run gives the
     same bits alone and among others as long as NumPy computes each row the same way, which a matrix
     product may not. Everything else is as for a :class:`PythonController`.

@@ -63,7 +63,8 @@ class ControllerRegistry(Registry[Controller]):
                 self._loaded[name] = ProcessController.of(name)
             return self._loaded[name]
         if is_composition_name(name):
-            # Not kept: a part may be a file that changes, and its registry knows whether it has.
+            # This is not cached, because a part may be a file that changes; its registry detects
+            # changes.
             return composition_named(name)
         if is_learned_name(name):
             check_code(name)
@@ -125,7 +126,7 @@ class ControllerRegistry(Registry[Controller]):
         return with_numbers(found, learned.numbers, name)
 
     def _refuse_code(self, controller: str, name: str) -> None:
-        """Refuse a file of learned numbers that names code: reading data must run none.
+        """Refuse a file of learned numbers that names code: reading data must not run code.
 
         Raises:
             InvalidParameter: If the controller is neither registered nor made of registered parts.
@@ -235,8 +236,8 @@ def _accept(name: str, thing: Any) -> Controller:
         raise InvalidParameter(
             "not-a-controller",
             "controller {name!r} has no {missing}",
-            "it needs reset() -> memory and act(observation, memory) -> (command, memory), "
-            "or act_many for many robots, or be a CompiledController",
+            "it must have reset() -> memory and act(observation, memory) -> (command, memory), or "
+            "act_many for many robots, or be a CompiledController",
             name=name,
             missing=" and no ".join(missing),
         )
@@ -249,13 +250,13 @@ CONTROLLERS = ControllerRegistry("worldgen.controllers", "controller", _accept)
 
 
 def controller_of(given: str | Controller | type) -> Controller:
-    """Return the controller with that name, or the given one after checking it.
+    """Return the controller with that name, or the given controller after checking it.
 
     Args:
         given: A name, a controller, or a class that makes one without arguments.
 
     Raises:
-        InvalidParameter: If the name is unknown, the thing is not a controller, or making it
+        InvalidParameter: If the name is unknown, the object is not a controller, or making it
             raises an exception.
     """
     return CONTROLLERS.get(given) if isinstance(given, str) else _accept(called(given), given)
@@ -268,7 +269,7 @@ def in_plain_place(name: str, *, resolve: bool = False) -> str:
 
     Args:
         name: The name, with or without options; names of other kinds are returned unchanged.
-        resolve: Whether to give the file's full path, so that the name is the same in all folders.
+        resolve: True to give the file's full path, so that the name is the same in all folders.
     """
     found = _IN_A_FILE.fullmatch(name)
     if found is None:

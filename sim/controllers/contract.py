@@ -1,7 +1,7 @@
 """The contract of a Python controller, and the message for a controller that breaks it.
 
 A controller that returns the wrong thing has not crashed; it is incomplete. If it does so in its
-first step, no run can show anything, and that is an error of usage. If only some branch forgets the
+first step, no run can show anything, so this is a usage error. If only some branch forgets the
 memory, the search has found that branch: the verdict is ``invalid-command``, and the world that
 leads into the branch is the failure.
 """
@@ -27,12 +27,12 @@ _MEMORY = "return a tuple of numbers whose length never changes, such as () or (
 
 
 class ContractBroken(ControllerError, TypeError):
-    """A controller returned something that the contract does not allow.
+    """Raised if a controller returned something that the contract does not allow.
 
     Args:
         error: The fault, in the same words in every replay.
         answer: The returned value.
-        remedy: How to mend it.
+        remedy: How to fix it.
     """
 
     def __init__(self, error: str, answer: object, remedy: str) -> None:
@@ -73,7 +73,7 @@ def flat_memory(memory: Any, size: int | None = None) -> tuple[float, ...]:
         raise ContractBroken("the memory is not a tuple of numbers", memory, _MEMORY)
     if size is not None and len(memory) != size:
         error = f"the memory had {size} numbers and now has {len(memory)}"
-        raise ContractBroken(error, memory, "keep its length fixed, as reset() returned it")
+        raise ContractBroken(error, memory, "keep the length that reset() returned")
     return tuple(float(value) for value in memory)
 
 
@@ -82,7 +82,7 @@ def check_contract(name: str, evidence: Evidence | None, steps: int) -> None:
 
     Args:
         name: The controller's name, for the message.
-        evidence: Evidence of the run, or what is known of the controller's fault.
+        evidence: Evidence of the run, or the known facts about the controller's fault.
         steps: Steps of the run.
 
     Raises:
@@ -91,7 +91,7 @@ def check_contract(name: str, evidence: Evidence | None, steps: int) -> None:
     if isinstance(evidence, FaultEvidence) and evidence.remedy is not None and steps <= 1:
         raise InvalidParameter(
             "contract-broken",
-            "controller {name!r}: {fault}, it was {answer}",
+            "controller {name!r}: {fault}, but {answer}",
             "{remedy}",
             name=name,
             fault=evidence.error,

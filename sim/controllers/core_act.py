@@ -51,14 +51,14 @@ class CoreAct:
 
     @property
     def is_guarded(self) -> bool:
-        """Whether it runs in another process, because it may crash or hang."""
+        """True if it runs in another process, because it may crash or hang."""
         return False
 
     def __call__(self, observation: Floats, memory: Floats, command: Floats) -> None:
         """Act once, changing ``memory`` and ``command`` in place.
 
         Args:
-            observation: (17 + beams,) what the robot sees.
+            observation: (17 + beams,) the robot's observation.
             memory: (m,) its memory.
             command: (3,) zeros; receives the command.
 
@@ -109,12 +109,12 @@ def place(struct: str, *fields: str | int) -> int:
 
 
 def size_of(struct: str) -> int:
-    """Return how many numbers a struct takes, not counting an array at its end."""
+    """Return the number of numbers in a struct, not counting an array at its end."""
     return int(ffi.sizeof(struct)) // _NUMBER
 
 
 def memory_at_reset(size: int, numbers: Mapping[int, float]) -> tuple[float, ...]:
-    """Return a memory of zeros, except for some numbers given by their places."""
+    """Return a memory of zeros, except for some numbers given by index."""
     memory = [0.0] * size
     for at, number in numbers.items():
         memory[at] = number

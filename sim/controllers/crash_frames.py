@@ -1,4 +1,4 @@
-"""Where a Python controller raised an exception: the frames of the user's code, in short.
+"""Find where a Python controller raised an exception: the frames of the user's code, in brief.
 
 Frames name files without their folders, so that a failure reads the same in another checkout. They
 quote the statement, which stays the same when other lines of its file move.
@@ -18,7 +18,7 @@ from worldgen.world import Value
 __all__ = ["MOST_FRAMES", "crash_facts", "is_users_file"]
 
 MOST_FRAMES = 6
-"""How many frames are kept, counted from the innermost."""
+"""Number of frames to keep, counted from the innermost."""
 
 # Characters of a statement that are kept.
 _LONGEST_CODE = 160
@@ -38,7 +38,7 @@ _LIBRARIES = tuple(
 
 
 def crash_facts(error: BaseException, controller: object) -> dict[str, Value]:
-    """Return what an exception's traceback reveals about a controller's fault.
+    """Return the facts about a controller's fault in an exception's traceback.
 
     Args:
         error: The controller's exception.
@@ -102,12 +102,12 @@ def _frame(call: TracebackType) -> Value:
 
 
 def _statement(call: TracebackType) -> dict[str, Value]:
-    """Return the failed statement on one line, and which of the equal lines before it it is."""
+    """Return the failed statement on one line, and the number of equal lines before it."""
     code = call.tb_frame.f_code
     line = call.tb_lineno
     instruction = call.tb_lasti // 2
 
-    # A call may span lines; the first line alone could not tell two `raise ValueError(` apart.
+    # A call may span lines; the first line alone could not distinguish two `raise ValueError(`.
     positions = list(code.co_positions())
     last = positions[instruction][1] if 0 <= instruction < len(positions) else None
     linecache.checkcache(code.co_filename)

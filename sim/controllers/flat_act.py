@@ -31,7 +31,7 @@ def compiled_act(act: Act) -> Any:
     array = numba.float64[::1]
     try:
         with warnings.catch_warnings():
-            # If numba's warnings matter, an error follows that says it better.
+            # If numba's warnings matter, a clearer error follows.
             warnings.simplefilter("ignore", numba.core.errors.NumbaWarning)
             compiled = numba.njit(numba.void(array, array, array), nogil=True, boundscheck=True)(
                 getattr(act, "py_func", act)
@@ -45,12 +45,12 @@ def compiled_act(act: Act) -> Any:
             reason=_reason(error),
         ) from error
 
-    # Numba keeps its own generator for random and numpy.random, which no seed of ours controls.
+    # Numba has its own generator for random and numpy.random, which our seeds do not control.
     if any("_random_state" in code for code in compiled.inspect_llvm().values()):
         raise InvalidParameter(
             "draws-outside-seed",
-            "controller function {function} draws random numbers of Python or NumPy, which no seed "
-            "of a run decides",
+            "controller function {function} draws random numbers from Python or NumPy, which a "
+            "run's seed does not control",
             "use observation[OBS_RANDOM], and set command[CMD_DRAW] = 1.0",
             function=_name(act),
         )

@@ -1,6 +1,7 @@
 """Keep the numbers that a controller has learned in a file, between runs.
 
-``learned:./taught.json`` is a controller: the trained one. It starts every run with these numbers and keeps learning.
+``learned:./taught.json`` is a controller: the trained one. It starts every run with these numbers
+and keeps learning.
 """
 
 from __future__ import annotations
@@ -51,15 +52,15 @@ _MOST_BYTES = 1 << 26
 
 @dataclass(frozen=True)
 class Learning:
-    """What of a controller's memory it learns.
+    """The part of a controller's memory that it learns.
 
     Args:
         first: Index of the first number that it learns; the others belong to one run.
-        count: How many numbers it learns.
-        explore: Index of the number that says how many thousandths of its decisions are drawn; -1
-            if it has none. Such a controller draws random numbers while it is trained.
+        count: Number of numbers that it learns.
+        explore: Index of the number with the share of random decisions, in thousandths; -1 if it
+            has none. Such a controller draws random numbers while it is trained.
         arrives: Changes a memory (m,) after a run in which the robot arrived; ``None`` if nothing
-            is left to learn then.
+            remains to be learned then.
     """
 
     first: int
@@ -78,9 +79,9 @@ class Episodes(NamedTuple):
 
     Args:
         episodes: Episodes of training before it.
-        reached: Worlds that the controller reaches now, without exploring.
-        worlds: Of how many.
-        steps: Steps of those runs, all together.
+        reached: Number of worlds in which the controller now arrives, without exploring.
+        worlds: Total number of worlds.
+        steps: Total steps of those runs.
     """
 
     episodes: int
@@ -153,8 +154,8 @@ def read_learned(path: Path) -> Learned:
 
 @functools.lru_cache(maxsize=16)
 def _read(path: Path, _modified: int, _size: int) -> Learned:
-    """Read a file again only if it has changed: a campaign asks for its controller in each run."""
-    # First whether this is a file of ours at all, and of a version that we know.
+    """Read a file again only if it has changed; a campaign requests its controller in each run."""
+    # Check first that this is one of our files, and of a known version.
     try:
         read: Any = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError, RecursionError) as error:
@@ -163,7 +164,7 @@ def _read(path: Path, _modified: int, _size: int) -> Learned:
         raise _not_learned(path, f"it has no format {_FORMAT!r}")
     if read.get("version") != _VERSION:
         raise _not_learned(path, f"its version is not {_VERSION}")
-    # Then each part, because a file may have been edited by hand.
+    # Then check each part, because a file may have been edited by hand.
     controller = read.get("controller")
     numbers = read.get("numbers")
     curve = read.get("curve")
@@ -190,7 +191,7 @@ def _is_number(value: object) -> bool:
 def _not_learned(path: Path, reason: str) -> InvalidParameter:
     return InvalidParameter(
         "not-learned",
-        "{path} does not hold what a controller learned: {reason}",
+        "{path} is not a file of learned numbers: {reason}",
         "name a file that `worldgen train` wrote",
         at_terminal=True,
         path=str(path),
@@ -209,7 +210,7 @@ def learning_of(controller: Controller, name: str) -> tuple[CompiledController, 
         raise InvalidParameter(
             "does-not-learn",
             "controller {name!r} does not learn",
-            "take q-learner, or behaviours+by=learning:avoid,follow,approach",
+            "use q-learner, or behaviours+by=learning:avoid,follow,approach",
             name=name,
         )
     return controller, learning  # type: ignore[return-value]
@@ -226,14 +227,14 @@ def with_numbers(
         name: Its name from now on.
 
     Raises:
-        InvalidParameter: If it does not learn, or has a different number of learned values, or a number
-            cannot be in its memory.
+        InvalidParameter: If it does not learn, or has a different number of learned values, or a
+            number cannot be in its memory.
     """
     found, learning = learning_of(controller, name)
     if len(numbers) != learning.count:
         raise InvalidParameter(
             "wrong-size",
-            "{name} holds {came} numbers, and {controller} learns {count}",
+            "{name} has {came} numbers, but {controller} learns {count}",
             "train it again with this version",
             name=name,
             came=len(numbers),
@@ -243,7 +244,7 @@ def with_numbers(
     if any(number < 0.0 or number != math.floor(number) for number in numbers):
         raise InvalidParameter(
             "out-of-range",
-            "{name} holds numbers that are not whole, or below 0",
+            "{name} has numbers that are not whole, or below 0",
             "train it again",
             name=name,
         )
@@ -253,7 +254,7 @@ def with_numbers(
 
 
 def with_exploration(controller: CompiledController, thousandths: int) -> CompiledController:
-    """Return a controller that draws so many thousandths of its decisions."""
+    """Return a controller that makes this share of its decisions at random, in thousandths."""
     learning = controller.learning
     if learning is None or learning.explore < 0 or thousandths == 0:
         return controller

@@ -1,6 +1,7 @@
-"""How to show a controller's memory to people: names of its numbers, and the map that it keeps.
+"""Show a controller's memory to users: names of its numbers, and the map that it keeps.
 
-A controller declares both, and pages use them to read what a run has left. They never affect a run.
+A controller declares both, and pages use them to interpret the memory of a run. They never affect a
+run.
 """
 
 from __future__ import annotations
@@ -53,9 +54,9 @@ class MemoryMap:
     """The part of the world that a memory represents; lengths in m, in the world's frame.
 
     Args:
-        blocked: (n, 4) line segments, x and y of both ends, that the controller takes for walls or
+        blocked: (n, 4) line segments, x and y of both ends, that the controller treats as walls or
             closed passages.
-        cells: (n, 4) rectangles, x and y of two corners, that it takes for occupied.
+        cells: (n, 4) rectangles, x and y of two corners, that it treats as occupied.
         plan: (n, 2) corners of the path that it plans to drive.
         places: Points that it remembers, x and y by name.
         nodes: (n, 2) places of a graph, such as a topological map.

@@ -63,7 +63,7 @@ def _acted(memories: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
     # Only seek can take control and be done in one step, and it then changes the target heading.
     acted = np.where(after >= 0, after, np.where(before >= 0, before, _SEEK))
 
-    # In the step that ends a run nobody acts; the move in it is that of the behaviour before.
+    # In the step that ends a run no behaviour acts; its move comes from the previous behaviour.
     idle = (before < 0) & (memories[1:] == memories[:-1]).all(axis=1)
     last = np.maximum.accumulate(np.where(idle, -1, np.arange(len(acted))))
     return np.where(last >= 0, acted[last], _IDLE)

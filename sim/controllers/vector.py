@@ -30,7 +30,7 @@ class Asker:
 
     Args:
         controller: The controller.
-        seen: (n, OBS_SIZE + beams) what the robots observe.
+        seen: (n, OBS_SIZE + beams) the robots' observations.
         memory: (n, m) the robots' memories.
         command: (n, CMD_SIZE) filled in each step.
     """
@@ -51,12 +51,12 @@ class Asker:
     def ask(self, count: int, after: Floats, neighbours: Floats | None = None) -> None:
         """Let the controller act for the robots in the first ``count`` rows.
 
-        What it sends to other robots is in ``message`` then.
+        The messages to other robots are in ``message`` afterwards.
 
         Args:
             count: Rows, at least 1.
             after: (count, m) filled with the memories after the step.
-            neighbours: (count, most, 5 + message) what the robots sense of each other, if they do.
+            neighbours: (count, most, 5 + message) the neighbours that the robots sense, if they do.
 
         Raises:
             ContractBroken: If the result does not fit. Exceptions of the controller pass through.
@@ -89,10 +89,11 @@ class Asker:
                 raise ContractBroken(error, value, "give one number, or one for each robot")
         if np.shape(kept) != after.shape:
             error = (
-                f"the memory came back in shape {np.shape(kept)}, and was given in {after.shape}"
+                f"the memory came back in shape {np.shape(kept)}, but was given in shape "
+                f"{after.shape}"
             )
             raise ContractBroken(
-                error, kept, "return it in the shape in which it came: a row for each robot"
+                error, kept, "return it in the shape that was given: one row per robot"
             )
 
         # Copy the answer into the core's arrays.

@@ -210,8 +210,8 @@ def test_a_coin_gives_its_values_and_no_others():
 @pytest.mark.parametrize(
     ("controller", "changes", "reason"),
     [
-        ("free", {}, "a random number may be any below 1"),
-        ("unsaid", {}, "a random number may be any below 1"),
+        ("free", {}, "a random number may be any number below 1"),
+        ("unsaid", {}, "a random number may be any number below 1"),
         ("quarter", {"motion": "endpoint"}, "only the motion model swept"),
         ("quarter", {"robot": RobotOptions(slip=0.1)}, "its own random numbers"),
     ],

@@ -201,7 +201,7 @@ def test_memory_and_commands_must_keep_their_shapes():
             return Commands(observation.beams[:, :0].sum(axis=1) + np.ones((1, 1))), memory
 
     assert (
-        "came back in shape (1,), and was given in (1, 1)"
+        "came back in shape (1,), but was given in shape (1, 1)"
         in simulate(arena(), Flat()).evidence.error
     )
     assert "speed is of shape (1, 1) for 1 robots" in simulate(arena(), Wide()).evidence.error

@@ -229,8 +229,8 @@ def test_maps_in_metres_are_checked_like_the_others(generator):
     found = objects(generator("metres"), "--seed", 1, "--radius", "0.7c")
     assert found["maps"] == 1
     assert {one["name"]: one["reason"].split("; ")[0] for one in found["refused"]} == {
-        "list": "walls of shape (0,) and type float64 came",
-        "flat": "walls of shape (4,) and type bool came",
+        "list": "the walls have shape (0,) and type float64",
+        "flat": "the walls have shape (4,) and type bool",
         "greys": "walls hold numbers other than 0 and 1",
         "none": "cell_size=nan m is outside 1e-06 to 1e+06 m",
         "word": "cell_size='1 m' is not a number",

@@ -98,7 +98,7 @@ def test_one_of_two_options_that_exclude_each_other_puts_the_configured_one_asid
         ("[tool.worldgen]\nseed = 1\n", "write it into a command's table"),
         ("[tool.worldgen.trap]\nseed = [1, 2]\n", "this option takes one value"),
         ("[tool.worldgen.trap]\nforce = 1\n", "write true or false"),
-        ("[tool.worldgen.trap]\nseed = true\n", "write a text or a number"),
+        ("[tool.worldgen.trap]\nseed = true\n", "write text or a number"),
         ("[tool.worldgen.trap]\nseed = 1979-05-27\n", "write text, a number, or true or false"),
         ("[tool.worldgen.trap\nseed = 1\n", "is not TOML"),
         ('[tool.worldgen.trap]\nseed = "much"\n', "much"),

@@ -248,7 +248,7 @@ def test_a_sidecar_of_another_map_is_passed_over_with_a_warning(tmp_path):
     sidecar = tmp_path / "world.gex.worldgen.toml"
     sidecar.write_text(sidecar.read_text().replace("size = [6, 6]", "size = [7, 6]"))
     imported = import_world(tmp_path / "world.gex")
-    assert "a map of 7 x 6 cells, not 6 x 6; it was passed over" in imported.warnings[0]
+    assert "a map of 7 x 6 cells, not 6 x 6; it was ignored" in imported.warnings[0]
     assert imported.world.robot_radius != 0.04
 
 

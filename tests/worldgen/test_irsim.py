@@ -198,7 +198,7 @@ def test_the_first_robot_is_taken_and_its_disc_covers_its_shape(found):
     ("more", "sentence"),
     [
         ("    kinematics: {name: diff}\n", "1 obstacle at line 5 that can move"),
-        ("    distribution: {name: random}\n", "1 obstacle at line 5 placed by chance"),
+        ("    distribution: {name: random}\n", "1 obstacle at line 5 placed at random"),
     ],
 )
 def test_obstacles_that_drive_or_are_drawn_count_as_not_read(found, more, sentence):

@@ -104,8 +104,8 @@ def test_a_good_cut_is_accepted_and_measured():
         (np.delete(ROUND_START, [3, 4], axis=0), 0.0, "has a gap of twice 0.1 m"),
         (ROUND_START[:6], 0.06, "has a gap of twice"),
         (np.where(ROUND_START == [[3, 3]], [[3, 2]], ROUND_START), 0.0, "is free at some time"),
-        (np.array([(-1, 7), (0, 7), (1, 7), (0, 7)]), 0.0, "does not part"),
-        (np.array([(3, 3), (4, 3), (5, 3)]), 0.05, "does not part"),
+        (np.array([(-1, 7), (0, 7), (1, 7), (0, 7)]), 0.0, "does not separate"),
+        (np.array([(3, 3), (4, 3), (5, 3)]), 0.05, "does not separate"),
         (np.array([(-2, 3), (-1, 3), (-2, 3)]), 0.0, "beyond the ring"),
     ],
 )
@@ -189,14 +189,14 @@ def test_a_timed_witness_is_refused_where_it_meets_a_fire():
         + made.times * (made.times <= 3.0),
     )
     assert check_certificate(gate(4.0), made).valid
-    assert "cell (5, 1), blocked meanwhile" in refusal(gate(4.0), early)
-    assert "cell (5, 1), blocked meanwhile" in refusal(gate(4.01), made)
+    assert "cell (5, 1), blocked at that time" in refusal(gate(4.0), early)
+    assert "cell (5, 1), blocked at that time" in refusal(gate(4.01), made)
 
 
 def test_a_witness_may_cross_a_burnt_cell_within_one_piece():
     straight = witness([0, 10], [(0.05, 0.15), (1.05, 0.15)], clearance=0.05)
     assert check_certificate(gate(3.9), straight).valid
-    assert "blocked meanwhile" in refusal(gate(4.1), straight)
+    assert "blocked at that time" in refusal(gate(4.1), straight)
 
 
 def test_a_big_world_is_checked():

@@ -213,7 +213,7 @@ def test_a_confinement_whose_stay_begins_late_or_ends_early_is_refused(confined)
 
 def test_a_confinement_that_claims_too_much_is_refused(confined):
     world, proof = confined
-    assert "gets out" in refusal(world, proof, deadline=proof.deadline * 1.2)
+    assert "leaves its stay" in refusal(world, proof, deadline=proof.deadline * 1.2)
     assert "farther than one tile's side" in refusal(world, proof, slab=proof.slab * 2)
     assert "is none" in refusal(world, proof, stays=np.array([[-1, 0, 0, 0]]))
     assert not check_confinement(world, proof, radius=world.robot_radius / 3).valid

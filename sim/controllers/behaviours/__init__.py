@@ -5,7 +5,7 @@ Contents, each imported when it is first used:
     BEHAVIOURS: The registered behaviours by name; also ``./mine.py:name``.
     Layer: A behaviour in a composition, with its priority, duration and options.
     composed: Return the controller that is composed of some parts.
-    Arbitration: A controller's description of its parts and of which of them acts when.
+    Arbitration: A controller's description of its parts, and of which part acts when.
 """
 
 from __future__ import annotations

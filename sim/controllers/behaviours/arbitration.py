@@ -1,4 +1,4 @@
-"""How a controller arbitrates among behaviours: its parts, and which of them acts."""
+"""Describe how a controller arbitrates among behaviours: its parts, and which of them acts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["ALWAYS", "NOBODY", "Arbitration", "PartFacts", "acting", "shares"]
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-# Memories that are read at once.
+# Number of memories that are read at once.
 _PORTION = 4096
 
 ALWAYS = "always"
@@ -34,9 +34,9 @@ class PartFacts(NamedTuple):
         name: Its name.
         trigger: When it applies, in words.
         action: What it then does, in words.
-        priority: Of those that apply, the part with the highest acts.
-        duration: Steps that it acts for; infinity if it decides that itself.
-        interruptible: Whether one of a higher priority takes over before it is done.
+        priority: Of the parts that apply, the one with the highest priority acts.
+        duration: Number of steps that it acts; infinity if it decides that itself.
+        interruptible: True if a part of higher priority can take over before it is done.
     """
 
     name: str
@@ -79,7 +79,7 @@ def acting(arbitration: Arbitration, trace: Trace) -> list[str]:
     kept: list[Floats] = []
 
     def take(step: int, memory: Floats) -> None:
-        # A portion at a time, because all memories of a long run can take gigabytes.
+        # Read a portion at a time, because all memories of a long run can take gigabytes.
         kept.append(memory.copy())
         if len(kept) > _PORTION or step == trace.steps:
             found.extend(names[part] for part in arbitration.acted(np.array(kept)).tolist())
@@ -90,7 +90,7 @@ def acting(arbitration: Arbitration, trace: Trace) -> list[str]:
 
 
 def shares(arbitration: Arbitration, acted: list[str]) -> dict[str, float]:
-    """Return the share of steps in which each part acted, and no part if that happened.
+    """Return the share of steps in which each part acted, and in which no part did, if any.
 
     Args:
         arbitration: The controller's.

@@ -1,4 +1,4 @@
-"""A behaviour: when it applies, what it then does, and how it competes with others.
+"""Define behaviours: when they apply, what they then do, and how they compete with each other.
 
 Source: Rodney A. Brooks, "A robust layered control system for a mobile robot", IEEE Journal of
     Robotics and Automation 2 (1986); the thesis on behaviour-based search and rescue robots that
@@ -25,7 +25,7 @@ from worldgen.errors import InvalidParameter
 __all__ = ["UNTIL_DONE", "Behaviour", "Layer"]
 
 UNTIL_DONE = math.inf
-"""The duration of a behaviour that says itself when it is done."""
+"""The duration of a behaviour that decides itself when it is done."""
 
 Trigger: TypeAlias = Callable[[Observation, Memory], Any]
 Action: TypeAlias = Callable[
@@ -37,28 +37,28 @@ Action: TypeAlias = Callable[
 class Behaviour:
     """A behaviour in Python, or one of the library's in C.
 
-    A class or object with the same names as attributes and methods does as well; ``trigger`` and
-    ``action`` are then methods.
+    A class or object with the same attributes and methods works too; ``trigger`` and ``action`` are
+    then methods.
 
     Args:
         name: Name in messages, traces and charts.
-        trigger: ``trigger(observation, memory)`` returns whether the behaviour applies; it is called
-            while the behaviour is not active, and must not change anything.
+        trigger: ``trigger(observation, memory)`` returns whether the behaviour applies; it is
+            called while the behaviour is not active, and must not change anything.
         action: ``action(observation, memory)`` returns the command of one step and the memory after
             it, and as a third value True if the behaviour is done.
-        duration: Steps that it acts for once it has control; :data:`UNTIL_DONE` if it decides that
-            itself.
-        interruptible: Whether one of a higher priority takes over before it is done.
-        restarts: Whether its own trigger begins its duration again while it acts, if it can be
+        duration: Number of steps that it acts once it has control; :data:`UNTIL_DONE` if it decides
+            that itself.
+        interruptible: True if a part of higher priority can take over before it is done.
+        restarts: True if its own trigger restarts its duration while it acts, if it can be
             interrupted.
-        memory: Its numbers at reset; it alone reads and changes them.
-        senses: What it reads of an observation; by default all but the time.
-        needs: Options of the robot that it cannot work without.
+        memory: Its numbers at reset; only this behaviour reads and changes them.
+        senses: The senses that it reads; by default all except the time.
+        needs: Options of the robot that it requires.
         applies: When it applies, in words, for charts.
         does: What it does, in words.
-        randomised: Whether it uses random numbers.
+        randomised: True if it uses random numbers.
         kind: Index of a behaviour in C: ``wg_behaviour_at``; -1 for one in Python.
-        options: Dataclass of the options that it is tuned by, for a behaviour in C.
+        options: Dataclass of its tuning options, for a behaviour in C.
     """
 
     name: str
@@ -111,8 +111,9 @@ class Layer:
 
     Args:
         behaviour: The behaviour.
-        priority: Of those that apply, the part with the highest acts; of equals the first. In a
-            vote it is the part's weight. ``None``: the earlier in the list, the higher.
+        priority: Of the parts that apply, the one with the highest priority acts; the first wins a
+            tie. In a vote it is the part's weight. ``None``: earlier parts in the list have higher
+            priority.
         duration: Steps, instead of the behaviour's own.
         interruptible: Instead of the behaviour's own.
         options: Values of the behaviour's options by name.
@@ -126,11 +127,11 @@ class Layer:
 
     @property
     def steps(self) -> float:
-        """The duration that counts."""
+        """The effective duration."""
         return self.behaviour.duration if self.duration is None else self.duration
 
     @property
     def can_be_interrupted(self) -> bool:
-        """Whether a part of a higher priority takes over before it is done."""
+        """True if a part of higher priority can take over before it is done."""
         own = self.behaviour.interruptible
         return own if self.interruptible is None else self.interruptible

@@ -1,7 +1,7 @@
 """Find a behaviour by name, and read a composition as the command line writes it.
 
-``avoid+angle=2,follow+hand=right,wander`` lists parts, the one of the highest priority first. An
-option of a part follows its name. A part of your own is ``./mine.py:name``.
+``avoid+angle=2,follow+hand=right,wander`` lists parts, the highest priority first. An option of a
+part follows its name. A part of your own is ``./mine.py:name``.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ __all__ = [
 
 PREFIX = "behaviours"
 ARBITERS = ("priority", "vote", "learning")
-"""How a composition can arbitrate; their places are the values of ``WgComposition.arbiter``."""
+"""Ways to arbitrate in a composition; their indices are the values of ``WgComposition.arbiter``."""
 _NAME = re.compile(rf"{PREFIX}(?:\+[^:+]*)*:(?P<parts>.*)", re.DOTALL)
 _EXAMPLE = f"{PREFIX}:avoid,follow,wander or {PREFIX}+by=vote:avoid+priority=3,approach"
 _FIELDS = ("duration", "interruptible", "restarts", "memory", "senses", "needs")
@@ -47,10 +47,10 @@ class PartOptions:
     """Options that every part has.
 
     Args:
-        priority: Of those that apply, the part with the highest acts. 0: the earlier in the list,
-            the higher. In a vote it is the part's weight.
-        duration: Steps that it acts for once it has control; 0: its own duration.
-        interruptible: Whether one of a higher priority takes over before it is done.
+        priority: Of the parts that apply, the one with the highest priority acts. 0: earlier parts
+            in the list have higher priority. In a vote it is the part's weight.
+        duration: Number of steps that it acts once it has control; 0: its own duration.
+        interruptible: True if a part of higher priority can take over before it is done.
     """
 
     priority: Annotated[float, Bounds(0, 1_000_000)] = 0.0
@@ -78,7 +78,8 @@ def options_of(behaviour: Behaviour) -> tuple[Parameter, ...]:
 def _accept(name: str, thing: Any) -> Behaviour:
     if isinstance(thing, Behaviour):
         return thing
-    # A class is made without arguments; both that and looking at it run the user's code.
+    # A class is instantiated without arguments; this and reading its attributes run the user's
+    # code.
     if isinstance(thing, type):
         with user_code(f"behaviour {name!r}: making it without arguments"):
             thing = thing()
@@ -90,12 +91,12 @@ def _accept(name: str, thing: Any) -> Behaviour:
         raise InvalidParameter(
             "not-a-behaviour",
             "behaviour {name!r} has no {missing}",
-            "it needs trigger(observation, memory) and action(observation, memory) -> "
+            "it must have trigger(observation, memory) and action(observation, memory) -> "
             "(command, memory), or be a Behaviour",
             name=name,
             missing=" and no ".join(missing),
         )
-    # A class that declares no senses may read all that allow proofs, as a controller may.
+    # A class that declares no senses may read all senses that allow proofs, like a controller.
     known.setdefault("senses", DEFAULT_SENSES)
     known.setdefault("needs", RobotOptions())
     return Behaviour(str(plain_name), thing.trigger, thing.action, **known)
@@ -108,7 +109,8 @@ def read_composition(name: str) -> tuple[tuple[Layer, ...], str]:
     """Read the name of a controller that lists behaviours.
 
     Args:
-        name: ``behaviours:avoid,follow,wander``, or with options of the whole before the colon.
+        name: ``behaviours:avoid,follow,wander``, or with options of the whole composition before
+            the colon.
 
     Returns:
         The parts, and how they arbitrate.
@@ -123,7 +125,7 @@ def read_composition(name: str) -> tuple[tuple[Layer, ...], str]:
         raise InvalidParameter(
             "unknown-name",
             "a composition has no {what}",
-            "before the colon may stand +by={known!l}, and options of the run",
+            "+by={known!l} and options of the run go before the colon",
             what=f"option {next(iter(words))!r}" if words else f"arbiter {str(arbiter)!r}",
             known=list(ARBITERS),
         )

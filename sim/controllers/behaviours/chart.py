@@ -1,7 +1,7 @@
 """Draw how a composition arbitrates, as a flow chart in SVG.
 
-The thesis has such a chart of its arbitrator (section 3.2): triggers are tested in order,
-the first that holds lets its behaviour act.
+The thesis has such a chart of its arbitrator (section 3.2): triggers are tested in order, and the
+first that applies lets its behaviour act.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _HEAD = (
 
 
 class _Sheet:
-    """Shapes so far, and how far down they reach."""
+    """The shapes so far, and how far down they reach."""
 
     def __init__(self) -> None:
         self.shapes: list[str] = []
@@ -151,14 +151,14 @@ def _box_below(sheet: _Sheet, half: float, lines: list[tuple[str, str]]) -> None
 
 
 def _ask(sheet: _Sheet, question: list[tuple[str, str]], answer: list[tuple[str, str]]) -> float:
-    """Draw a question below what is there, and to its right what follows if it is answered yes.
+    """Draw a question below the existing shapes, and to its right the result of answering yes.
 
     Returns the height of the middle of both.
     """
     box_height = len(answer) * _LINE + 2 * _PAD
     height = len(question) * _LINE + 5 * _PAD
 
-    # A box that is taller than its diamond needs the room above it, too.
+    # A box that is taller than its diamond needs space above it, too.
     above = max(0.0, (box_height - height) / 2)
     _arrow_down(sheet, _GAP + above)
     sheet.diamond(question)
@@ -186,7 +186,7 @@ def _questions(sheet: _Sheet, arbitration: Arbitration) -> None:
     order = sorted(range(len(arbitration.parts)), key=lambda k: -arbitration.parts[k].priority)
     if arbitration.arbiter == "learning":
         lines = [
-            ("order by what each has been worth here:", "name"),
+            ("order by the value of each here:", "name"),
             ("good when the signal got stronger,", ""),
             ("bad when a wall was touched", ""),
         ]
@@ -215,7 +215,7 @@ def _votes(sheet: _Sheet, arbitration: Arbitration) -> None:
     ]
     _box_below(sheet, _HALF, lines)
 
-    # All that vote lead to the sum.
+    # All voting parts lead to the sum.
     right = _ACTION_LEFT + _ACTION_WIDTH
     into = sheet.y - (len(lines) * _LINE + 2 * _PAD) / 2
     for middle in middles:

@@ -2,9 +2,9 @@
 
 If all of them are the library's, the arbiter runs in C with them, at the speed of any compiled
 controller. A behaviour in Python makes the composition a controller in Python; the arbiter is the
-same C, which then calls the Python.
+same C code, which then calls Python.
 
-All memory is declared: that of the arbiter, and that of each part. So loops are proved.
+All memory is declared: that of the arbiter, and that of each part. So loops can be proved.
 
 Sources: Rodney A. Brooks, "A robust layered control system for a mobile robot", IEEE Journal of
     Robotics and Automation 2 (1986), for priorities; Julio K. Rosenblatt, "DAMN: a distributed
@@ -48,7 +48,7 @@ MOST_PARTS = int(lib.WG_MOST_PARTS)
 ACTED = place("WgComposition", "acted")
 _WORDS: dict[str, dict[str, float]] = {"turn": TURNS, "hand": HANDS}
 
-# The thesis's robots as compositions: their parts, and the speed and target with which it starts.
+# The thesis's robots as compositions: their parts, and the speed and target at the start.
 _THESIS_PARTS = ("collide", "seek", "drive")
 _NO_TARGET = -1.0
 _FULL_SPEED = 1.0
@@ -70,7 +70,7 @@ def composed(
     """Return the controller that is composed of some parts.
 
     Args:
-        parts: The parts, the one of the highest priority first unless they say otherwise.
+        parts: The parts, the highest priority first unless they specify otherwise.
         arbiter: ``priority``, ``vote``, or ``learning``.
         name: Name in messages and files.
 
@@ -169,7 +169,7 @@ def _state_size(behaviour: Behaviour) -> int:
 
 
 def _learning(count: int) -> Learning:
-    """Return where a composition of so many parts keeps what its arbiter has learned."""
+    """Return where a composition of this many parts keeps what its arbiter has learned."""
     first = size_of("WgComposition") + count * size_of("WgStoredPart") + size_of("WgLearning")
     conditions = int(lib.WG_CONDITIONS) * (1 + count)
     return Learning(first, conditions * size_of("WgFeedback"))
@@ -187,7 +187,7 @@ def _memory(parts: Sequence[Layer], priorities: Sequence[float], arbiter: str) -
     head[place("WgComposition", "count")] = len(parts)
     memory = head.tolist()
 
-    # The parts, each with its options filled up to the same size.
+    # Add the parts, each with its options padded to the same size.
     own = 0
     for part, priority in zip(parts, priorities, strict=True):
         kind = part.behaviour.kind
@@ -198,7 +198,7 @@ def _memory(parts: Sequence[Layer], priorities: Sequence[float], arbiter: str) -
         memory += [float(kind), priority, float(part.steps), float(part.can_be_interrupted)]
         memory += options + [0.0] * (int(lib.WG_PART_OPTIONS) - len(options))
 
-    # What some arbiters keep, then the parts' own states.
+    # Add the numbers that some arbiters keep, then the parts' own states.
     if arbiter == "vote":
         memory += [0.0] * len(parts)
     if arbiter == "learning":
@@ -211,7 +211,7 @@ def _memory(parts: Sequence[Layer], priorities: Sequence[float], arbiter: str) -
 
 
 def _senses(parts: Sequence[Layer], arbiter: str) -> tuple[str, ...]:
-    """Return all senses that some part reads, in the order of an observation."""
+    """Return all senses that any part reads, in the order of an observation."""
     read = {sense for part in parts for sense in part.behaviour.senses}
     if not any(_is_random(part) or part.behaviour.kind < 0 for part in parts):
         read.discard("random")
@@ -221,7 +221,7 @@ def _senses(parts: Sequence[Layer], arbiter: str) -> tuple[str, ...]:
 
 
 def _needs(parts: Sequence[Layer]) -> RobotOptions:
-    """Return the options of the robot that the parts need; of two that differ, the first counts."""
+    """Return the options of the robot that the parts need; if two differ, the first counts."""
     changed: dict[str, Any] = {}
     for part in reversed(parts):
         changed |= part.behaviour.needs.changed()
@@ -245,7 +245,7 @@ def _arbitration(parts: Sequence[Layer], priorities: Sequence[float], arbiter: s
     facts = tuple(
         PartFacts(
             part.behaviour.name,
-            _in_numbers(part.behaviour.applies or "its trigger says so", part),
+            _in_numbers(part.behaviour.applies or "its trigger applies", part),
             _in_numbers(part.behaviour.does or "its action", part),
             priority,
             part.steps,
@@ -257,7 +257,7 @@ def _arbitration(parts: Sequence[Layer], priorities: Sequence[float], arbiter: s
 
 
 def _in_numbers(sentence: str, part: Layer) -> str:
-    """Put a part's numbers in place of the options that a sentence names between backquotes."""
+    """Replace the options that a sentence names in backquotes by a part's numbers."""
     values: dict[str, Any] = {"duration": int(part.steps) if np.isfinite(part.steps) else "all"}
     if part.behaviour.options is not None:
         values |= dataclasses.asdict(part.behaviour.options(**part.options))

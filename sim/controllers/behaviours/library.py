@@ -1,6 +1,6 @@
 """The library's behaviours. They are written in C, in ``sim/core/behaviours``.
 
-Each has a dataclass of the options that it is tuned by, in the order in which the C reads them.
+Each has a dataclass of its tuning options, in the order in which the C code reads them.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ ffi: Any = _ffi
 lib: Any = _lib
 
 TURNS = {"right": 1.0, "left": 2.0, "random": 3.0}
-"""Words for the turn of ``collide``, and the thesis's numbers of its rules."""
+"""Words for the turn of ``collide``, with the thesis's numbers for its rules."""
 
 HANDS = {"left": 1.0, "right": -1.0}
 """Words for the side on which ``follow`` keeps its wall."""
@@ -61,7 +61,7 @@ class CollideOptions:
     """How ``collide`` turns.
 
     Args:
-        turn: To which side it turns by a quarter; ``random`` takes any heading.
+        turn: The side to which it turns by a quarter; ``random`` takes any heading.
     """
 
     turn: Literal["right", "left", "random"] = "right"
@@ -72,7 +72,7 @@ class AvoidOptions:
     """How ``avoid`` turns away.
 
     Args:
-        angle: Angle between the direction of the wall and the one in which it drives off.
+        angle: Angle between the direction of the wall and the direction of driving away.
         speed: Share of the top speed.
     """
 
@@ -121,8 +121,8 @@ class EscapeOptions:
 
     Args:
         patience: Steps without a stronger signal after which it applies.
-        angle: Angle between the signal and the direction in which it drives off, to the left and
-            to the right by turns.
+        angle: Angle between the signal and the direction of driving away, alternately to the left
+            and to the right.
     """
 
     patience: Annotated[int, Bounds(1, 1_000_000)] = 200
@@ -140,7 +140,7 @@ collide = _behaviour(
     restarts=True,
     senses=("bump", *_STEER, "random"),
     applies="the robot touches a wall",
-    does="stop, turn by a quarter, and drive on for `duration` steps at the speed before",
+    does="stop, turn by a quarter, and drive on for `duration` steps at the previous speed",
     options=CollideOptions,
 )
 seek = _behaviour(
@@ -149,7 +149,7 @@ seek = _behaviour(
     interruptible=False,
     senses=("bump", "signal_heading", *_STEER),
     applies="the robot touches nothing",
-    does="stand and turn until it points to the signal",
+    does="turn on the spot until it points to the signal",
 )
 drive = _behaviour(
     "drive",
@@ -166,15 +166,16 @@ avoid = _behaviour(
     restarts=True,
     senses=("bump", "bump_bearing", *_STEER),
     applies="the robot touches a wall",
-    does="turn away from it, and drive off for `duration` steps",
+    does="turn away from it, and drive for `duration` steps",
     options=AvoidOptions,
 )
 follow = _behaviour(
     "follow",
     duration=UNTIL_DONE,
     senses=("bump", "bump_bearing", "signal", "signal_heading", "x", "y", "radius", *_STEER),
-    applies="the robot touches a wall that lies towards the signal",
-    does="follow it until the signal is stronger than where it was met, and lies away from it",
+    applies="the robot touches a wall in the direction of the signal",
+    does="follow it until the signal is stronger than where the wall was met, and in a direction "
+    "away from it",
     options=FollowOptions,
 )
 approach = _behaviour(
@@ -188,21 +189,21 @@ escape = _behaviour(
     duration=40.0,
     senses=("bump", "signal", "signal_heading", *_STEER),
     applies="the signal has not got stronger for `patience` steps",
-    does="drive off at an angle from it for `duration` steps",
+    does="drive at an angle from it for `duration` steps",
     options=EscapeOptions,
 )
 home = _behaviour(
     "home",
     senses=("target_heading", "target_distance", *_STEER),
     applies=ALWAYS,
-    does="drive straight to the target, whose place it knows",
+    does="drive straight to the target, whose position it knows",
 )
 swerve = _behaviour(
     "swerve",
     senses=("beams", "radius", *_STEER),
     needs=RobotOptions(beams=24, beam_range=2.0),
     applies="a range beam ahead sees a wall nearer than `gap`",
-    does="turn until the wall is aside, and slow down",
+    does="turn until the wall is to the side, and slow down",
     options=SwerveOptions,
 )
 wander = _behaviour(

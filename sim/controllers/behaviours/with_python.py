@@ -1,4 +1,4 @@
-"""A composition with behaviours in Python: the arbiter is the core's, and calls them."""
+"""Compose behaviours in Python: the core's arbiter calls them."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ _PLAIN = 17
 
 @dataclass(frozen=True)
 class ComposedController:
-    """A controller composed of behaviours of which some are in Python.
+    """A controller composed of behaviours, some of which are in Python.
 
     Args:
         name: Name in messages.
         memory: At reset; its layout is that of a compiled composition.
         others: The behaviours in Python, in the order of their parts.
         senses: Everything that a part reads.
-        needs: Options of the robot that a part cannot work without.
+        needs: Options of the robot that a part requires.
         memory_fields: See :class:`~sim.controllers.base.CompiledController`.
         arbitration: The same.
     """
@@ -86,7 +86,7 @@ class ComposedController:
 
 
 class _Now:
-    """The step that is under way, and the first exception in it."""
+    """The current step, and the first exception in it."""
 
     observation: Observation
     error: BaseException | None = None

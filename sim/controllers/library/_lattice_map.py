@@ -45,7 +45,7 @@ SHOWN = (DOORS, *range(PLAN_LENGTH, OWN))
 
 
 def memory_size(side: int) -> int:
-    """Return how many numbers of memory a map takes, given the nodes along one side."""
+    """Return the number of memory entries that a map takes, given the nodes along one side."""
     return NODES + -(-side * side // _NODES_A_WORD)
 
 

@@ -2,9 +2,9 @@
 
 The robot drives straight to the target. Where a wall stops it, at the hit point, it follows the
 wall with its left hand all the way around, and notes the point nearest to the target: the leave
-point. From the hit point it returns there by the shorter way, and drives straight to the target
-again. Leave points get nearer and nearer, so it arrives if any robot can, on a path no longer than
-the distance plus one and a half times the perimeters of the obstacles that it meets.
+point. From the hit point it returns there by the shorter route, and drives straight to the target
+again. Each leave point is nearer than the last, so it arrives if any robot can, on a path no longer
+than the distance plus one and a half times the perimeters of the obstacles that it meets.
 
 This holds if the world does not change. A place on the wall counts as the hit point or the leave
 point if it is nearer than ``_SAME_PLACE`` of a step and the wall is in a similar direction. The

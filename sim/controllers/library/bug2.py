@@ -1,4 +1,4 @@
-"""Bug2: follow an obstacle until the straight line to the target is met again, nearer to it.
+"""Bug2: follow an obstacle until it meets the straight line to the target again, nearer to it.
 
 The robot drives straight to the target. Where a wall stops it, at the hit point, it follows the
 wall with its left hand until it crosses the line from the hit point to the target, at a place

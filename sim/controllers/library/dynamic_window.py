@@ -1,10 +1,10 @@
 """Dynamic window: choose the best reachable velocity that still lets the robot stop in time.
 
 Each pair of a speed and a turn rate is an arc. Arcs on which the robot could not brake before the
-first obstacle are dropped. The others are scored by where they face, how far they are free, and how
-fast they are. The robot drives fast and never knowingly into anything. It looks one arc ahead, so
-it stops or oscillates forever in cups and in front of long walls, and often sees a narrow door only
-when it is too late to turn into it.
+first obstacle are dropped. The others are scored by heading, free distance and speed. The robot
+drives fast and never knowingly into anything. It looks one arc ahead, so it stops or oscillates
+forever in cups and in front of long walls, and often sees a narrow door only when it is too late to
+turn into it.
 
 Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to collision
     avoidance", IEEE Robotics & Automation Magazine 4(1), 1997: admissible velocities (equation 14),
@@ -43,11 +43,11 @@ class DynamicWindow(NamedTuple):
 
     Args:
         margin: Safety distance added to the robot's radius, m.
-        gain: Greatest change of speed, m/s2, up or down.
-        turn_gain: Greatest change of turn rate, rad/s2.
-        fastest_turn: Greatest turn rate, rad/s.
-        speeds: How many speeds to try, from the slowest to the fastest within the window.
-        turns: How many turn rates to try, in the same way; an odd number includes the current one.
+        gain: Largest change of speed, m/s2, up or down.
+        turn_gain: Largest change of turn rate, rad/s2.
+        fastest_turn: Largest turn rate, rad/s.
+        speeds: Number of speeds to try, from the slowest to the fastest within the window.
+        turns: Number of turn rates to try, in the same way; an odd number includes the current one.
         ahead: Time after which an arc's heading is compared with the target's direction, s.
         least: Free distance that an arc must have, m. If no arc has it, the robot brakes and turns
             on the spot.

@@ -1,17 +1,17 @@
 """Mapping: remember where the robot could not pass, and drive the shortest path that remains.
 
 The map is a coarse grid of nodes around the start, and the robot drives from node to node. Where a
-wall stops it, it marks that edge as blocked. It then feels where the wall is, which blocks all
-edges on which it would overlap that place, goes back, and plans again. If no path remains, the map
-must be mistaken: the robot empties it and no longer feels for walls. Unknown edges count as free.
-Each plan that fails blocks another edge, so the robot arrives if there is a path along the edges of
-the grid and the map holds everything that it has seen. If walls are on a grid too, that is so with
-a ``pitch`` of half a cell. With less memory, the map is a window that moves with the robot and
-forgets what has left it; the robot may then drive in circles that are larger than its memory.
-``mapping`` makes a controller with a map of any size.
+wall stops it, it marks that edge as blocked. It then feels for the wall, which blocks all edges on
+which the robot would overlap that place, returns, and plans again. If no path remains, the map must
+be mistaken: the robot empties it and no longer feels for walls. Unknown edges count as free. Each
+plan that fails blocks another edge, so the robot arrives if there is a path along the edges of the
+grid and the map holds everything that it has seen. If walls are on a grid too, a ``pitch`` of half
+a cell guarantees this. With less memory, the map is a window that moves with the robot and forgets
+what has left it; the robot may then drive in circles that are larger than its map. ``mapping``
+makes a controller with a map of any size.
 
 Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and
-    Automation 8 (1992). That it arrives, and how long that may take: S. Koenig, C. Tovey and Y.
+    Automation 8 (1992). For the proof of arrival and the time bound: S. Koenig, C. Tovey and Y.
     Smirnov, "Performance bounds for planning in unknown terrain", Artificial Intelligence 147
     (2003).
 """
@@ -37,7 +37,8 @@ Floats = npt.NDArray[np.float64]
 # Distance between two nodes, m: half a cell of the families' worlds.
 PITCH = 0.05
 
-# Fraction of the radius. Nearer than this to a wall there is surely no space, despite rounding.
+# Fraction of the radius. Closer than this to a wall, the robot certainly does not fit, despite
+# rounding.
 CERTAIN = 0.97
 
 # Sizes of maps, in nodes along a side.
@@ -61,7 +62,7 @@ _GO = 1.0
 
 
 def shown_map(memory: Floats) -> MemoryMap:
-    """Return the blocked edges of the map, and the plan from where it was made, in m."""
+    """Return the blocked edges of the map, and the plan from the place where it was made, in m."""
     if memory[MODE] == _START:
         return MemoryMap()
 
@@ -97,7 +98,7 @@ def mapping(
         side: Nodes along a side of the map, 8 to 1024. The memory takes about one number per 12
             nodes.
         pitch: Distance between two nodes, m; half a cell finds every path between walls on a grid.
-        no_room: Fraction of the robot's radius. Nearer than that to a wall that it felt, the robot
+        no_room: Fraction of the robot's radius. Closer than this to a wall that it felt, the robot
             does not fit; 0 blocks only edges that it tried.
 
     Raises:

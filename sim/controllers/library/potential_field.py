@@ -40,8 +40,8 @@ class PotentialField(NamedTuple):
     Args:
         pull: Attracting force per metre of distance from the target.
         far: Distance beyond which the attraction does not grow, m, which limits the speed.
-        push: Gain of the walls' repulsion. A larger one keeps the robot further from walls, and out
-            of narrow doors.
+        push: Gain of the walls' repulsion. A larger gain keeps the robot farther from walls, and
+            out of narrow doors.
         influence: Gap beyond which a wall does not repel, m.
         full_force: Force at which the robot drives at its top speed; below it, speed is
             proportional.

@@ -1,20 +1,20 @@
 """A Q-learning robot that keeps learning while it drives.
 
 It starts with the table of ``q-learning``. After each decision it moves the value of the turn that
-it took by a quarter towards the result: a reward for coming nearer, a penalty for a wall, and
-the value of the best turn in the situation that it got into. A turn that fails often enough falls
-behind another, so the robot tries something else by itself.
+it took by a quarter towards the result: a reward for coming nearer, a penalty for a wall, and the
+value of the best turn in the resulting situation. A turn that fails often enough falls behind
+another, so the robot tries something else by itself.
 
 The memory is bounded: 768 situations times six values of 16 bits, in 1,536 numbers. All values are
-whole numbers that come to rest, so a run in which nothing new is learned any more repeats its
-complete state. A proved ``loop`` is therefore a statement about the learner, too: the table repeats
-as well, so it never learns its way out.
+integers that converge, so a run in which nothing new is learned any more repeats its complete
+state. A proved ``loop`` is therefore a statement about the learner, too: the table repeats as well,
+so it never learns its way out.
 
-``worldgen train`` lets it practise with some of its decisions drawn, and keeps its table.
+``worldgen train`` lets it practise with some random decisions, and keeps its table.
 
 Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College,
     Cambridge (1989); Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8
-    (1992). Coming nearer is rewarded as a potential: Andrew Y. Ng, Daishi Harada and Stuart
+    (1992). For rewarding a smaller distance as a potential: Andrew Y. Ng, Daishi Harada and Stuart
     Russell, "Policy invariance under reward transformations" (1999).
 """
 

@@ -1,7 +1,7 @@
 """Random walk: legs of equal length in random directions; a wall ends a leg early.
 
-It is a baseline that any other controller should beat, and a measure of how hard a world is by
-chance alone. It arrives with probability one, but any time limit can be exceeded.
+It is a baseline that any other controller should beat, and a measure of how hard a world is for
+pure chance. It arrives with probability one, but may exceed any time limit.
 
 Source: Karl Pearson, "The problem of the random walk", Nature 72 (1905), p. 294.
 """

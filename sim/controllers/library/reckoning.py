@@ -1,21 +1,23 @@
 """Controllers that estimate where they are, or where the target is.
 
-``odometry-bug`` is Bug2 by odometry: it is told once where the target is, and from then on
-knows its own place and heading by its wheels alone. With ``odometry_noise`` its world turns and
-drifts away from the real one, and it ends where it takes the target to be.
+``odometry-bug`` is Bug2 by odometry: it is told once where the target is, and from then on knows
+its own position and heading only from its wheels. With ``odometry_noise`` its world turns and
+drifts away from the real one, and it ends where it believes the target to be.
 
-``signal-mapper`` is the mapper in the same position but for a compass, and it corrects itself: the
-strength of the signal tells how far away the target is, and it moves its estimated place by a fifth of what that
-distance is wrong. The target pulls its map back into place from whichever side it looks.
+``signal-mapper`` is the mapper with the same restriction, except that it has a compass, and it
+corrects itself: the strength of the signal tells the distance of the target, and it corrects its
+estimated position by a fifth of the error in that distance. This pulls its map back into place,
+whichever side it approaches from.
 
-``signal-three-layer`` knows its own place, but of the target nothing but the signal. Two strengths,
+``signal-three-layer`` knows its own position, but of the target only the signal. Two strengths,
 measured 0.25 m apart, leave two places where the source can be; the direction of the strongest
-signal tells which. Where no signal comes it searches. It takes the signal to fall to a half within
-a cell of 0.1 m, as in the families' worlds; :func:`signal_three_layer_robot` takes another length.
+signal decides between them. Without a signal it searches. It assumes that the signal falls to a
+half within a cell of 0.1 m, as in the families' worlds; :func:`signal_three_layer_robot` accepts
+another length.
 
 Sources: Johann Borenstein, H. R. Everett and Liqiang Feng, "Where am I? Sensors and methods for
-    mobile robot positioning", University of Michigan (1996), chapters 1 and 6. How they drive is
-    that of ``bug2``, ``mapper`` and ``three-layer``.
+    mobile robot positioning", University of Michigan (1996), chapters 1 and 6. They drive like
+    ``bug2``, ``mapper`` and ``three-layer``.
 """
 
 from __future__ import annotations
@@ -41,7 +43,7 @@ KNOWN = place("WgReckoning", "known")
 X = place("WgReckoning", "x")
 TARGET_X = place("WgReckoning", "target_x")
 
-# Fall of the signal in the families' worlds, m.
+# Distance at which the signal falls to a half in the families' worlds, m.
 _CELL = 0.1
 _ODOMETRY = ("odometry_x", "odometry_y", "odometry_heading")
 
@@ -60,12 +62,12 @@ def _reckoning(
     cell: float = 0.0,
     shows_itself: bool,
 ) -> CompiledController:
-    """Return a controller that estimates, and then drives as another does."""
-    # The other's memory follows this one's, so all its places move up by its size.
+    """Return a controller that estimates, and then drives like another one."""
+    # The other's memory follows this one's, so its indices shift by this one's size.
     read = driven.memory_map
 
     def shown_map(memory: Floats) -> MemoryMap:
-        """Return the other's map, and what is estimated, in m."""
+        """Return the other's map, and the estimates, in m."""
         shown = MemoryMap() if read is None else read(memory[SIZE:])
         places = dict(shown.places)
         if memory[KNOWN] != 0.0:
@@ -113,7 +115,7 @@ signal_mapper = _reckoning(
 def signal_three_layer_robot(
     cell: float = _CELL, name: str = "signal-three-layer"
 ) -> CompiledController:
-    """Return a three-layer controller that knows the target by its signal alone.
+    """Return a three-layer controller that knows the target only by its signal.
 
     Args:
         cell: Distance at which the signal has fallen to a half: the side of the world's cells, m.

@@ -1,12 +1,12 @@
-"""Two controllers that are compositions of behaviours, and know the target by its signal alone.
+"""Two controllers that are compositions of behaviours, and know the target only by its signal.
 
-``signal-bug`` approaches the signal; where a wall bars its path it follows the wall until the
-signal is stronger than where it met the wall, and lies away from it. It is a bug algorithm that
-needs neither a map nor a place: only a comparison of two readings.
+``signal-bug`` approaches the signal; if a wall blocks its path, it follows the wall until the
+signal is stronger than where it met the wall, and in a direction away from it. It is a bug
+algorithm that needs neither a map nor a position, only a comparison of two readings.
 
-``subsumption`` is four layers. The lowest wanders, in case no signal is received. Above it is the
-approach, above that the wall. The highest escapes when nothing has made the signal stronger for a
-long time, as on a wall that leads around in circles.
+``subsumption`` has four layers. The lowest wanders, in case no signal is received. The next
+approaches the signal, and the one above follows walls. The highest escapes when the signal has not
+become stronger for a long time, as on a wall that leads around in circles.
 
 Sources: Kamilah Taylor and Steven M. LaValle, "I-Bug: an intensity-based bug algorithm", IEEE
     International Conference on Robotics and Automation (2009); Rodney A. Brooks, "A robust layered

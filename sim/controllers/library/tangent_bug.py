@@ -2,14 +2,14 @@
 
 The robot drives to the target as long as it sees no wall in front of it. Otherwise it drives to the
 visible end of that wall through which the path to the target would be shortest. When that path
-stops getting shorter, it drives up to the wall and follows it by touch, on the side to which it was
-drawn, until it sees a free place that is nearer to the target than any place on the wall. Then it
-goes there.
+stops getting shorter, it drives up to the wall and follows it by touch, on the side that it was
+heading for, until it sees a free place that is nearer to the target than any place on the wall.
+Then it goes there.
 
-With a perfect scan and a robot that is a point, it arrives if any robot can. Here the robot is a
-disc. It takes the points that its beams hit for walls as wide as itself, and between two beams it
-sees nothing, so a long line of sight past a thin wall can look free when it is not. The fuzzer
-shows what that costs.
+With a perfect scan and a point robot, it arrives if any robot can. Here the robot is a disc. It
+treats the points that its beams hit as walls as wide as itself, and between two beams it sees
+nothing, so a long line of sight past a thin wall can look free when it is not. The fuzzer shows the
+cost of this.
 
 It needs ``beams`` in all directions with a ``beam_range`` of ``RANGE``, and gets them unless the
 run sets these options differently.
@@ -31,7 +31,7 @@ from sim.options.robot import RobotOptions
 __all__ = ["BEAMS", "RANGE", "tangent_bug"]
 
 BEAMS = 72
-# Metres; the controller ignores points that are further away.
+# Metres; the controller ignores points that are farther away.
 RANGE = 1.0
 
 _MODE = place("WgTangentBugMemory", "mode")

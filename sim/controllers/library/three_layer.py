@@ -1,4 +1,4 @@
-"""Three layers: one that reacts, one that makes sure that things get done, one that plans ahead.
+"""Three layers: one that reacts, one that supervises progress, and one that plans ahead.
 
 The *controller* steers to a waypoint, in the nearest direction that is free for the whole disc. The
 *sequencer* watches it. A waypoint is reached when the robot is in its cell; if that takes too long,
@@ -8,7 +8,7 @@ it to the target. The next cell of the plan is the next waypoint.
 
 By trial and error it gets out of cups and through most mazes. Its map is a square of 48 x 48 cells
 around the middle between start and target, with a bit for each border between two cells. It does
-not find paths outside of the map, or passages that the map's cells cannot tell apart. When the map
+not find paths outside of the map, or passages that the map's cells cannot resolve. When the map
 leaves no path, the robot forgets everything and tries again with more patience.
 
 Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots
@@ -69,7 +69,7 @@ class ThreeLayer(NamedTuple):
         margin: Safety distance added to the robot's radius, m.
         pitch: Side of a cell of the map, in radii of the robot; larger if the map would not reach
             the target otherwise.
-        reach: Least side of the map, as a multiple of the distance from start to target.
+        reach: Minimum side of the map, as a multiple of the distance from start to target.
         look: Free distance that the controller requires in its direction, m.
         patience: Steps after which a waypoint is given up. They are multiplied by one more than the
             number of times that the map was forgotten.

@@ -1,10 +1,10 @@
 """VFH+: drive through the opening between obstacles that costs the fewest turns.
 
 Obstacles around the robot fill a polar histogram, each widened by the robot's radius. The free
-sectors form openings. Of the directions through them, the robot takes the cheapest: near the
-target's direction, the heading, and the previous choice. It drives fast and smoothly through
-clutter. It sees no further than its beams and has no map, so in a cup that is deeper than that, or
-behind a long wall, it drives back and forth forever.
+sectors form openings. Of the directions through them, the robot takes the cheapest; cost grows with
+the angle to the target's direction, the heading, and the previous choice. It drives fast and
+smoothly through clutter. It sees no farther than its beams and has no map, so in a cup that is
+deeper than that, or behind a long wall, it drives back and forth forever.
 
 Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile
     robots", IEEE International Conference on Robotics and Automation, 1998: the four stages and the

@@ -26,7 +26,7 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
 MOST_ROBOTS = 1_024
-"""The most robots that are driven at the same time; their commands fit into one line."""
+"""Limit on the robots that are driven at the same time; their commands fit into one line."""
 
 _COLUMNS = {name: k for k, name in enumerate(Observation._fields) if name != "neighbours"}
 _KEYS = {"speed", "turn_rate", "used_random"}
@@ -38,8 +38,8 @@ class Offer:
     """A program's offer to drive many robots.
 
     Args:
-        robots: How many it can drive at the same time, at least 1.
-        senses: The fields of an observation that it then wants.
+        robots: Number of robots that it can drive at the same time, at least 1.
+        senses: The fields of an observation that it then needs.
     """
 
     robots: int
@@ -80,13 +80,13 @@ def reset_batch_line(version: int, robots: int) -> bytes:
 
 
 def batch_line(offer: Offer, robots: Ints, fresh: Ints, seen: Floats) -> bytes:
-    """Return the line that tells a program what some robots of a batch observe.
+    """Return the line with the observations of some robots of a batch.
 
     Args:
         offer: The program's offer.
         robots: (n,) numbers of the robots.
         fresh: Numbers of those that begin an episode.
-        seen: (n, OBS_SIZE + beams) what the robots observe.
+        seen: (n, OBS_SIZE + beams) the robots' observations.
     """
     message: dict[str, Any] = {"robots": robots.tolist(), "reset": fresh.tolist()}
     for name in offer.senses:

@@ -1,6 +1,6 @@
 """Read what a program reports on stderr when it dies.
 
-Known are the reports of sanitizers, assertions, panics and tracebacks. Two facts are taken from a
+It understands reports of sanitizers, assertions, panics and tracebacks. Two facts are taken from a
 report: what went wrong, and the innermost frames of the program's own code. Addresses, process
 numbers and folders are dropped, because they differ between runs and machines.
 """
@@ -16,7 +16,7 @@ from worldgen.world import Value
 
 __all__ = ["report_of"]
 
-# Frames that are kept, counted from the innermost.
+# Number of frames to keep, counted from the innermost.
 _MOST_FRAMES = 6
 
 # Characters of a reason or a statement.
@@ -25,15 +25,15 @@ _LONGEST = 160
 # Bytes; a larger source file is not searched for a frame's line.
 _LARGEST_SOURCE = 4 << 20
 
-# Characters at both ends of a long line that are read; those between are dropped.
+# Number of characters to read at both ends of a long line; the rest is dropped.
 _LINE_BEGIN = 700
 _LINE_END = 300
 
 # Digits of a line's number.
 _LONGEST_NUMBER = 9
 
-# A program may write anything, so every pattern must take time at most in proportion to the text.
-# That is why a file's name is searched for only where one can begin, and white space before a frame
+# A program may write anything, so every pattern must take time at most proportional to the text.
+# Therefore a file's name is searched for only where one can begin, and white space before a frame
 # ends with its line.
 _SANITIZER = re.compile(r"(?:ERROR|WARNING): \w+Sanitizer: ?([\w-]+(?: [\w-]+)?)")
 _UNDEFINED = re.compile(
@@ -111,7 +111,7 @@ _SCRIPT_LIBRARY = re.compile(r"^(?:node:|internal/)|/node_modules/")
 
 
 def report_of(said: str, sources: Iterable[Path] = ()) -> dict[str, Value]:
-    """Return what a dying program's stderr reveals about its death.
+    """Return the facts about a program's death in its stderr.
 
     Args:
         said: The end of its stderr, without control sequences.
@@ -122,7 +122,7 @@ def report_of(said: str, sources: Iterable[Path] = ()) -> dict[str, Value]:
         ``reason``, such as ``heap-buffer-overflow`` or ``ZeroDivisionError``, and ``frames``, as in
         :func:`sim.controllers.crash_frames.crash_facts`; empty if no known report is found.
     """
-    # Specific reports come first: a program under a sanitizer, for one, may also print the
+    # Specific reports come first: a program under a sanitizer, for example, may also print the
     # allocator's message.
     said = "\n".join(map(_without_its_middle, said.split("\n")))
     for reader in (
@@ -182,7 +182,8 @@ def _sanitizer(said: str) -> dict[str, Value]:
     words = found[1].split(" ")
     reason = words[0] if words[0] not in ("data", "detected", "attempting") else "-".join(words)
 
-    # Only the first stack shows where it happened; later ones show who allocated and who freed.
+    # Only the first stack shows where it happened; later ones show where memory was allocated and
+    # freed.
     frames = []
     begun = False
     for line in said[found.end() :].splitlines():

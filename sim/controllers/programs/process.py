@@ -1,7 +1,7 @@
 """A controller that is a separate program, in any language.
 
-In each step it gets one line of JSON and answers with one. ``docs/reference/controllers.md`` specifies the
-protocol.
+In each step it gets one line of JSON and answers with one. ``docs/reference/controllers.md``
+specifies the protocol.
 """
 
 from __future__ import annotations
@@ -77,8 +77,8 @@ class ProcessController:
     everything that it started end with :meth:`close`, with this object, and with this process,
     however that ends. Two threads need two of these objects.
 
-    Its memory cannot be seen, so a run that repeats forever is ``stalled`` or ``timeout``, never
-    ``loop``. It may therefore read the clock without further cost.
+    Its memory is not visible, so a run that repeats forever is ``stalled`` or ``timeout``, never
+    ``loop``. It may therefore read the clock at no further cost.
 
     Args:
         command: Program and arguments; they do not pass through a shell.
@@ -266,7 +266,7 @@ class ProcessController:
         except ControllerError as found:
             if not served or found.verdict != Verdict.CRASH:
                 raise
-        # It may serve a single episode and then end. Started again, it shows if it really crashes.
+        # It may serve a single episode and then end. Starting it again shows if it really crashes.
         self._start()
         self._served = True
         return self._ask(lines, self.limits.start_deadline, is_first=True)
@@ -315,7 +315,7 @@ class ProcessController:
             offer: The program's offer.
             robots: (n,) numbers of the robots.
             fresh: Numbers of those that begin an episode.
-            seen: (n, OBS_SIZE + beams) what the robots observe.
+            seen: (n, OBS_SIZE + beams) the robots' observations.
             command: (n, CMD_SIZE), filled in.
 
         Raises:
@@ -347,7 +347,7 @@ def observation_line(observation: Observation) -> bytes:
     Numbers read back to the same bits; nan and infinity become null.
     """
     values = observation._asdict()
-    # A robot that senses no others gets lines as it always did.
+    # A robot that does not sense others gets lines in the original form.
     neighbours = values.pop("neighbours")
     if neighbours:
         values["neighbours"] = [one._asdict() for one in neighbours]
@@ -446,7 +446,8 @@ def _number(found: dict[str, Any], key: str, answer: bytes) -> float:
 
 
 def _no_command(error: str, answer: bytes) -> ControllerError:
-    # Replays compare these errors with the ones in stored failures, so their words must stay.
+    # Replays compare these errors with the ones in stored failures, so their wording must not
+    # change.
     return ControllerError(Verdict.INVALID_COMMAND, error, {"answer": shown(answer)})
 
 
@@ -479,7 +480,7 @@ def _seconds(key: str, text: str) -> float:
         raise InvalidParameter(
             "not-a-number",
             "{key}={text!r} is not a number",
-            "write seconds, like 0.2",
+            "write seconds, such as 0.2",
             key=key,
             text=text,
         ) from None
@@ -491,7 +492,7 @@ def _bytes(text: str) -> int | None:
         raise InvalidParameter(
             "not-a-size",
             "memory={text!r} is not a size",
-            "write it like 512M or 4G, or none for no limit",
+            "write it as in 512M or 4G, or none for no limit",
             text=text,
         )
     return int(parts["number"]) * _UNITS[parts["unit"]] if parts else None

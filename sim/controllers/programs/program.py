@@ -37,10 +37,10 @@ __all__ = [
 # Bytes of an answer, not counting its newline.
 LONGEST_LINE = 64 << 10
 
-# Bytes that are read at a time. At most this much is kept of an answer beyond LONGEST_LINE.
+# Bytes that are read at a time. An answer is kept up to this much beyond LONGEST_LINE.
 _CHUNK = 64 << 10
 
-# Bytes of stderr that are kept, the last ones. A sanitizer's report takes up to 10 KB.
+# Number of bytes kept from the end of stderr. A sanitizer's report takes up to 10 KB.
 _KEPT = 64 << 10
 
 # Lines of stderr in the evidence, and characters of each.
@@ -102,9 +102,9 @@ class ControllerError(Exception):
 
 
 class WantsMemory(InvalidParameter):
-    """A program cannot even start within its limit of address space.
+    """Raised if a program cannot even start within its limit of address space.
 
-    No run can then show anything about it, so this is an error of usage.
+    No run can then show anything about it, so this is a usage error.
     """
 
 
@@ -136,7 +136,7 @@ def find_program(command: tuple[str, ...]) -> str:
     if os.name != "posix":
         raise InvalidParameter(
             "needs-posix",
-            "a program can be a controller on POSIX systems only",
+            "a program can be a controller only on POSIX systems",
             "bring it as a Python class",
         )
     found = shutil.which(command[0])
@@ -145,7 +145,8 @@ def find_program(command: tuple[str, ...]) -> str:
     if "/" not in command[0] and os.access(command[0], os.X_OK):
         raise InvalidParameter(
             "program-not-on-path",
-            "controller program {program!r} is not on PATH, but here: write ./{program}",
+            "controller program {program!r} is not on PATH, but is in this folder: write "
+            "./{program}",
             program=command[0],
         )
     if os.path.isfile(command[0]):  # noqa: PTH113 - a text from outside, which Path may refuse
@@ -188,7 +189,7 @@ class Program:
         self._ended = False
         self._keeper: subprocess.Popen[bytes] | None = None
 
-        # All reading and writing is without blocking, so that deadlines can be kept.
+        # All reading and writing is non-blocking, so that deadlines can be kept.
         self._stdin, self._stdout, self._stderr = (
             pipe.fileno()
             for pipe in (self._process.stdin, self._process.stdout, self._process.stderr)
@@ -216,13 +217,13 @@ class Program:
             return
         try:
             resource.prlimit(self._process.pid, resource.RLIMIT_AS, (memory, memory))
-        except ProcessLookupError:  # It has ended already, as its first answer will show.
+        except ProcessLookupError:  # It has already ended; reading its first answer will show this.
             return
         except (OSError, ValueError) as error:
             raise InvalidParameter(
                 "cannot-limit-memory",
                 "the memory limit of {memory} bytes cannot be set: {reason}",
-                "name another, or none",
+                "give another, or none",
                 memory=memory,
                 reason=str(error),
             ) from error
@@ -280,7 +281,7 @@ class Program:
         lines: list[Value] = [line[-_LINE_WIDTH:] for line in said.splitlines() if line.strip()]
         facts: dict[str, Value] = {"stderr": lines[-_LAST_LINES:]} if lines else {}
 
-        # A program that failed to reserve memory is a matter of its limit, not a finding. Java
+        # A program that failed to reserve memory points to its limit, and is not a finding. Java
         # complains about it on stdout, where the answer was expected.
         said_instead = str(found.evidence.answer or "")
         if self._memory is not None and _wants_memory(
@@ -289,8 +290,8 @@ class Program:
             size = f"{self._memory / (1 << 30):.3g} GiB"
             raise WantsMemory(
                 "address-space-too-small",
-                "controller program {program!r} reserves more than the {size} of address space "
-                "that it may have, and ended with: {said!r}",
+                "controller program {program!r} reserves more than its limit of {size} of address "
+                "space, and ended with: {said!r}",
                 "lift the limit: --controller 'cmd+memory=none:{command}'",
                 at_terminal=True,
                 program=self._command[0],
@@ -314,7 +315,7 @@ class Program:
             while sent < len(line):
                 self._wait(end, seconds)
                 sent += self._write(line[sent:])
-        except BrokenPipeError:  # It no longer reads, but its last words may still arrive.
+        except BrokenPipeError:  # It no longer reads, but its last output may still arrive.
             pass
         with contextlib.suppress(KeyError):
             self._poll.unregister(self._stdin)
@@ -344,10 +345,10 @@ class Program:
         return line
 
     def _wait(self, end: float, seconds: float) -> None:
-        """Read what comes next; if nothing does, check the process itself."""
+        """Read the next output; if there is none, check the process itself."""
         left = end - time.monotonic()
         if self._hear(min(max(left, 0.0), _LOOK_AGAIN)):
-            return  # Even if it is late: perhaps this process was the one without time to look.
+            return  # Accept it even if it is late, because this process may have been the slow one.
         if self._has_exited():
             self._hear(0)
             self._ended = True
@@ -356,7 +357,7 @@ class Program:
             raise ControllerError(Verdict.HANG, "no answer", {"deadline": seconds, **partly})
 
     def _hear(self, seconds: float) -> bool:
-        """Read what arrives within that time, up to a chunk from each pipe.
+        """Read the output that arrives within that time, up to a chunk from each pipe.
 
         Returns:
             True if something came from stdout, or it reached its end.
@@ -387,7 +388,7 @@ class Program:
     def _has_exited(self) -> bool:
         """Return True if the process has ended.
 
-        Where the system allows, the process is not reaped yet, so that its number is not reused
+        If the system allows it, the process is not reaped yet, so that its number is not reused
         before :meth:`stop`.
         """
         if self._process.returncode is not None:
@@ -428,7 +429,7 @@ class Program:
 
     def _last_words(self) -> str:
         """Return the end of stderr as plain text."""
-        for _ in range(_KEPT):  # Bounded, because a grandchild may never fall silent.
+        for _ in range(_KEPT):  # This is bounded, because a grandchild may write forever.
             data = self._read(self._stderr)
             if not data:
                 break
@@ -438,7 +439,7 @@ class Program:
 
     @unbreakable
     def stop(self) -> None:
-        """End it: SIGTERM to its whole group, half a second to tidy up, then SIGKILL."""
+        """End it: send SIGTERM to its whole group, wait half a second, then send SIGKILL."""
         if self.stopped:
             return
         self.stopped = True
@@ -454,7 +455,7 @@ class Program:
             self._keeper.communicate(b"done\n")
 
     def _end_group(self) -> None:
-        """End everything that it started and left behind.
+        """End all processes that it started and left behind.
 
         This must happen before the process is reaped, when its number may go to another.
         """
@@ -481,7 +482,8 @@ def _started(command: tuple[str, ...], file: str) -> subprocess.Popen[bytes]:
             stderr=subprocess.PIPE,
             bufsize=0,
             start_new_session=True,
-            # The limit on which code may be loaded is for this process, not for the program.
+            # The restriction on code that may be loaded applies to this process, not to the
+            # program.
             env={name: value for name, value in os.environ.items() if name != ONLY_CODE},
         )
     except (OSError, ValueError) as error:
@@ -508,8 +510,8 @@ def _keeper_of(group: int) -> subprocess.Popen[bytes]:
     except OSError as error:
         raise InvalidParameter(
             "cannot-start",
-            "{program} cannot be started, which ends a controller's program if this process is "
-            "killed: {reason}",
+            "{program}, which would end a controller's program if this process is killed, cannot "
+            "be started: {reason}",
             program=_SHELL,
             reason=error.strerror,
         ) from error
@@ -520,7 +522,7 @@ def _wants_memory(said: str, *, starting: bool) -> bool:
 
 
 def _telling_line(lines: list[Value]) -> Value:
-    """Return the line that reports the lack of memory, or else the last one."""
+    """Return the line that reports the lack of memory, or otherwise the last line."""
     return ([line for line in lines if _wants_memory(str(line), starting=True)] or lines)[-1]
 
 

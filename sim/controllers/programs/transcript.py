@@ -1,4 +1,4 @@
-"""Transcripts: the lines that a program was sent in an episode, to send again under a debugger."""
+"""Write transcripts: the lines sent to a program in an episode, to send again under a debugger."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ def check_transcript(robots: Sequence[object], out: Path | None) -> None:
     """Refuse to write a transcript for several robots, each of which has its own program.
 
     Raises:
-        InvalidParameter: If one is wanted and there are several robots.
+        InvalidParameter: If one is requested and there are several robots.
     """
     if out is not None and len(robots) > 1:
         raise InvalidParameter(
             "transcript-of-several",
-            "{option} records the lines sent to one program, and the world has {count} robots",
+            "{option} records the lines sent to one program, but the world has {count} robots",
             "leave it out",
             at_terminal=True,
             option="--transcript",
@@ -34,12 +34,12 @@ def check_transcript(robots: Sequence[object], out: Path | None) -> None:
 def transcribed(controller: str, out: Path | None, *, force: bool = False) -> Iterator[None]:
     """Write the lines that a program is sent to a file.
 
-    If an episode is interrupted, the file has the lines up to then.
+    If an episode is interrupted, the file has the lines so far.
 
     Args:
         controller: The controller's name.
         out: The file; ``None`` writes nothing.
-        force: Whether the file may be overwritten.
+        force: True if the file may be overwritten.
 
     Raises:
         InvalidParameter: If the controller is not a program.
@@ -52,8 +52,8 @@ def transcribed(controller: str, out: Path | None, *, force: bool = False) -> It
     if not isinstance(found, ProcessController):
         raise InvalidParameter(
             "not-a-program",
-            "{option} records the lines sent to a program, and {controller!r} is not a program",
-            "for a Python class take --controller 'cmd:python -m sim.host {controller}'",
+            "{option} records the lines sent to a program, but {controller!r} is not a program",
+            "for a Python class give --controller 'cmd:python -m sim.host {controller}'",
             at_terminal=True,
             option="--transcript",
             controller=controller,

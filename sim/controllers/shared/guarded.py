@@ -1,11 +1,11 @@
 """Make calls of the core in another process, so that a controller can crash without harm.
 
-A controller that crashes or hangs then ends a run and not the program. Campaigns run controllers
-from shared libraries this way. The other process is forked when it is first needed. It has the
-library loaded and makes whole calls at full speed, such as a run, or screening runs in a thousand
-worlds. Everything that a call works on is in memory that both processes share (:data:`SHARED`). If
-the other process dies, the memory is as it was when the controller was called, and shows in which
-run that happened. ``sim/core/runs/wg_guard.h`` is the other side.
+A controller that crashes or hangs then ends a run, not the program. Campaigns run controllers from
+shared libraries this way. The other process is forked when it is first needed. It has the library
+loaded and makes whole calls at full speed, such as a run, or screening runs in a thousand worlds.
+Everything that a call works on is in memory that both processes share (:data:`SHARED`). If the
+other process dies, the memory is as it was when the controller was called, and tells which run it
+was. ``sim/core/runs/wg_guard.h`` is the other side.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ HANG = "no answer"
 DEADLINE = 1.0
 """Processor time that a controller may take for a step, s."""
 
-# Seconds that a step may take on the clock, if it waits or the processors are busy elsewhere.
+# Wall-clock seconds that a step may take, if it waits or the processors are busy elsewhere.
 _WAITING = 5.0
 
 # Seconds between two checks of the other process's progress, and for Ctrl-C.
@@ -66,12 +66,12 @@ _SMALLEST = 64
 before_start: list[Callable[[], object]] = []
 """Functions to call before the other process is forked.
 
-They make things that it must find in its copy of this process's memory.
+They create objects that it must find in its copy of this process's memory.
 """
 
 
 class ControllerDied(Exception):
-    """The process that ran the controller has ended.
+    """Raised if the process that ran the controller has ended.
 
     Args:
         error: ``killed by SIGSEGV``, ``exit code 3``, or :data:`HANG`.
@@ -115,7 +115,7 @@ class CoreMemory:
         return ffi.new(kind, value)
 
     def own(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Return the array if it is in this memory, else a copy that is."""
+        """Return the array if it is in this memory, otherwise a copy that is."""
         return array
 
     def zeros(self, shape: int | tuple[int, ...], kind: Any) -> npt.NDArray[Any]:
@@ -141,7 +141,7 @@ class _SharedMemory(CoreMemory):
 
     @property
     def chunks(self) -> int:
-        """How often it has grown; a process only knows the chunks from before it was forked."""
+        """How many times it has grown; a process only knows the chunks from before it was forked."""
         return len(self._chunks)
 
     def new(self, kind: str, value: Any = None, ffi: Any = ffi) -> Any:
@@ -263,7 +263,7 @@ class _Server:
         used = 0.0
         while not self._poll.poll(int(_LOOK * 1000)):
             # Read the clocks before looking for progress, and again after finding some. If this
-            # process is kept waiting in between, that time does not count against the controller.
+            # process is delayed in between, that time does not count against the controller.
             waited = time.monotonic() - began
             used_since = lib.wg_guard_seconds(self.process) - used
             now = [bytes(ffi.buffer(one)) for one in progress]
@@ -304,7 +304,7 @@ class _Server:
 
 
 class _Here:
-    """This process's side: at most one call at a time, and at most one other process.
+    """This process's side, with at most one call at a time and at most one other process.
 
     Attributes:
         known: Addresses of all functions requested so far, which a new process knows from its
@@ -358,7 +358,7 @@ def call(
         asked.number = number
         asked.report = ffi.cast("WgReport *", report)
         # Make the call, and start a new process if the old one is gone.
-        if not server.ask():  # Something ended the process while it waited.
+        if not server.ask():  # The process was ended while it waited.
             renew()
             return call(work, act, objects, number, report=report, progress=progress)
         try:
@@ -369,7 +369,7 @@ def call(
         except BaseException:
             renew()
             raise
-        # Copy what the controller said, because the memory is reused.
+        # Copy the controller's message, because the memory is reused.
         error = ffi.string(asked.error).decode("utf-8", "replace") if asked.has_error else ""
         return CallResult(int(asked.result), error)
 
@@ -390,8 +390,8 @@ def _server_for(functions: frozenset[int]) -> _Server:
 def renew() -> None:
     """End the other process.
 
-    The next call forks a new one, in which the library is as it was loaded, whatever a controller
-    did to it.
+    The next call forks a new one, in which the library is in its original state, whatever a
+    controller did to it.
     """
     with _here.one_call:
         while _here.servers:

@@ -37,7 +37,7 @@ class SharedAct(CoreAct):
 
     @property
     def is_guarded(self) -> bool:
-        """Whether it runs in another process, as it does in campaigns where the system can fork."""
+        """True if it runs in another process, as in campaigns on systems that can fork."""
         return is_contained()
 
 

@@ -1,6 +1,6 @@
 """Read the description that a shared library gives of a controller: ``lib:./robot.so:act``.
 
-``worldgen_controller.h`` is the contract. A library is code, and runs with all rights of the
+``worldgen_controller.h`` is the contract. A library is code, and runs with all the rights of the
 process that loads it.
 """
 
@@ -42,7 +42,7 @@ def include_folder() -> Path:
     return Path(__file__).parents[2] / "include"
 
 
-# Size of a description up to and including `start_speed`, as the first headers had it.
+# Size of a description up to and including `start_speed`, as in the first headers.
 _FIRST_SIZE = int(ffi.offsetof("WgControllerInfo", "neighbour_range"))
 
 
@@ -92,18 +92,18 @@ def info_of(name: str) -> Any:
         raise InvalidParameter(
             "other-header-version",
             "controller {name!r} was built for version {version} of worldgen_controller.h, "
-            "and this is version {wanted}",
+            "but this is version {wanted}",
             "build it again: {build}",
             name=name,
             version=info.abi,
             wanted=lib.WG_CONTROLLER_ABI,
             build=_BUILD,
         )
-    # A library that was built before the latest fields were added describes itself without them.
+    # The description of a library built before the latest fields were added lacks these fields.
     if info.size not in (_FIRST_SIZE, ffi.sizeof("WgControllerInfo")):
         raise InvalidParameter(
             "other-header-version",
-            "controller {name!r} describes itself in {size} bytes, and a WgControllerInfo has "
+            "controller {name!r} describes itself in {size} bytes, but a WgControllerInfo has "
             "{wanted}",
             "build it again with this worldgen's header: {build}",
             name=name,
