@@ -22,7 +22,7 @@ from worldgen.world import Value
 
 __all__ = ["describe_evidence", "describe_frames"]
 
-# Pairs of robots that are named.
+# Limit on the pairs of robots that are named.
 _MOST_BLOCKS = 4
 
 
@@ -31,7 +31,7 @@ def describe_evidence(episode: Episode) -> str:
     match episode.evidence:
         case LoopEvidence(entry=entry, period=period):
             often = "in every step" if period == 1 else f"every {period} steps"
-            return f" forever (the state after step {entry} comes back {often})"
+            return f" forever (the state after step {entry} recurs {often})"
         case JointLoopEvidence() as joint:
             return f" forever ({_joint(joint)})"
         case CoveredEvidence(cells=cells):
@@ -59,9 +59,9 @@ def describe_evidence(episode: Episode) -> str:
 
 
 def _joint(joint: JointLoopEvidence) -> str:
-    """Return what comes back, and who is in whose way."""
+    """Return what recurs, and which robots block which."""
     often = "in every step" if joint.period == 1 else f"every {joint.period:,} steps"
-    back = f"the joint state after step {joint.entry} comes back {often}"
+    back = f"the joint state after step {joint.entry} recurs {often}"
     if joint.periods:
         back += f", because {_own_loops(joint)} apart from each other"
     parked = {number for number, _ in joint.parked}
@@ -79,7 +79,7 @@ def _joint(joint: JointLoopEvidence) -> str:
 
 
 def _own_loops(joint: JointLoopEvidence) -> str:
-    """Return how robots repeat themselves that are apart from each other."""
+    """Return how robots repeat themselves that never meet."""
     loops: dict[int, list[int]] = {}
     for number, period in joint.periods or ():
         loops.setdefault(period, []).append(number)
@@ -91,7 +91,7 @@ def _own_loops(joint: JointLoopEvidence) -> str:
 
 
 def _never_arrive(joint: JointLoopEvidence) -> str:
-    """Return that robots never arrive although none of them touches another one."""
+    """Return a statement that robots never arrive although none of them touches another one."""
     never = "never arrives" if len(joint.waiting) == 1 else "never arrive"
     return f"{_robots(joint.waiting)} {never}, and no robot blocks another"
 
@@ -131,7 +131,7 @@ def _multiple(budget: BudgetEvidence) -> str:
 
 
 def _fault(verdict: Verdict, fault: FaultEvidence) -> str:
-    """Return what the controller did wrong, with the last line that a program wrote to stderr."""
+    """Return the controller's fault, with the last line that a program wrote to stderr."""
     # The core reports an error only for commands that are not finite, and leaves it empty.
     error = fault.error or "speed or turn rate is not a finite number"
     at = f", {fault.at}" if fault.at else ""

@@ -57,8 +57,8 @@ def simulate(
         controller: Its name, the controller itself, or its class. In a world of several robots it
             drives all of them, or ``{1: "bug2", 2: "vfh"}`` gives each robot its own.
         options: How to run; if omitted, ``swept`` and a budget of 50 times the witness's time.
-        record: Whether to keep every state, as ``trace``.
-        lean: Whether a recording may omit a compiled controller's memory if that would take more
+        record: True to keep every state, as ``trace``.
+        lean: True if a recording may omit a compiled controller's memory if that would take more
             than 64 MB. ``Trace.show_memory`` still shows it, by running again.
         **settings: Single options, as an alternative to ``options``: ``motion="stepped", seed=3``.
 
@@ -108,7 +108,7 @@ def prepare(
         raise InvalidParameter(
             "motion-is-the-thesis-robots",
             "motion {name!r} runs the thesis's own robots: turn-left, turn-right, turn-random",
-            "take --motion swept or endpoint for other controllers",
+            "use --motion swept or endpoint for other controllers",
             at_terminal=True,
             name=motion.name,
         )
@@ -137,7 +137,8 @@ def _loop(
 def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
     evidence = _evidence(world, outcome, options)
     if (
-        # A stalled run of the thesis's robot says more if it is known where it is confined.
+        # A stalled run of the thesis's robot is more informative if the cells that confine it are
+        # known.
         outcome.verdict == Verdict.STALLED
         and isinstance(evidence, BudgetEvidence)
         and isinstance(run, ThesisRun)

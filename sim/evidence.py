@@ -156,7 +156,7 @@ class WallEvidence:
         cause: The move that let it in, if the motion model knows: ``slide``, ``back-off`` or
             ``corner``.
         since: Step of that move.
-        reached: Of a breach, the step in which the robot arrives if walls do not end the run.
+        reached: For a breach, the step in which the robot arrives if walls do not end the run.
         robot: The robot's number, from 1, if there are several.
     """
 
@@ -201,7 +201,7 @@ class FaultEvidence:
         reason: Why a program died, according to its report on stderr.
         message: The message of a compiled controller's exception.
         frames: Frames of the user's code, the innermost last.
-        bump: Whether the robot touched a wall; recorded only for crashes of programs.
+        bump: True if the robot touched a wall; recorded only for crashes of programs.
         robot: The robot's number, from 1, if there are several.
     """
 
@@ -261,7 +261,7 @@ def evidence_table(evidence: Evidence) -> dict[str, Value]:
 
 
 def fault_evidence(facts: Mapping[str, Value]) -> FaultEvidence:
-    """Return what a controller did wrong, read from its table."""
+    """Return a controller's fault, read from its table."""
     return FaultEvidence(**_values(FaultEvidence, facts))
 
 

@@ -227,8 +227,8 @@ class CompiledController:
             never calls it.
         memory_map_on: Indices of the numbers that the map depends on; empty means all of them.
         arbitration: How it arbitrates among behaviours, if it does; for traces and charts.
-        learning: What of its memory it learns, if it does, for ``worldgen train``.
-        variants: Options of its own, such as the size of its memory, if it has any.
+        learning: The part of its memory that it learns, if any, for ``worldgen train``.
+        variants: Its own options, such as the size of its memory, if it has any.
 
     Raises:
         InvalidParameter: If a sense does not exist, ``needs`` is not a :class:`RobotOptions`, or

@@ -19,7 +19,7 @@ enum { WG_MOST_CORNERS = 4 };
 enum {
     WG_GOES_ON = 0,  // the steps are done, and nothing is decided
     WG_OVER = 1,     // WgReport.ending gives the reason; also when the budget is spent
-    WG_ACTS = 2,     // the controller is to act: only from wg_episode_step
+    WG_ACTS = 2,     // the controller must act: only from wg_episode_step
 };
 
 // A controller over flat arrays, as compiled by numba. It takes the first 17 numbers of an
@@ -28,7 +28,7 @@ enum {
 typedef int64_t (*WgFlatAct)(double *observation, int64_t observation_size, double *memory, int64_t memory_size,
                              double *command);
 
-// The controller. With neither function, the episode stops whenever the controller is to act.
+// The controller. With neither function, the episode stops whenever the controller must act.
 typedef struct WgController {
     WgAct act;
     WgFlatAct flat;        // used if act is NULL
@@ -54,7 +54,7 @@ typedef struct WgRobot {
     WgBody *body;
     WgOdometry odometry;
     WgCorner *chain;     // corners of the path of the last step
-    int64_t corners;     // how many
+    int64_t corners;     // number of corners
     WgNormal contact;    // of the last step
     int64_t touched;     // 1 if the step before touched a wall
     int64_t next_event;  // index of the first event that is still to come
@@ -74,7 +74,7 @@ typedef struct WgWorkspace {
     double *flat;    // (17 + beams,) copy of the observation, for controllers that take flat arrays
     double *answer;  // (4 + memory,)
     WgNeighbour *neighbours;  // (neighbour_room,) what observation.neighbours points to
-    int64_t neighbour_room;   // 0 for a robot alone; in `flat`, so many rows of neighbours follow the beams
+    int64_t neighbour_room;   // rows of neighbours that follow the beams in `flat`; 0 for a single robot
 } WgWorkspace;
 
 // Data of the search for a recurrence: see recurrence.h.
@@ -94,7 +94,7 @@ typedef struct WgRecording {
     int64_t first_step;   // the step of the first row
     WgPathPoint *path;
     int64_t path_size;
-    int64_t first_point;  // how many points of the path come before
+    int64_t first_point;  // number of points of the path before it
 } WgRecording;
 
 typedef struct WgEpisode {
@@ -107,7 +107,7 @@ typedef struct WgEpisode {
     WgRecording recording;
     int64_t step;    // steps done
     int64_t quiet;   // step of the last event: earlier states prove nothing
-    int64_t waits;   // 1 while the controller is to act
+    int64_t waits;   // 1 while the controller must act
     int64_t over;    // 1 when the episode has ended
 } WgEpisode;
 
@@ -119,32 +119,31 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
 
 void wg_episode_free(WgEpisode *episode);
 
-// The same in memory of the caller's, which another process may share: first the bytes of a block
+// Does the same in the caller's memory, which another process may share: first the bytes of a block
 // that is all zero, then those of the log, which may contain anything.
 WgStatus wg_episode_sizes(const WgArena *arena, const WgSettings *settings, const WgController *controller,
                           int64_t log_steps, int64_t sizes[2]);
 
-// Creates an episode in two such blocks; NULL if a size is out of its range. Nothing of it needs to
-// be freed.
+// Creates an episode in two such blocks; NULL if a size is out of its range. It need not be freed.
 WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const WgSettings *settings,
                             const WgController *controller, int64_t log_steps);
 
-// Ends an episode as a crash of its controller, in the step in which the controller was last to
+// Ends an episode as a crash of its controller, in the step in which the controller last had to
 // act.
 void wg_episode_fail(WgEpisode *episode, const char *error);
 
 // Puts the robot at its start, its memory reset. The arena must be as it is before the first event.
 WgStatus wg_episode_begin(WgEpisode *episode);
 
-// Records `rows` steps from the next one on, and their path.
+// Records `rows` steps starting with the next one, and their path.
 WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count, WgPathPoint *path,
                            int64_t path_size);
 
 // Runs at most this many steps.
 int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps);
 
-// For a controller that isn't a C function. Takes its answer, if it was to act; then runs until it
-// is to act again, WG_ACTS, or the episode ends, WG_OVER.
+// For a controller that isn't a C function. Takes its answer, if it had to act; then runs until it must act again,
+// WG_ACTS, or the episode ends, WG_OVER.
 int64_t wg_episode_step(WgEpisode *episode);
 
 // The first step from which the states repeat, for an episode that ended as WG_LOOP; otherwise -1.

@@ -65,18 +65,17 @@ void wg_mark_near(WgGrid grid, int32_t *near, int64_t ix, int64_t iy);
 // operations in digital picture processing" (1966).
 void wg_chessboard_clearance(WgGrid grid, int32_t *clearance);
 
-// Returns whether the disc at (x, y) is clear of every cell in `state`.
+// Returns true if the disc at (x, y) is clear of every cell in `state`.
 bool wg_disc_is_clear(WgGrid grid, int state, WgDisc disc, int64_t x, int64_t y);
 
-// The first cell in `state`, in row order, that the disc cuts along a segment whose first end is
-// taken to be clear.
+// The first cell in `state`, in row order, that the disc cuts along a segment whose first end is assumed to be clear.
 WgFound wg_first_not_clear(WgGrid grid, int state, WgDisc disc, WgSegment way);
 
-// Returns whether a segment, or a point if p = q, meets the open inside of a cell.
+// Returns true if a segment, or a point if p = q, meets the open inside of a cell.
 bool wg_segment_crosses_box(WgSegment way, int64_t ix, int64_t iy);
 
-// How deep a disc of a radius cuts a cell along a segment; 0 if it does not. The centre inside the cell counts as the
-// whole radius.
+// Returns how deep a disc of a radius cuts a cell along a segment; 0 if it does not. The centre inside the cell
+// counts as the whole radius.
 double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy);
 
 // motion.c
@@ -96,7 +95,7 @@ WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chai
 
 // rays.c
 
-// Distance from a place to the first solid cell in a direction; `longest` if that is nearer.
+// Returns the distance from a place to the first solid cell in a direction; `longest` if that is nearer.
 //
 // A ray that runs along a face, or past a single corner, continues; between two cells that touch at a corner it does
 // not. Each distance is one exact difference divided by a direction, so errors do not add up.
@@ -106,12 +105,12 @@ WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chai
 // Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
 double wg_ray_distance(WgGrid grid, const int64_t *headings, int64_t x, int64_t y, int64_t heading, double longest);
 
-// Number of solid cells that the straight line between two places passes through, without its ends'
+// Returns the number of solid cells that the straight line between two places passes through, not counting its ends'
 // cells.
 int64_t wg_walls_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int64_t to_y);
 
-// Number of cells on the straight line between two places that are in smoke, including its ends'
-// cells. Smoke fills `reach` cells around a burning one.
+// Returns the number of cells on the straight line between two places that are in smoke, including its ends' cells.
+// Smoke fills `reach` cells around a burning one.
 int64_t wg_smoke_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int64_t to_y, int64_t reach);
 
 // beams.c: tables that range beams look up in a world that does not change
@@ -141,14 +140,13 @@ int64_t wg_heading_of(int64_t dx, int64_t dy, int64_t otherwise);
 // Heading to the strongest of the nine cells around the robot: to its centre, or to the target in it.
 //
 // This is the thesis's sensor: a cell's strength falls with the squared distance of its centre from
-// the target (the target's own cell is the strongest), walls and flames carry none, and the first
-// of equals wins, rows from the top, columns from the left. In the thesis the target is a cell's
-// centre; here it may be anywhere.
+// the target (the target's own cell is the strongest), walls and flames carry none, and the first wins a tie, rows
+// from the top, columns from the left. In the thesis the target is a cell's centre; here it may be anywhere.
 int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, int64_t target_y, int64_t heading);
 
 // sure_way.c
 
-// Returns whether a flood over half cells gets from the start into the target's disc. False proves
+// Returns true if a flood over half cells gets from the start into the target's disc. False proves
 // nothing.
 //
 // grid:       WG_SOLID where the robot never goes.
@@ -162,7 +160,7 @@ bool wg_surely_reaches(WgGrid grid, WgDisc disc, WgSegment way, int64_t within_s
 // Displacement of a drive, rounded to the nearest lattice point, halves away from zero.
 WgVector wg_drive_displacement(const int64_t *headings, int64_t heading, int64_t distance);
 
-// Returns whether the masks of an arena show that every cell in the box around a disc's path is
+// Returns true if the masks of an arena show that every cell in the box around a disc's path is
 // free; false proves nothing.
 bool wg_box_of_path_is_free(const WgArena *arena, int64_t reach, WgSegment way);
 

@@ -16,7 +16,7 @@ enum {
     WG_UNIT_BITS = 10,
     WG_TURN = 65536,        // heading units per turn
     WG_SPEED_UNIT = 65536,  // speed of one lattice unit per step
-    WG_NEAR = 2,            // how many cells a mask of WgArena.near looks to each side
+    WG_NEAR = 2,            // number of cells that a mask of WgArena.near covers to each side
 };
 
 // The state of a cell.
@@ -57,7 +57,7 @@ typedef struct WgEvent {
     int64_t state;  // what the cell becomes
 } WgEvent;
 
-// A push: the robot is displaced, along a clear way only, and turned. As rows of (n, 6) int64 in Python.
+// A push: the robot is displaced, only along a clear path, and turned. As rows of (n, 6) int64 in Python.
 typedef struct WgPush {
     int64_t step;  // the step at whose end it happens; 0: each step that ends with the centre in a cell
     int64_t ix;    // that cell; -1 for a push at a time
@@ -168,18 +168,18 @@ typedef struct WgSettings {
     int64_t measures;      // 1: odometry may differ from the pose
     int64_t drift_x;       // what a tilted floor adds to each step, lattice units
     int64_t drift_y;
-    int64_t drift_reach;   // the length of that, rounded up
+    int64_t drift_reach;   // its length, rounded up
     const WgPush *pushes;  // (push_count,) first those at places, then those at times, by step
     int64_t push_count;
-    int64_t place_count;   // how many are at places
+    int64_t place_count;   // number of pushes at places
 
     // Sensors.
     const WgDecoy *decoys;  // (decoy_count,)
     int64_t decoy_count;
-    int64_t sensor_cells;  // how many cells around it the signal sensor sees
+    int64_t sensor_cells;  // number of cells around it that the signal sensor sees
     int64_t signal;        // WG_SIGNAL_OPEN, ...
     int64_t beams;
-    int64_t neighbours;    // how many other robots it senses at most
+    int64_t neighbours;    // limit on the other robots that it senses
     int64_t plain_sensor;  // 1: the signal sensor is the thesis's, without noise or limits
     int64_t smoke_reach;   // cells around a burning one that its smoke fills
     int64_t coin;          // number of values that a random number has; 0: any in [0, 1)
@@ -198,10 +198,10 @@ typedef struct WgSettings {
 
     // Dynamics.
     double turn_limit;      // rad/s
-    double gain;            // greatest gain of speed in a step, units of speed
-    double loss;            // greatest loss, same
+    double gain;            // largest gain of speed in a step, units of speed
+    double loss;            // largest loss, same
     double wall_friction;   // share of a slide that a wall takes
-    double slip;            // largest share of a step that is lost
+    double slip;            // largest share of a step that is lost to slip
     double odometry_noise;  // largest share by which a measured distance or turn is wrong
 
     // Sensors, continued.

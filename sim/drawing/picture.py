@@ -33,7 +33,7 @@ __all__ = [
     "trails_of",
 ]
 
-# Most marks of bumps; more of them would hide the picture.
+# Limit on the marks of bumps; more of them would hide the picture.
 _MOST_BUMPS = 400
 
 # Strength of the tint of a cell that is taken to be occupied.
@@ -119,7 +119,7 @@ def remembered_at_the_end(episode: Episode, controller: Controller) -> Remembere
 
 
 def trails_of(episode: Episode, world: World) -> Trail | list[Trail] | None:
-    """Return the line that a recorded episode drove; of several robots, one for each."""
+    """Return the line that a recorded episode drove; for several robots, one for each."""
     if not isinstance(episode, FleetEpisode):
         return trail_of(episode, world)
     found = [
@@ -151,7 +151,7 @@ def _missed(trace: Trace, world: World | None) -> npt.NDArray[np.bool_] | None:
 
 
 def disturbances_in(trace: Trace) -> Disturbances:
-    """Return what disturbed a recorded robot, with each push as far as it went."""
+    """Return what disturbed a recorded robot, with each push at its actual length."""
     robot = trace.robot
     if robot is None:
         return Disturbances()
@@ -160,8 +160,8 @@ def disturbances_in(trace: Trace) -> Disturbances:
         step = max(1, math.ceil(exact(push.time) / exact(trace.time_step)))
         if step > trace.steps:
             break
-        # A push is the last thing on the path of its step. It began at the point from which it
-        # comes nearest to the requested displacement.
+        # A push is the last part of the path of its step. It began at the point that gives the best
+        # match with the requested displacement.
         last = int(np.searchsorted(trace.path_step, step, side="right")) - 1
         first = max(int(np.searchsorted(trace.path_step, step)) - 1, 0)
         dx = trace.path_x[last] - trace.path_x[first : last + 1]

@@ -29,7 +29,7 @@ _TOLERANCE = 0.1
 # Cells. For a larger robot, only the cells that its centre enters are checked.
 _FURTHEST = 6
 
-# Cells between two places of a path that are checked.
+# Distance in cells between two checked places of a path.
 _FINENESS = 0.125
 
 

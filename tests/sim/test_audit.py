@@ -539,7 +539,7 @@ def files(tmp_path):
 def test_the_command_says_possible_and_ends_with_0(files):
     result = worldgen("audit", files / "w.grid", files / "clean.csv")
     assert result.code == 0 and result.out.startswith(
-        "possible: 2 samples, 1 s, 1.5 m, target not reached; least "
+        "possible: 2 samples, 1 s, 1.5 m, target not reached; smallest "
     )
 
 

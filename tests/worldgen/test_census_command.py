@@ -211,15 +211,15 @@ def test_what_a_generator_yields_wrongly_is_listed_and_the_rest_judged(generator
         one["name"]: one["reason"] for one in objects(generator("rubbish"), "--seed", 1)["refused"]
     }
     expected = {
-        "map 2": "a int came",
+        "map 2": "a int was yielded",
         "flat": "shape (4,)",
         "words": "type <U1",
         "greys": "other than 0 and 1",
-        "outside": "target (3, 0) lies outside",
+        "outside": "target (3, 0) is outside",
         "no cell": "start 1 is not a cell",
         "ragged": "shape (0,)",
         "empty": "3 x 0 cells",
-        "map 10": "a NoneType came",
+        "map 10": "a NoneType was yielded",
     }
     assert refused.keys() == expected.keys()
     assert all(part in refused[name] for name, part in expected.items())

@@ -215,7 +215,7 @@ def test_a_confinement_that_claims_too_much_is_refused(confined):
     world, proof = confined
     assert "leaves its stay" in refusal(world, proof, deadline=proof.deadline * 1.2)
     assert "farther than one tile's side" in refusal(world, proof, slab=proof.slab * 2)
-    assert "is none" in refusal(world, proof, stays=np.array([[-1, 0, 0, 0]]))
+    assert "is not a valid stay" in refusal(world, proof, stays=np.array([[-1, 0, 0, 0]]))
     assert not check_confinement(world, proof, radius=world.robot_radius / 3).valid
     faster = dataclasses.replace(world, robot_speed=world.robot_speed * 1.5)
     assert not check_confinement(faster, proof).valid

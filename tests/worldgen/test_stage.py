@@ -172,7 +172,7 @@ def test_definitions_build_on_each_other_and_the_first_robot_is_taken(found):
     )
     assert back.target is None and "the file has 2 robots; only the first was used" in back.notes
     assert any(
-        "'nowhere.inc' does not exist" in note and "is not known" in note for note in back.notes
+        "'nowhere.inc' does not exist" in note and "are not known" in note for note in back.notes
     )
     assert back.unread == ("1 thing besides the floor plan: model",)
 

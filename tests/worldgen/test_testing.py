@@ -95,7 +95,7 @@ BROKEN = {
     "still": (
         burning,
         "a-timeline-never-says-what-already-is",
-        r"say @family\(..., changes=True\)",
+        r"declare @family\(..., changes=True\)",
     ),
     "unexplained": (unchecked, "every-parameter-is-explained", "it has no docstring"),
     "silent": (endless, "every-parameter-is-explained", "size: not explained"),
@@ -151,7 +151,7 @@ def test_all_that_is_broken_is_told_at_once_with_its_case():
 
 def test_a_pinned_digest_that_changed_is_told():
     warehouse = FAMILIES.get(WAREHOUSE)
-    with pytest.raises(BrokenContract, match="pinned is 0000; raise the version") as caught:
+    with pytest.raises(BrokenContract, match="but 0000 is pinned; raise the version") as caught:
         check_family(
             warehouse,
             golden={"aisles": "0000", "fishbone": layout_digest(warehouse, {"layout": "fishbone"})},

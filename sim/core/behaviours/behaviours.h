@@ -1,11 +1,11 @@
-// The library's behaviours: one definition each, which compositions and the thesis's robots share.
+// The library's behaviours, each defined once and shared by compositions and the thesis's robots.
 
 #ifndef WG_BEHAVIOURS_H
 #define WG_BEHAVIOURS_H
 
 #include "wg_controllers.h"
 
-// Of the thesis: thesis_behaviours.c.
+// From the thesis: thesis_behaviours.c.
 extern const WgBehaviour wg_collide;
 extern const WgBehaviour wg_seek;
 extern const WgBehaviour wg_drive_on;
@@ -21,7 +21,7 @@ extern const WgBehaviour wg_home;
 extern const WgBehaviour wg_swerve;
 extern const WgBehaviour wg_wander;
 
-// Turns of collide, in its first option: the thesis's numbers for its rules.
+// Values of the first option of collide, its turn: the thesis's numbers for its rules.
 enum { WG_TURN_RIGHT = 1, WG_TURN_LEFT = 2, WG_TURN_RANDOM = 3 };
 
 #endif

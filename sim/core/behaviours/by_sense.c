@@ -7,8 +7,9 @@
 #include "behaviours.h"
 #include "directions.h"
 
-static const double AHEAD = 60.0 * (3.14159265358979323846 / 180.0);  // rad: beams so near the heading look ahead
-static const double ASIDE = 75.0 * (3.14159265358979323846 / 180.0);  // rad: an obstacle is brought so far aside
+static const double AHEAD = 60.0 * (3.14159265358979323846 / 180.0);  // rad: beams this near to the heading look ahead
+// rad: the robot turns until an obstacle is this far to the side
+static const double ASIDE = 75.0 * (3.14159265358979323846 / 180.0);
 
 static void drive_towards(const WgSituation *now, double direction, double speed)
 {
@@ -40,7 +41,7 @@ static int64_t home_on(const WgSituation *now)
 }
 
 typedef struct Wander {
-    double left;       // m: what is left of the leg
+    double left;       // m: remainder of the leg
     double direction;  // rad
 } Wander;
 
@@ -58,7 +59,7 @@ static int64_t wander_on(const WgSituation *now)
     return 0;
 }
 
-// The nearest beam ahead that is shorter than the robot's radius and options[0], m; -1 if there is none.
+// Returns the nearest beam ahead that is shorter than the robot's radius plus options[0], m; -1 if there is none.
 static int64_t beam_in_the_way(const WgSituation *now)
 {
     const WgObservation *seen = now->seen;
@@ -107,7 +108,7 @@ static void watch_signal(const WgSituation *now)
         own->best = now->seen->signal;
         own->since = 0.0;
     } else {
-        own->since = wg_lower(own->since + 1.0, now->options[0]);  // or no state would come back
+        own->since = wg_lower(own->since + 1.0, now->options[0]);  // otherwise no state would recur
     }
 }
 

@@ -8,10 +8,11 @@
 #include "boundary.h"
 #include "directions.h"
 
-static const double STRONGER = 1.02;  // a wall is left where the signal is this many times as strong as where it was hit
+// the robot leaves a wall when the signal is this many times as strong as at the hit
+static const double STRONGER = 1.02;
 
 typedef struct Avoid {
-    double direction;  // rad: where it drives
+    double direction;  // rad: direction of driving
 } Avoid;
 
 typedef struct Follow {
@@ -42,7 +43,8 @@ static int64_t avoid_on(const WgSituation *now)
     return 0;
 }
 
-// Whether the robot touches a weverything towards the signal. It also touches one that it has just left.
+// Returns true if the robot touches a wall in the direction of the signal. It also touches a wall that it has just
+// left.
 static int64_t is_barred(const WgSituation *now)
 {
     const WgObservation *seen = now->seen;
@@ -59,7 +61,7 @@ static void begin_wall(const WgSituation *now)
     wg_begin_following(&own->body, wg_touched(now->seen));
 }
 
-// Returns whether the signal is stronger than where the wall was hit, and the wall is not in the way.
+// Returns true if the signal is stronger than where the wall was hit, and the wall does not block its direction.
 static bool may_leave(const WgObservation *seen, const Follow *own)
 {
     bool away = fabs(wg_wrap(seen->signal_heading - own->body.wall)) > 0.5 * WG_PI;

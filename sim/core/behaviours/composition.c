@@ -1,6 +1,7 @@
-// A composition of the library's behaviours: the parts are numbers of its memory, so any of them compose at full speed.
+// A composition of the library's behaviours: the parts are stored as numbers in its memory, so any combination runs
+// at full speed.
 //
-// The arbiter goes by priority (worldgen_behaviours.h), lets the parts vote, or learns when each part is of use.
+// The arbiter decides by priority (worldgen_behaviours.h), lets the parts vote, or learns when each part is useful.
 //
 // Sources: the vote is that of Julio K. Rosenblatt, "DAMN: a distributed architecture for mobile navigation", Journal of
 // Experimental & Theoretical Artificial Intelligence 9 (1997); learning is that of Pattie Maes and Rodney A. Brooks,
@@ -14,10 +15,10 @@
 #include "library.h"
 
 static const double SPREAD = 0.5 * 3.14159265358979323846;  // rad: a vote for a direction fades out at this angle
-static const double TRIALS = 48.0;      // steps that a part acts in a condition before what it is worth is known
+static const double TRIALS = 48.0;      // steps that a part must act in a condition before its value is known
 static const int64_t RECENT = 128;      // steps of a condition over which shares are averaged
-static const double LATELY = 32.0;      // steps in which a touch counts as lately
-static const double UNTRIED = 2.0;      // relevance of a part that is to be tried: above any other
+static const double LATELY = 32.0;      // steps for which a touch counts as recent
+static const double UNTRIED = 2.0;      // relevance of a part that has yet to be tried: above any other
 
 static const WgBehaviour *const BEHAVIOURS[] = {
     &wg_collide, &wg_seek,  &wg_drive_on, &wg_avoid,  &wg_follow_wall,
@@ -45,7 +46,7 @@ typedef struct Composed {
     WgPart parts[WG_MOST_PARTS];
 } Composed;
 
-// others: behaviours for parts whose kind is below 0, from -1 on; NULL if there are none.
+// others: behaviours for parts whose kind is negative, starting at -1; NULL if there are none.
 static Composed composed_of(double *memory, const WgBehaviour *others)
 {
     Composed made;
@@ -55,7 +56,7 @@ static Composed composed_of(double *memory, const WgBehaviour *others)
     const WgStoredPart *stored = (const WgStoredPart *)(made.own + 1);
     double *rest = (double *)(stored + made.count);
 
-    // What only some arbiters keep.
+    // Memory that only some arbiters use.
     made.left = rest;
     if (made.own->arbiter == WG_BY_VOTE) {
         rest += made.count;
@@ -79,21 +80,22 @@ static Composed composed_of(double *memory, const WgBehaviour *others)
     return made;
 }
 
-// Direction of vote number k from the heading, rad: 0, then to the left and to the right by turns, so that of equals the
-// one with the smallest turn wins.
+// Returns the direction of vote number k from the heading, rad: 0, then alternately to the left and to the right, so
+// that the smallest turn wins a tie.
 static double voted_direction(int64_t k)
 {
     double away = wg_bearing_of((k + 1) / 2, WG_VOTE_DIRECTIONS);
     return wg_wrap(k % 2 == 0 ? -away : away);
 }
 
-// Share of its weight that a part gives to a direction when it wants to turn by an angle.
+// Returns the share of its weight that a part gives to a direction when it wants to turn by an
+// angle.
 static double vote_for(double direction, double turn)
 {
     return wg_higher(0.0, 1.0 - fabs(wg_wrap(direction - turn)) / SPREAD);
 }
 
-// Lets every part that applies act on its own command. Returns how many have; `who` gets their indices.
+// Lets every part that applies act on its own command. Returns the number of them; `who` receives their indices.
 static int64_t let_all_act(Composed *made, const WgObservation *seen, WgCommand *commands, int64_t *who)
 {
     WgShared *shared = &made->own->shared;
@@ -115,7 +117,7 @@ static int64_t let_all_act(Composed *made, const WgObservation *seen, WgCommand 
         shared->counter = made->left[k];
         int64_t done = wg_act_part(part, begins, shared, seen, command);
 
-        // One that keeps time itself may count below 0 before it is done.
+        // A behaviour that keeps time itself may count below 0 before it is done.
         made->left[k] = done != 0 ? 0.0 : wg_higher(shared->counter, 1.0);
         who[count] = k;
         count += 1;
@@ -125,8 +127,8 @@ static int64_t let_all_act(Composed *made, const WgObservation *seen, WgCommand 
     return count;
 }
 
-// Lets all parts that apply vote for directions, with their priorities as weights; returns the part that gave most to
-// the winner, or -1.
+// Lets all parts that apply vote for directions, with their priorities as weights; returns the part that gave the
+// winner the most votes, or -1.
 static int64_t vote(Composed *made, const WgObservation *seen, WgCommand *command)
 {
     WgCommand commands[WG_MOST_PARTS];
@@ -137,7 +139,7 @@ static int64_t vote(Composed *made, const WgObservation *seen, WgCommand *comman
         return -1;
     }
 
-    // The direction with the most votes.
+    // Find the direction with the most votes.
     double best = 0.0;
     double most = -INFINITY;
     for (int64_t d = 0; d < WG_VOTE_DIRECTIONS; d++) {
@@ -153,7 +155,8 @@ static int64_t vote(Composed *made, const WgObservation *seen, WgCommand *comman
         }
     }
 
-    // Its speed is the mean of those that voted for it; where one of them wants nearly that direction, its own is taken.
+    // Its speed is the mean over the parts that voted for it; if one of them wants nearly that direction, its own
+    // speed is used.
     double weights = 0.0;
     double speed = 0.0;
     double heaviest = -INFINITY;
@@ -178,9 +181,9 @@ static int64_t vote(Composed *made, const WgObservation *seen, WgCommand *comman
     return winner;
 }
 
-// How much being active has to do with a feedback, -1 to 1: the correlation of two yes-or-no series.
+// Returns how strongly being active correlates with a feedback, -1 to 1: the correlation of two Boolean series.
 //
-// with:  share of steps with the feedback; acted_with: of those in which the part acted, too.
+// with:  share of steps with the feedback; acted_with: share of steps in which the part also acted.
 static double correlation(double with, double acted, double acted_with)
 {
     double idle_with = wg_higher(0.0, with - acted_with);
@@ -194,7 +197,7 @@ static double correlation(double with, double acted, double acted_with)
     return (acted_with * idle_without - active_without * idle_with) / sqrt(scale);
 }
 
-// Returns the value of a part in a condition: how much good it does, less how much harm.
+// Returns the value of a part in a condition: its benefit minus its harm.
 static double relevance(const Composed *made, int64_t part, int64_t condition)
 {
     const WgFeedback *all = &made->all[condition];
@@ -205,7 +208,7 @@ static double relevance(const Composed *made, int64_t part, int64_t condition)
     return correlation(all->good, own->acted, own->good) - correlation(all->bad, own->acted, own->bad);
 }
 
-// Moves a share towards what was seen in one step. Whole numbers come to rest, so that a state can come back.
+// Moves a share towards the result of one step. Integers settle, so that a state can recur.
 static double averaged(double share, bool seen)
 {
     int64_t wanted = seen ? WG_WHOLE_SHARE : 0;
@@ -220,7 +223,7 @@ static void average(WgFeedback *shares, bool acted, bool good, bool bad)
     shares->bad = averaged(shares->bad, acted && bad);
 }
 
-// Learns from the last step: whether the signal got stronger, whether a wall was touched.
+// Learns from the last step: did the signal become stronger, was a wall touched?
 static void take_feedback(Composed *made, const WgObservation *seen)
 {
     WgLearning *learning = made->learning;

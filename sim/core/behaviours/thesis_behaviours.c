@@ -11,21 +11,21 @@
 
 static const double UNITS = (double)WG_TURN / 6.28318530717958647693;  // heading units per rad
 static const int64_t TURN_STEP = 834;  // heading units turned in a step: 0.08 rad
-static const int64_t SNAP = 2086;  // heading units: a rest of at most 0.2 rad is turned at once
+static const int64_t SNAP = 2086;  // heading units: a remainder of at most 0.2 rad is turned immediately
 
 static int64_t heading_units(double radians)
 {
     return wg_floor_mod(wg_floor(radians * UNITS + 0.5), WG_TURN);
 }
 
-// Signed units, in (-half turn, half turn], from one heading to another.
+// Returns the signed difference, in (-half turn, half turn], from one heading to another.
 static int64_t turn_between(int64_t heading, int64_t target)
 {
     int64_t turn = wg_floor_mod(target - heading, WG_TURN);
     return turn > WG_TURN / 2 ? turn - WG_TURN : turn;
 }
 
-// Turns towards the target heading; returns whether the robot pointed there already.
+// Turns towards the target heading; returns true if the robot already pointed there.
 static bool turn_on(const WgSituation *now)
 {
     int64_t heading = heading_units(now->seen->heading);
@@ -71,7 +71,7 @@ static void begin_escape(const WgSituation *now)
     }
 }
 
-// Turns, then drives at the speed before the collision until its counter runs out.
+// Turns, then drives at the speed from before the collision until its counter runs out.
 static int64_t escape_on(const WgSituation *now)
 {
     int64_t done = 0;

@@ -14,13 +14,14 @@ static const double ROUND = 3.0;
 static const double BACK = 4.0;
 
 static const double SAME_PLACE = 0.5;  // of a step
-static const double ELSEWHERE = 1.5;  // of a step: further from the hit point it has been away
+static const double ELSEWHERE = 1.5;  // of a step: farther from the hit point than this, the robot has left it
 static const double SAME_WALL = 100.0 * (3.14159265358979323846 / 180.0);  // rad by which the direction of the wall may
                                                                            // differ at the same place
-static const double NEARER = 0.1;  // of a step: a hit on the same wall must be nearer by this than the last leave
-                                   // point, or it drives to that one
+// of a step: a hit on the same wall must be nearer than the last leave point by this,
+// otherwise the robot drives to that point
+static const double NEARER = 0.1;
 
-// Returns whether the last step passed a remembered place, along the same wall.
+// Returns true if the last step passed a remembered place along the same wall.
 static bool passes(const WgObservation *seen, const WgBug1Memory *own, const WgWallPlace *place)
 {
     double apart = wg_distance_to_path(place->x, place->y, own->body.x, own->body.y, seen->x, seen->y);
@@ -33,7 +34,7 @@ static WgWallPlace place_here(const WgObservation *seen, const WgBug1Memory *own
     return (WgWallPlace){seen->x, seen->y, own->body.wall};
 }
 
-// One step around the obstacle: the nearest place, and whether the hit point is reached again.
+// Makes one step around the obstacle: updates the nearest place, and checks if the hit point is reached again.
 static void go_round(const WgObservation *seen, WgBug1Memory *own, bool touches)
 {
     own->path += wg_distance(own->body.x, own->body.y, seen->x, seen->y);

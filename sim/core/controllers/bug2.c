@@ -13,8 +13,8 @@ static const double GOAL = 1.0;
 static const double ROUND = 2.0;
 static const double BACK = 3.0;
 
-static const double NEARER = 0.05;  // of a step: a place to leave at must be nearer than the hit point by this
-static const double THERE = 0.02;  // of a step: nearer to the place to leave at it is there
+static const double NEARER = 0.05;  // of a step: a leave point must be nearer than the hit point by this
+static const double THERE = 0.02;  // of a step: closer than this to the leave point, the robot is there
 
 // Starts to follow a wall, with a new line if it is nearer to the target than the last one.
 static void hit(const WgObservation *seen, WgBug2Memory *own)
@@ -30,7 +30,7 @@ static void hit(const WgObservation *seen, WgBug2Memory *own)
     }
 }
 
-// Returns whether the last step crossed the line at a place to leave at, and records it.
+// Returns true if the last step crossed the line at a possible leave point, and records it.
 static bool crosses(const WgObservation *seen, WgBug2Memory *own)
 {
     double from_x = own->body.x - own->hit_x;
@@ -38,7 +38,7 @@ static bool crosses(const WgObservation *seen, WgBug2Memory *own)
     double to_x = seen->x - own->hit_x;
     double to_y = seen->y - own->hit_y;
 
-    // The sides of the line on which the step began and ended.
+    // Find the sides of the line on which the step began and ended.
     double before = own->line_x * from_y - own->line_y * from_x;
     double after = own->line_x * to_y - own->line_y * to_x;
     if ((before > 0.0) == (after > 0.0)) {

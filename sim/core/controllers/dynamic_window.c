@@ -75,7 +75,7 @@ static void fill(const WgObservation *seen, Points *points)
     }
 }
 
-// Length of an arc until a disc meets the first beam's end, m; at most `far`.
+// Returns the length of an arc, m, until a disc meets the first beam's end; at most `far`.
 static double free_path(const Points *points, Arc arc, double radius, double far)
 {
     double free = far;
@@ -90,12 +90,12 @@ static double free_path(const Points *points, Arc arc, double radius, double far
     return free;
 }
 
-// How well an arc faces the target after a while: 1 straight at it, 0 away from it.
+// Returns how well an arc faces the target after a while: 1 straight at it, 0 away from it.
 static double facing(const WgObservation *seen, Arc arc, const WgDynamicWindow *tuned)
 {
     double turned = arc.turn_rate * tuned->ahead;
     double path = arc.speed * tuned->ahead;
-    double half = 0.5 * turned;  // on an arc, the direction to the place is off the heading by half the turn
+    double half = 0.5 * turned;  // on an arc, the direction to the place differs from the heading by half the turn
     double towards = wg_target_bearing(seen);
     double far = seen->target_distance;
     double x = far * wg_cos(towards) - path * wg_cos(half);
@@ -103,7 +103,7 @@ static double facing(const WgObservation *seen, Arc arc, const WgDynamicWindow *
     return 1.0 - fabs(wg_wrap(wg_angle_of(x, y) - turned)) / WG_PI;
 }
 
-// One step: judges every pair in the window and commands the best; brakes and turns if none is admissible.
+// Makes one step: judges every pair in the window and commands the best; brakes and turns if none is admissible.
 static void drive(const WgObservation *seen, WgDynamicWindowMemory *own, WgCommand *command,
                   const WgDynamicWindow *tuned)
 {
@@ -116,7 +116,7 @@ static void drive(const WgObservation *seen, WgDynamicWindowMemory *own, WgComma
         own->speed = 0.0;  // the wall has stopped the wheels
     }
 
-    // The window: the speeds and turn rates the wheels can reach within a step.
+    // Find the window: the speeds and turn rates the wheels can reach within a step.
     double slow = wg_higher(own->speed - tuned->gain * step, 0.0);
     double fast = wg_lower(own->speed + tuned->gain * step, top);
     double right = wg_higher(own->turn_rate - tuned->turn_gain * step, -tuned->fastest_turn);

@@ -2,8 +2,8 @@
 // the map leaves open.
 //
 // Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and Automation 8 (1992);
-// that it arrives, and how long that may take: S. Koenig, C. Tovey and Y. Smirnov, "Performance bounds for planning in
-// unknown terrain", Artificial Intelligence 147 (2003).
+// for the proof of arrival and its time bound, S. Koenig, C. Tovey and Y. Smirnov, "Performance bounds for planning
+// in unknown terrain", Artificial Intelligence 147 (2003).
 
 #include "boundary.h"
 #include "directions.h"
@@ -16,7 +16,7 @@ static const double DOOR = 2.0;
 static const double TOUCH = 3.0;
 static const double BACK = 4.0;
 
-static const double THERE = 0.01;  // of the pitch: within this of a node, the robot is there
+static const double THERE = 0.01;  // of the pitch: within this distance of a node, the robot is at it
 static const double STANDS = 0.02;  // of the pitch: a shorter free step cannot come nearer
 static const double ALONG = 0.9;  // share of a step by which a node must come nearer if a wall bent the path
 static const double PROBE = 0.2;  // of the pitch: step by which it feels for a wall
@@ -57,7 +57,7 @@ static void drive_to(const WgObservation *seen, WgMapperMemory *own, WgCommand *
     own->step = length;
 }
 
-// Returns whether the robot is at a point, or as near as its steps get it.
+// Returns true if the robot is at a point, or as near as its steps allow.
 static bool has_arrived(const WgObservation *seen, const WgMapperMemory *own, Point at)
 {
     double left = wg_distance(seen->x, seen->y, at.x, at.y);
@@ -67,7 +67,7 @@ static bool has_arrived(const WgObservation *seen, const WgMapperMemory *own, Po
     return left < THERE * own->grid || (free && moved < near && left < 2.0 * near);
 }
 
-// Returns whether a wall stopped or bent the last step to a point.
+// Returns true if a wall stopped or bent the last step to a point.
 static bool is_barred(const WgObservation *seen, const WgMapperMemory *own, Point to)
 {
     double before = wg_distance(own->x, own->y, to.x, to.y);
@@ -75,7 +75,7 @@ static bool is_barred(const WgObservation *seen, const WgMapperMemory *own, Poin
     return seen->bump != 0.0 && before - after < ALONG * own->step;
 }
 
-// Chooses the next move from the robot's node; false if there is no memory to plan in.
+// Chooses the next move from the robot's node; returns false if memory for planning runs out.
 static bool choose(WgMapperMemory *own)
 {
     WgNode here = node_of(own);
@@ -84,7 +84,7 @@ static bool choose(WgMapperMemory *own)
     if (move < 0) {
         WgPlanned planned = wg_map_plan(own, here);
         if (planned == WG_NO_PATH) {
-            wg_map_forget(own);  // what it recorded cannot all be true
+            wg_map_forget(own);  // the records contradict each other
             own->no_room = 0.0;
             planned = wg_map_plan(own, here);
         }
@@ -98,7 +98,7 @@ static bool choose(WgMapperMemory *own)
     return true;
 }
 
-// The point that the robot is driving to.
+// Returns the point that the robot is driving to.
 static Point goal_of(const WgObservation *seen, const WgMapperMemory *own)
 {
     if (own->mode == DOOR) {
@@ -118,7 +118,7 @@ static Point goal_of(const WgObservation *seen, const WgMapperMemory *own)
     return (Point){own->start_x + own->grid * (double)node.x, own->start_y + own->grid * (double)node.y};
 }
 
-// Records where the wall is that the robot probed for: there, if it did not slide.
+// Records the position of the wall that the robot probed for: right there, if it did not slide.
 static void feel(const WgObservation *seen, WgMapperMemory *own)
 {
     if (seen->bump == 0.0 || wg_distance(own->x, own->y, seen->x, seen->y) > STANDS * own->grid) {
@@ -131,8 +131,8 @@ static void feel(const WgObservation *seen, WgMapperMemory *own)
     wg_map_block_near(own, x, y, own->no_room * radius / own->grid);
 }
 
-// Records what blocked the way, and heads back; returns whether the robot has tried that often
-// enough to start again where it is.
+// Records what blocked the path, and heads back; returns true if the robot has tried this often enough to start again
+// from its position.
 static bool turn_back(const WgObservation *seen, WgMapperMemory *own, bool barred)
 {
     if (own->mode == GO) {
@@ -152,7 +152,7 @@ static bool turn_back(const WgObservation *seen, WgMapperMemory *own, bool barre
     return true;
 }
 
-// Evaluates the last step; returns whether the robot is now at a node and needs a move.
+// Evaluates the last step; returns true if the robot is now at a node and needs a move.
 static bool look(const WgObservation *seen, WgMapperMemory *own)
 {
     Point goal = goal_of(seen, own);

@@ -1,12 +1,12 @@
-// Optimal reciprocal collision avoidance: of the velocities that keep clear of all others for a while, if each does half,
-// the one nearest to straight at the target.
+// Optimal reciprocal collision avoidance: chooses, among the velocities that stay clear of all others for a while if
+// each robot does half, the one nearest to driving straight at the target.
 //
-// Each neighbour forbids a cone of relative velocities, cut off by the time for which clearance is wanted. The least
-// change that leads out of it (or would lead into it) is shared: it makes a half-plane of own velocities that are allowed.
-// The nearest velocity in all half-planes and within the top speed is found by trying all points at which it can be.
-// Where there is none, as in a dense crowd, all half-planes give way by the least common amount.
+// Each neighbour forbids a cone of relative velocities, truncated by the time for which clearance is required. The
+// smallest change that leads out of it (or would lead into it) is shared: it defines a half-plane of allowed own
+// velocities. The nearest velocity in all half-planes and within the top speed is found by trying all candidate
+// points. If there is none, as in a dense crowd, all half-planes are relaxed by the smallest common amount.
 //
-// It sees no walls, along which the robot slides.
+// It does not see walls; the robot slides along them.
 //
 // Source: Jur van den Berg, Stephen J. Guy, Ming Lin and Dinesh Manocha, "Reciprocal n-body collision avoidance", in
 // Robotics Research (2011), sections 4 and 5.
@@ -16,12 +16,12 @@
 #include "directions.h"
 #include "library.h"
 
-enum { HALVINGS = 40 };  // of the amount by which half-planes give way: then it is exact to 1e-12 of it
+enum { HALVINGS = 40 };  // bisections of the amount by which half-planes are relaxed, which make it exact to 1e-12
 
-static const double HORIZON = 2.0;    // s: for so long the robots are to stay clear
-static const double MARGIN = 1.05;    // times the sum of the radii, so that what the lattice rounds is no touch
-static const double CLOSE = 1e-9;     // m/s by which a velocity may miss a half-plane, for what floats round
-static const double STANDING = 1e-3;  // of the top speed: a robot that is slower stands and keeps its heading
+static const double HORIZON = 2.0;    // s: time for which the robots must stay clear
+static const double MARGIN = 1.05;    // times the sum of the radii, so that rounding to the lattice causes no touch
+static const double CLOSE = 1e-9;     // m/s by which a velocity may miss a half-plane, to allow for rounding
+static const double STANDING = 1e-3;  // of the top speed: below this, the robot stops and keeps its heading
 
 // Velocity or place, m/s or m, in the robot's frame: x ahead, y to the left.
 typedef struct Vector {
@@ -35,12 +35,12 @@ typedef struct HalfPlane {
     double least;
 } HalfPlane;
 
-// What a velocity has to keep to.
+// The constraints on a velocity.
 typedef struct Allowed {
     HalfPlane planes[WG_MOST_NEIGHBOURS];
     int64_t count;
     double top_speed;
-    double slack;  // by how much all half-planes give way
+    double slack;  // amount by which all half-planes are relaxed
 } Allowed;
 
 static double dot(Vector a, Vector b)
@@ -68,15 +68,15 @@ static Vector difference(Vector a, Vector b)
     return (Vector){a.x - b.x, a.y - b.y};
 }
 
-// The half-plane that a neighbour leaves.
+// Returns the half-plane that a neighbour leaves free.
 //
 // own:       the robot's velocity.
-// relative:  that less the neighbour's.
+// relative:  that minus the neighbour's.
 // place:     the neighbour's.
 static HalfPlane plane_of(Vector own, Vector relative, Vector place, double radii, double time_step)
 {
     double far = length(place);
-    double horizon = far > radii ? HORIZON : time_step;  // robots that touch part within a step
+    double horizon = far > radii ? HORIZON : time_step;  // robots that touch must separate within a step
     Vector from_cap = difference(relative, scaled(place, 1.0 / horizon));
     double depth = length(from_cap);
     Vector normal = depth > 0.0 ? scaled(from_cap, 1.0 / depth) : (Vector){-1.0, 0.0};
@@ -112,7 +112,7 @@ static bool is_allowed(const Allowed *allowed, Vector velocity)
     return true;
 }
 
-// Keeps a velocity if it is allowed and nearer to the wanted one than the best so far.
+// Keeps a velocity if it is allowed and nearer to the preferred one than the best so far.
 static void consider(const Allowed *allowed, Vector velocity, Vector wanted, double *best_sq, Vector *best)
 {
     Vector off = difference(velocity, wanted);
@@ -123,8 +123,8 @@ static void consider(const Allowed *allowed, Vector velocity, Vector wanted, dou
     }
 }
 
-// Tries the points on the border of a half-plane at which the nearest velocity can be: straight below the wanted one, at
-// the top speed, and where it meets the borders of those before it.
+// Tries the candidate points on the border of a half-plane: the projection of the preferred velocity, the points at
+// top speed, and the intersections with earlier borders.
 static void consider_border(const Allowed *allowed, int64_t which, Vector wanted, double *best_sq, Vector *best)
 {
     const HalfPlane *plane = &allowed->planes[which];
@@ -151,7 +151,7 @@ static void consider_border(const Allowed *allowed, int64_t which, Vector wanted
     }
 }
 
-// The allowed velocity nearest to the wanted one; false if there is none.
+// Finds the allowed velocity nearest to the preferred one; returns false if there is none.
 static bool nearest_allowed(const Allowed *allowed, Vector wanted, Vector *best)
 {
     double best_sq = INFINITY;
@@ -162,14 +162,14 @@ static bool nearest_allowed(const Allowed *allowed, Vector wanted, Vector *best)
     return best_sq < INFINITY;
 }
 
-// The same, where half-planes give way if they have to.
+// Does the same, but relaxes the half-planes if necessary.
 static Vector safest(Allowed *allowed, Vector wanted)
 {
     Vector best = {0.0, 0.0};
     if (nearest_allowed(allowed, wanted, &best)) {
         return best;
     }
-    // Standing is allowed if all of them give way by what they ask of it.
+    // Standing still is allowed if all of them are relaxed by the amount that excludes it.
     double enough = 0.0;
     for (int64_t k = 0; k < allowed->count; k++) {
         enough = wg_higher(enough, allowed->planes[k].least);

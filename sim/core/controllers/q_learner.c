@@ -1,8 +1,9 @@
-// A Q-learning robot that keeps learning while it drives: each result changes the value of the turn that led to it. All values are whole numbers, so a run that repeats itself repeats its table too, and a loop can be proved.
+// A Q-learning robot that keeps learning while it drives: each result changes the value of the turn that led to it.
+// All values are integers, so a run that repeats itself repeats its table too, and a loop can be proved.
 //
 // Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College, Cambridge (1989);
-// Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992), equation 1. Coming nearer is
-// rewarded as a potential: Andrew Y. Ng, Daishi Harada and Stuart Russell, "Policy invariance under reward
+// Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992), equation 1. For rewarding a
+// smaller distance as a potential: Andrew Y. Ng, Daishi Harada and Stuart Russell, "Policy invariance under reward
 // transformations" (1999).
 
 #include <stddef.h>
@@ -17,8 +18,8 @@ enum {
     BUMP = -1000,        // reward of touching a wall
     PER_MM = 5,          // reward for coming a millimetre nearer
     DISCOUNT = 98,       // hundredths of the value of the next situation
-    LEARNT = 4,          // a value moves by one part in so many of its error
-    OFFSET = 32768,      // what a stored value is above the value
+    LEARNT = 4,          // a value moves by its error divided by this
+    OFFSET = 32768,      // offset of a stored value
     IN_A_NUMBER = 3,     // values in each number of the memory
     BITS = 16,           // of a value
 };
@@ -47,7 +48,7 @@ static void set_value(WgQLearnerMemory *own, int64_t situation, int64_t turn, in
     *number = (double)(others | (kept << shift_of(turn)));
 }
 
-// The best turn in a situation; the first of equals.
+// Returns the best turn in a situation; the first wins a tie.
 static int64_t best_turn(WgQLearnerMemory *own, int64_t situation)
 {
     int64_t best = 0;
@@ -59,7 +60,7 @@ static int64_t best_turn(WgQLearnerMemory *own, int64_t situation)
     return best;
 }
 
-// Moves the value of the last decision towards what it has turned out to be worth.
+// Moves the value of the last decision towards its actual result.
 static void learn(WgQLearnerMemory *own, int64_t worth)
 {
     int64_t situation = (int64_t)own->situation;
@@ -76,7 +77,7 @@ void wg_q_learner_arrives(double *memory, double reward)
     }
 }
 
-// The turn to take: the best, or now and then another while it is being trained.
+// Returns the turn to take: the best, or sometimes another during training.
 static int64_t choose(const WgObservation *seen, WgQLearnerMemory *own, WgCommand *command, int64_t situation)
 {
     if (own->explore <= 0.0) {
@@ -110,7 +111,7 @@ void wg_q_learner_act(const WgObservation *seen, double *memory, WgCommand *comm
             learn(own, reward + wg_floor_div(DISCOUNT * next, 100));
         }
 
-        // The next.
+        // Make the next decision.
         int64_t choice = choose(seen, own, command, situation);
         own->situation = (double)situation;
         own->choice = (double)choice;

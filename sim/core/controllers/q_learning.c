@@ -38,7 +38,8 @@ int64_t wg_q_value(int64_t situation, int64_t turn)
     return wg_q_table[situation][turn];
 }
 
-// The turn with the highest value in the shipped table for a situation; the first of equals.
+// Returns the turn with the highest value in the shipped table for a situation; the first wins a
+// tie.
 static int64_t best_of_table(int64_t situation)
 {
     const int16_t *worths = wg_q_table[situation];
@@ -51,7 +52,7 @@ static int64_t best_of_table(int64_t situation)
     return best;
 }
 
-// One step: makes a decision if it is time to, and drives on.
+// Makes one step: decides if a decision is due, and drives on.
 //
 // best: the turn to take in each situation; NULL: the shipped table's.
 static void drive(const WgObservation *seen, WgQMemory *own, WgCommand *command, const double *best)

@@ -1,6 +1,6 @@
-// Controllers that do not know where they are, or where the target is, but estimate it: from the wheels, and from how strong
-// the signal is. Each estimates first and then drives as a controller of the library, which gets what was estimated in place
-// of what the simulator knows.
+// Controllers that do not know where they are, or where the target is, but estimate it from the wheels and from the
+// strength of the signal. Each estimates first and then drives like a controller of the library, which receives the
+// estimates in place of the simulator's true values.
 //
 // Sources: position from the wheels is odometry as in Johann Borenstein, H. R. Everett and Liqiang Feng, "Where am I?
 // Sensors and methods for mobile robot positioning", University of Michigan (1996), chapter 1; a place from the distances
@@ -9,21 +9,21 @@
 #include "directions.h"
 #include "library.h"
 
-static const double GAIN = 0.2;      // share of a wrong distance by which a place is corrected in a step
-static const double GATE = 0.3;      // m: a distance that is wrong by more is not believed
+static const double GAIN = 0.2;      // fraction of a distance error that is corrected in one step
+static const double GATE = 0.3;      // m: a distance with a larger error is ignored
 static const double BASE = 0.25;     // m: distance between the two places of a bearing from two distances
-static const double SEARCH = 3.0;    // m: how far a robot drives that has never received a signal, before it turns
-static const double THERE = 0.15;    // m: nearer to the end of that path it turns
+static const double SEARCH = 3.0;    // m: distance that a robot without any signal so far drives before it turns
+static const double THERE = 0.15;    // m: closer than this to the end of that path, it turns
 
 enum { SEARCHES = 8 };  // directions of a search before they repeat, three eighths of a turn apart
 
-// Distance to the source, m, by the strength of its signal: 1 / (1 + squared distance in cells).
+// Returns the distance to the source, m, from the strength of its signal: 1 / (1 + squared distance in cells).
 static double distance_by_signal(double signal, double cell)
 {
     return cell * sqrt(wg_higher(0.0, 1.0 / signal - 1.0));
 }
 
-// Puts a place of the target into an observation.
+// Puts a position of the target into an observation.
 static void show_target(WgObservation *seen, double x, double y)
 {
     double dx = x - seen->x;
@@ -67,7 +67,8 @@ void wg_odometry_bug_act(const WgObservation *seen, double *memory, WgCommand *c
     wg_bug2_act(&estimated, (double *)(own + 1), command);
 }
 
-// Moves the estimated place towards or away from the target until their distance is the one that the signal tells.
+// Moves the estimated place towards or away from the target until their distance matches the
+// signal.
 static void correct_by_signal(const WgObservation *seen, WgReckoning *own)
 {
     double dx = own->target_x - own->x;
@@ -99,8 +100,8 @@ void wg_signal_mapper_act(const WgObservation *seen, double *memory, WgCommand *
     wg_mapper_act(&estimated, (double *)(own + 1), command);
 }
 
-// Estimates the target from two distances to it, measured BASE apart: of the two places that have both, the one that the
-// signal points to more nearly.
+// Estimates the target from two distances to it, measured BASE apart: of the two places that fit both, it takes the
+// one closer to the direction of the signal.
 static void cross_distances(const WgObservation *seen, WgReckoning *own, double far)
 {
     double dx = seen->x - own->odometry_x;
@@ -128,7 +129,7 @@ static void remember_distance(const WgObservation *seen, WgReckoning *own, doubl
     own->far = far;
 }
 
-// Where a robot drives that has never received a signal: straight on, then somewhere else.
+// Returns where a robot drives that has never received a signal: straight on, then elsewhere.
 static void search(const WgObservation *seen, WgReckoning *own)
 {
     bool begins = own->search == 0.0;
@@ -142,7 +143,7 @@ static void search(const WgObservation *seen, WgReckoning *own)
     own->target_y = seen->y + SEARCH * wg_sin(direction);
 }
 
-// Estimates where the target is; without a signal it stays where it was.
+// Estimates where the target is; without a signal, the estimate does not change.
 static void locate_target(const WgObservation *seen, WgReckoning *own)
 {
     if (seen->signal <= 0.0) {
@@ -163,7 +164,7 @@ static void locate_target(const WgObservation *seen, WgReckoning *own)
     }
 }
 
-// The map's column or row of a place, within the map.
+// Returns the map's column or row of a place, limited to the map.
 static double map_cell(double place, double corner, double pitch)
 {
     enum { SIDE = sizeof((WgThreeLayerMemory *)0)->right / sizeof(double) };

@@ -16,12 +16,13 @@ static const double RANGE = 1.0;  // m: points farther away are ignored
 static const double APART = 1.4;  // of the radius: points farther apart than this from beam to beam are ignored, too
 static const double TOUCHING = 0.97;  // of the radius: a touched wall is at least this far away, so it doesn't block the path
                                       // along it
-static const double JUMP = 0.08 / 0.07;  // of the radius: an end of a wall is where the free path is longer by this in
+static const double JUMP = 0.08 / 0.07;  // of the radius: a wall ends where the free path becomes longer by this in
                                          // the next direction
 static const double LONGER = 0.05;  // m: the path by an end may become this much longer before a wall is followed
-static const double CONTINUES = 0.5;  // share of its distance by which a wall may be nearer or further in the next
+static const double CONTINUES = 0.5;  // share of its distance by which a wall may be nearer or farther in the next
                                       // direction
-static const double NEARER = 0.03;  // m: a place to leave a wall for is nearer to the target than all of the wall by this
+// m: a place worth leaving a wall for is nearer to the target than the whole wall by this
+static const double NEARER = 0.03;
 static const double PATIENCE = 60.0;  // steps within which the path must have become shorter
 
 // A place in sight, with what makes it better than others: a length, m.
@@ -38,7 +39,7 @@ static double sight_of(const WgObservation *seen)
     return wg_lower(RANGE, APART * seen->radius * (double)seen->beam_count / WG_WHOLE_TURN);
 }
 
-// How far the disc can go in a direction from the heading, rad, past all points that beams hit; m.
+// Returns how far, m, the disc can go in a direction from the heading, rad, past all points that beams hit.
 static double free_path(const WgObservation *seen, double bearing)
 {
     double sight = sight_of(seen);
@@ -75,7 +76,8 @@ static double rest_from(const WgObservation *seen, double bearing, double length
     return sqrt(wg_higher(squared, 0.0));
 }
 
-// The end of a wall with the shortest path to the target; its value is the length of that path.
+// Finds the end of a wall with the shortest path to the target; its value is the length of that
+// path.
 static Sighting best_end(const WgObservation *seen)
 {
     int64_t beams = seen->beam_count;
@@ -98,7 +100,7 @@ static Sighting best_end(const WgObservation *seen)
     return best;
 }
 
-// The free place in sight that is nearest to the target; its value is that distance.
+// Finds the free place in sight that is nearest to the target; its value is that distance.
 static Sighting nearest_seen(const WgObservation *seen)
 {
     double offset = seen->target_heading - seen->heading;
@@ -148,8 +150,7 @@ static void go(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *co
     wg_drive(seen, &own->body, command, direction, wg_lower(step, chosen.length));
 }
 
-// Updates how near to the target the followed wall comes, as far as it is seen on one side, 1 or
-// -1.
+// Updates how near the followed wall comes to the target, from what is seen on one side, 1 or -1.
 static void see_wall(const WgObservation *seen, WgTangentBugMemory *own, int64_t side)
 {
     int64_t beams = seen->beam_count;
@@ -169,8 +170,7 @@ static void see_wall(const WgObservation *seen, WgTangentBugMemory *own, int64_t
     }
 }
 
-// Records a place in sight to leave the wall for, if one is nearer to the target than all of the
-// wall was.
+// Records a visible place to leave the wall for, if one is nearer to the target than the whole wall was.
 static void see_whether_to_leave(const WgObservation *seen, WgTangentBugMemory *own)
 {
     see_wall(seen, own, 1);

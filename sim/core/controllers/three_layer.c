@@ -1,4 +1,4 @@
-// Three layers: one that reacts, one that gets things done in sequence, and one that plans ahead.
+// Three layers: one that reacts, one that supervises progress, and one that plans ahead.
 //
 // Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots (1998); R. Peter
 // Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack, "Experiences with an
@@ -11,10 +11,10 @@
 #include "directions.h"
 #include "library.h"
 
-enum { SIDE = 48 };  // cells of the map a side; a row's bits must fit the 53 of a double
+enum { SIDE = 48 };  // cells of the map per side; a row's bits must fit into the 53 of a double
 
 static const uint64_t ALL = ((uint64_t)1 << SIDE) - 1;
-static const double MOST_FORGOTTEN = 7.0;  // a number that grows forever would never let a state recur
+static const double MOST_FORGOTTEN = 7.0;  // if this number grew forever, no state would recur
 
 const WgThreeLayer wg_three_layer_default = {
     .margin = 0.002,
@@ -48,7 +48,7 @@ static int64_t within_side(int64_t place)
     return place < SIDE ? place : SIDE - 1;
 }
 
-// Lays the map around the middle between start and target, with the target in the middle of its
+// Places the map around the middle between start and target, with the target in the middle of its
 // cell.
 static void lay(const WgObservation *seen, WgThreeLayerMemory *own, const WgThreeLayer *tuned)
 {
@@ -75,7 +75,7 @@ static WgMapCell cell_at(const WgThreeLayerMemory *own, double x, double y)
     return (WgMapCell){within_side(column), within_side(row)};
 }
 
-// One round of the flood: adds the cells next to `flooded`; returns whether there were any.
+// Makes one round of the flood: adds the cells next to `flooded`; returns true if there were any.
 static bool spread(const WgThreeLayerMemory *own, uint64_t *flooded)
 {
     uint64_t wave[SIDE];
@@ -97,8 +97,8 @@ static bool spread(const WgThreeLayerMemory *own, uint64_t *flooded)
     return grown;
 }
 
-// The deliberator's plan: floods the map from the target, a whole row of cells at a time, until the
-// flood is next to the robot's cell.
+// Makes the deliberator's plan: floods the map from the target, a whole row of cells at a time, until the flood is
+// next to the robot's cell.
 WgMapCell wg_next_cell(const WgThreeLayerMemory *own, WgMapCell here, WgMapCell target)
 {
     int64_t column = here.column;
@@ -160,8 +160,7 @@ static void set_waypoint(WgThreeLayerMemory *own, WgMapCell there)
     own->to_y = (double)there.row;
 }
 
-// The sequencer: checks whether the waypoint is reached or abandoned, and asks the deliberator for
-// the next one.
+// Runs the sequencer: checks if the waypoint is reached or abandoned, and asks the deliberator for the next one.
 static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const WgThreeLayer *tuned)
 {
     WgMapCell here = cell_at(own, seen->x, seen->y);
@@ -204,8 +203,7 @@ static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const W
     set_waypoint(own, there);
 }
 
-// Returns whether the beams show that the disc can drive this far straight, m, in a direction from
-// the heading.
+// Returns true if the beams show that the disc can drive this far straight, m, in a direction from the heading.
 static bool is_free(const WgObservation *seen, double turn, double look, const WgThreeLayer *tuned)
 {
     double radius = seen->radius + tuned->margin;
@@ -225,8 +223,7 @@ static bool is_free(const WgObservation *seen, double turn, double look, const W
     return true;
 }
 
-// The controller: drives in the free direction nearest to the waypoint's, or to the target's in the
-// last cell.
+// Runs the controller: drives in the free direction nearest to the waypoint's, or to the target's in the last cell.
 static void react(const WgObservation *seen, const WgThreeLayerMemory *own, WgCommand *command,
                   const WgThreeLayer *tuned)
 {

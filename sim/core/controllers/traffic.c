@@ -3,22 +3,22 @@
 #include "directions.h"
 #include "library.h"
 
-// Drives straight at its target, as if there were nothing else.
+// Drives straight at the target and ignores everything else.
 void wg_naive_act(const WgObservation *seen, double *memory, WgCommand *command)
 {
     (void)memory;
     wg_steer(seen, command, wg_target_bearing(seen), seen->top_speed);
 }
 
-static const double MARGIN = 1.3;  // times the sum of the radii: how far apart robots pass
+static const double MARGIN = 1.3;  // times the sum of the radii: distance at which robots pass each other
 
-// The angle whose sine is given, rad, from 0 to 1.
+// Returns the angle, rad, of a sine from 0 to 1.
 static double arc_sine(double sine)
 {
     return sine < 1.0 ? wg_atan(sine / sqrt(1.0 - sine * sine)) : WG_PI / 2.0;
 }
 
-// Half the angle that a robot at a distance takes up, with the margin.
+// Returns half the angle that a robot at a distance covers, including the margin.
 static double half_angle(double radii, double distance)
 {
     return arc_sine(wg_lower(1.0, MARGIN * radii / distance));
@@ -26,8 +26,8 @@ static double half_angle(double radii, double distance)
 
 // Keeps to the right, as ships do.
 //
-// A robot that comes the other way, or stands, is left on the left side. One that crosses from the right goes first. Of
-// all others, those that are overtaken or cross from the left, it takes no notice.
+// It passes an oncoming or standing robot with that robot on its left. A robot that crosses from the right goes
+// first. It ignores all others, which are overtaken or cross from the left.
 //
 // Source: International Regulations for Preventing Collisions at Sea (1972), rules 14 (head-on) and 15 (crossing).
 void wg_right_hand_act(const WgObservation *seen, double *memory, WgCommand *command)
@@ -54,7 +54,7 @@ void wg_right_hand_act(const WgObservation *seen, double *memory, WgCommand *com
             speed = 0.0;
         }
     }
-    // Never further than a right angle from the target, or it would drive in circles around a crowd.
+    // Never turn farther than a right angle from the target, or it would drive in circles around a crowd.
     if (wg_wrap(turn - target) < -WG_PI / 2.0 || wg_wrap(turn - target) > WG_PI / 2.0) {
         turn = wg_wrap(target - WG_PI / 2.0);
     }

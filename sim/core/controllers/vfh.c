@@ -28,7 +28,7 @@ const WgVfh wg_vfh_default = {
     .slowest = 0.15,
 };
 
-// How far the robot can turn to either side, rad; the right is negative.
+// The angles by which the robot can turn to either side, rad; the right is negative.
 typedef struct Sides {
     double right;
     double left;
@@ -38,7 +38,7 @@ typedef struct Sides {
 typedef struct Wanted {
     double heading;
     double target;
-    double last;  // below 0: none
+    double last;  // negative: none
 } Wanted;
 
 // Stage 1: the polar histogram; each beam's obstacle covers the sectors that the widened obstacle covers.
@@ -78,7 +78,7 @@ static void block(const double *density, WgVfhMemory *own, const WgVfh *tuned)
     }
 }
 
-// Stage 3: how far to the right and to the left the robot can turn before its circle meets an obstacle.
+// Stage 3: find how far to the right and to the left the robot can turn before its circle meets an obstacle.
 static Sides reachable_sides(const WgObservation *seen, const WgVfh *tuned)
 {
     double turn = tuned->turning_radius;
@@ -120,7 +120,7 @@ static double cost_of(double direction, const Wanted *wanted, const WgVfh *tuned
     return wanted->last < 0.0 ? cost : cost + tuned->to_last * apart(direction, wanted->last);
 }
 
-// Returns whether the masked histogram leaves a sector open.
+// Returns true if the masked histogram leaves a sector open.
 static bool is_free(int64_t sector, double heading, Sides sides, const WgVfhMemory *own)
 {
     int64_t at = wg_floor_mod(sector, SECTORS);
@@ -131,7 +131,7 @@ static bool is_free(int64_t sector, double heading, Sides sides, const WgVfhMemo
 // Stage 4: the cheapest direction through an opening, sectors; -1 if all are blocked.
 static double choose(const Wanted *wanted, Sides sides, const WgVfhMemory *own, const WgVfh *tuned)
 {
-    // Openings are counted from a blocked sector, so that none is split in two.
+    // Counting starts at a blocked sector, so that no opening is split in two.
     int64_t border = 0;
     while (border < SECTORS && is_free(border, wanted->heading, sides, own)) {
         border++;

@@ -1,8 +1,7 @@
 // The controllers of the library, and the layout of their memories.
 //
-// A memory is an array of float64; each struct here is laid over it, so that fields have names in C
-// and in Python. The numbers are part of the state that a loop repeats and a digest covers, so
-// their order never changes.
+// A memory is an array of float64; each struct here describes its layout, so that fields have names in C and in
+// Python. The numbers are part of the state that a loop repeats and a digest covers, so their order never changes.
 
 #ifndef WG_CONTROLLERS_H
 #define WG_CONTROLLERS_H
@@ -24,9 +23,9 @@ typedef struct WgWallBody {
     double hand;    // side of the wall: 1 left, -1 right
     double wall;    // rad: direction from the robot to its wall
     double phase;   // WG_ADVANCE or WG_PRESS
-    double stuck;   // how many times in a row it touched its wall and did not move
+    double stuck;   // consecutive times that it touched its wall and did not move
     double lost;    // steps since it touched a wall
-    double smooth;  // how many times in a row its wall had not turned, at most FLAT_AFTER
+    double smooth;  // consecutive times that its wall had not turned, at most FLAT_AFTER
 } WgWallBody;
 
 typedef struct WgWallMemory {
@@ -62,7 +61,7 @@ typedef struct WgBug2Memory {
     double hit_far;  // m: distance of the hit point to the target; infinity: there is none
     double line_x;   // direction of the line, a unit vector
     double line_y;
-    double leave_x;  // m: the place to leave at
+    double leave_x;  // m: the leave point
     double leave_y;
 } WgBug2Memory;
 
@@ -71,9 +70,9 @@ typedef struct WgTangentBugMemory {
     double mode;      // 0 to the target, 1 by an end, 2 along the wall, 3 leaves the wall
     double best;      // m: shortest path so far
     double since;     // steps since then
-    double wall_far;  // m: least distance of the wall to the target
+    double wall_far;  // m: smallest distance of the wall to the target
     double far;       // m: distance to the target before the step
-    double leave_x;   // m: the place to leave for
+    double leave_x;   // m: the place for which it leaves the wall
     double leave_y;
 } WgTangentBugMemory;
 
@@ -87,30 +86,30 @@ typedef struct WgRandomWalkMemory {
 
 enum {
     WG_MOST_PARTS = 16,       // of a composition
-    WG_PART_OPTIONS = 4,      // numbers that a part is tuned by, at most
+    WG_PART_OPTIONS = 4,      // limit on the tuning numbers of a part
     WG_VOTE_DIRECTIONS = 32,  // among which parts vote
 };
 
 // How an arbiter composes its parts: WgComposition.arbiter.
 enum { WG_BY_PRIORITY = 0, WG_BY_VOTE = 1, WG_BY_LEARNING = 2 };
 
-// Conditions that an arbiter that learns tells apart: whether the robot touches a wall now, and whether it has lately.
+// Conditions that a learning arbiter distinguishes: if the robot touches a wall now, and if it has recently.
 enum { WG_CONDITIONS = 4 };
 
-// How often something happened in a condition of late, for an arbiter that learns. All whole numbers; a share of
-// WG_WHOLE_SHARE is all the time.
+// How often something has recently happened in a condition, for a learning arbiter. All are integers; a share of
+// WG_WHOLE_SHARE means always.
 enum { WG_WHOLE_SHARE = 65536 };
 
 typedef struct WgFeedback {
-    double trials;  // steps in which the part acted, counted up to what makes it known
+    double trials;  // steps in which the part acted, counted until its value is known
     double acted;   // share of steps in which it acted
-    double good;    // share of steps in which it acted and positive feedback came: the signal got stronger
+    double good;    // share of steps in which it acted and got positive feedback: a stronger signal
     double bad;     // same, negative feedback: a wall was touched
 } WgFeedback;
 
 // A part in a memory.
 typedef struct WgStoredPart {
-    double kind;           // index of its behaviour: wg_behaviour_at; below 0: one of the user's own
+    double kind;           // index of its behaviour: wg_behaviour_at; negative: one of the user's own
     double priority;
     double duration;       // steps
     double interruptible;
@@ -118,8 +117,8 @@ typedef struct WgStoredPart {
 } WgStoredPart;
 
 // A composition's memory. Behind it are the parts (WgStoredPart[count]); then, for a vote, the steps that each part has
-// left; then, where the arbiter learns, WgLearning, and WgFeedback[WG_CONDITIONS] of all steps and of each part;
-// then the parts' own states, in their order.
+// left; then, if the arbiter learns, WgLearning, and WgFeedback[WG_CONDITIONS] of all steps and of each part; then
+// the parts' own states, in their order.
 typedef struct WgComposition {
     WgShared shared;
     double acted;    // the part that acted in the last step; -1: none
@@ -129,7 +128,7 @@ typedef struct WgComposition {
 
 typedef struct WgLearning {
     double condition;  // in which the part in charge was chosen
-    double lately;     // steps in which a touch still counts as lately
+    double lately;     // steps for which a touch still counts as recent
     double signal;     // after the last step
 } WgLearning;
 
@@ -159,7 +158,7 @@ typedef struct WgVfh {
 
 typedef struct WgVfhMemory {
     double blocked[72];  // 1 for each blocked sector
-    double last;         // heading chosen last, sectors; below 0: none yet
+    double last;         // heading chosen last, sectors; negative: none yet
 } WgVfhMemory;
 
 typedef struct WgVfhTunedMemory {
@@ -169,8 +168,8 @@ typedef struct WgVfhTunedMemory {
 
 typedef struct WgDynamicWindow {
     double margin;        // m: added to the robot's radius
-    double gain;          // m/s2: greatest change of speed, up or down
-    double turn_gain;     // rad/s2: greatest change of turn rate
+    double gain;          // m/s2: largest change of speed, up or down
+    double turn_gain;     // rad/s2: largest change of turn rate
     double fastest_turn;  // rad/s
     double speeds;        // number of speeds tried, from the slowest to the fastest within the window
     double turns;         // number of turn rates tried; an odd number includes the current one
@@ -195,20 +194,20 @@ typedef struct WgDynamicWindowTunedMemory {
 typedef struct WgThreeLayer {
     double margin;        // m: added to the robot's radius
     double pitch;     // side of a cell of the map, in radii of the robot; larger if the map would not reach the target
-    double reach;     // least side of the map, times the distance from start to target
-    double look;      // m: free path that the controller wants in the direction it takes
+    double reach;     // minimum side of the map, times the distance from start to target
+    double look;      // m: free path that the controller requires in its direction
     double patience;  // steps after which a waypoint is abandoned, times one more than the map has been forgotten
 } WgThreeLayer;
 
 typedef struct WgThreeLayerMemory {
-    double laid;       // whether the map has been laid
+    double laid;       // 1 if the map has been placed
     double corner_x;   // m: its corner
     double corner_y;
     double pitch;      // m: side of its cells
     double to_x;       // the waypoint's cell; -1: none
     double to_y;
     double waited;     // steps since the waypoint was set
-    double forgotten;  // how many times the map was forgotten
+    double forgotten;  // number of times that the map was forgotten
     double here_x;     // the robot's cell
     double here_y;
     double from_x;     // the previous one
@@ -225,12 +224,12 @@ typedef struct WgThreeLayerTunedMemory {
 } WgThreeLayerTunedMemory;
 
 enum {
-    WG_Q_SITUATIONS = 768,  // situations that the Q-learning robot tells apart
+    WG_Q_SITUATIONS = 768,  // situations that the Q-learning robot distinguishes
     WG_Q_TURNS = 6,         // turns that it chooses from
     WG_Q_DRIVEN = 4,        // steps between two decisions, unless a bump comes first
 };
 
-// Eighths of a turn, counter-clockwise; of equals the first is taken.
+// Eighths of a turn, counter-clockwise; the first wins a tie.
 extern const int wg_q_turn_of[6];
 
 typedef struct WgQMemory {
@@ -243,20 +242,20 @@ typedef struct WgQTunedMemory {
     double best[768];  // the turn to take in each situation: its index among the six turns
 } WgQTunedMemory;
 
-// Estimates of a controller that does not know its place or the target's. Behind it is the memory of the controller that
-// drives by it.
+// Estimates of a controller that does not know its place or the target's. The memory of the controller that drives by
+// it follows.
 typedef struct WgReckoning {
     double known;       // 1 once the target's place has been estimated
-    double x;           // m: where the robot takes itself to be
+    double x;           // m: where the robot believes itself to be
     double y;
-    double target_x;    // m: where it takes the target to be
+    double target_x;    // m: where it believes the target to be
     double target_y;
     double odometry_x;  // m: the odometry of the step before; with distances, the place where `far` was measured
     double odometry_y;
     double far;         // m: distance to the target there
     double cell;        // m: distance at which the signal has fallen to a half; 0: unknown
     double search;      // directions in which it has searched for a signal
-    double turned;      // rad: its heading after the step before, less that of the odometry
+    double turned;      // rad: its heading after the previous step minus that of the odometry
 } WgReckoning;
 
 typedef struct WgQLearnerMemory {
@@ -264,7 +263,7 @@ typedef struct WgQLearnerMemory {
     double situation;     // of the last decision; -1: there was none
     double choice;        // its turn, a number among the six
     double far;           // mm: distance to the target then
-    double explore;       // thousandths of the decisions that are drawn; 0 uses no random numbers
+    double explore;       // random decisions in thousandths; 0 uses no random numbers
     double values[1536];  // of each turn in each situation, three in a number: 16 bits each, in thousandths
 } WgQLearnerMemory;
 
@@ -275,7 +274,7 @@ typedef struct WgMapperMemory {
     double window_y;
     double target_x;     // of the target, not rounded
     double target_y;
-    double doors;        // bits of the nodes next to the target from which the way to it was blocked
+    double doors;        // bits of the nodes next to the target from which the path to it was blocked
     double plan_at;      // moves that have been made
     double plan_length;  // all moves of the plan
     double plan[64];     // 16 moves in each number
@@ -354,7 +353,7 @@ const WgBehaviour *wg_behaviour_at(int64_t index);
 
 // Lets a composition act.
 //
-// others: behaviours of the user's own, for parts whose kind is below 0: -1 is the first. NULL if there are none.
+// others: the user's own behaviours, for parts whose kind is negative: -1 is the first. NULL if there are none.
 void wg_compose(const WgBehaviour *others, const WgObservation *seen, double *memory, WgCommand *command);
 
 // The number of the situation that the Q-learning robot sees, below WG_Q_SITUATIONS. It needs 8 beams.

@@ -2,7 +2,7 @@
 
 #include "step.h"
 
-// Judges and records a finished step; returns whether it was the last one.
+// Judges and records a finished step; returns true if it was the last one.
 static bool finish_step(WgEpisode *episode)
 {
     int64_t step = episode->step;

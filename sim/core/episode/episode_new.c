@@ -24,7 +24,7 @@ int64_t wg_most_events_of_a_step(const WgArena *arena)
     return most;
 }
 
-// Hands out a part of the allocation; everything in it consists of 64-bit words.
+// Returns a part of the allocation; everything in it consists of 64-bit words.
 static void *take(uint64_t **rest, int64_t words)
 {
     void *part = *rest;

@@ -16,9 +16,9 @@ typedef struct Plain {
     WgRobot *robot;
     WgWorkspace *workspace;
     int64_t words;      // words of a state
-    bool is_inside;     // whether the centre is in the grid
-    bool knows_random;  // whether the observation has the next random number
-    uint64_t constant;  // what the words that the last step has left as they were add to the fingerprint
+    bool is_inside;     // 1 if the centre is in the grid
+    bool knows_random;  // 1 if the observation has the next random number
+    uint64_t constant;  // contribution to the fingerprint of the words that the last step did not change
 } Plain;
 
 bool wg_is_plain(const WgEpisode *episode)
@@ -115,7 +115,7 @@ static int64_t run_steps(Plain *kept, uint64_t *log, int64_t first, int64_t last
     for (int64_t step = first; step <= last; step++) {
         int64_t drive = wg_drive(robot->body->state.speed);
         bool touches = false;
-        robot->report.steps = step;  // if the controller takes the process down, its owner reads it
+        robot->report.steps = step;  // if the controller kills the process, its owner reads this
         robot->corners = 0;
         robot->contact = (WgNormal){0.0, 0.0};
         if (drive != 0 || step == 1) {
@@ -153,7 +153,7 @@ bool wg_run_plain(WgEpisode *episode, int64_t last)
         .constant = seldom_words(&robot->body->state),
     };
 
-    // From one look-up of the search to the next.
+    // Go from one look-up of the search to the next.
     for (int64_t step = episode->step + 1; step <= last; step++) {
         int64_t end = wg_least(last, wg_most(search->next, step));
         int64_t ended = run_steps(&plain, search->log, step, end);

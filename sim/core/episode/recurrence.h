@@ -35,7 +35,7 @@ static inline uint64_t wg_word(const void *state, int64_t index)
     return word;
 }
 
-// Number of blocks of a state of this many words.
+// Returns the number of blocks of a state of this many words.
 static inline int64_t wg_blocks(int64_t words)
 {
     return (words + WG_BLOCK - 1) / WG_BLOCK;
@@ -60,8 +60,8 @@ static inline uint64_t wg_folded(uint64_t word)
 }
 
 // The fingerprint of a state of few words. Each word's upper half is folded into its lower one,
-// because in floats that are small whole numbers only the upper half varies, and a product only
-// spreads upwards. No product depends on another.
+// because in floats that are small integers only the upper half varies, and a product only spreads
+// upwards. No product depends on another.
 static inline uint64_t wg_fingerprint_of_few(const void *state, int64_t words)
 {
     uint64_t mixed = 0;
@@ -81,10 +81,10 @@ void wg_search_begin(WgSearch *search, const void *state, int64_t quiet);
 // since it occurred before; 0 if it is new.
 int64_t wg_search_look_up(WgSearch *search, int64_t step, int64_t quiet);
 
-// The first step, not before `quiet`, from which the log repeats itself up to `step`.
+// Returns the first step, not before `quiet`, from which the log repeats itself up to `step`.
 int64_t wg_entry_of_loop(const uint64_t *log, int64_t quiet, int64_t step, int64_t period);
 
-// The same for any state.
+// Does the same for any state.
 static inline uint64_t wg_fingerprint(WgSearch *search, const void *state)
 {
     return search->words <= WG_FEW_WORDS ? wg_fingerprint_of_few(state, search->words)
@@ -103,13 +103,13 @@ static inline int64_t wg_search_log(WgSearch *search, uint64_t fingerprint, int6
     return wg_search_look_up(search, step, quiet);
 }
 
-// The same, for a given state.
+// Does the same for a given state.
 static inline int64_t wg_search_period(WgSearch *search, const void *state, int64_t step, int64_t quiet, int64_t budget)
 {
     return wg_search_log(search, wg_fingerprint(search, state), step, quiet, budget);
 }
 
-// Keeps the state of step `entry`; at step `end`, returns whether it recurs, word by word.
+// Keeps the state of step `entry`; at step `end`, returns true if it recurs, word by word.
 static inline bool wg_search_is_proved(WgSearch *search, const void *state, int64_t step, int64_t entry, int64_t end)
 {
     size_t size = (size_t)search->words * sizeof *search->known;

@@ -126,7 +126,7 @@ int64_t wg_share_of(int64_t whole, int64_t time)
 WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
                                  WgRobot *robot)
 {
-    // `endpoint` only looks at the world at the end of a step, so all events come first.
+    // `endpoint` checks the world only at the end of a step, so all events come first.
     bool exact = settings->motion == WG_SWEPT;
     WgNormal last = {0.0, 0.0};
     int64_t now = 0;
@@ -172,7 +172,7 @@ WgVector wg_rounded_place(const WgArena *arena, const WgSettings *settings, cons
         return (WgVector){state->x, state->y};
     }
 
-    // Of equally near points, the first from the lower left counts.
+    // Among equally near points, the first from the lower left counts.
     int64_t to_x = state->x;
     int64_t to_y = state->y;
     int64_t best = -1;
@@ -203,18 +203,18 @@ void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t ste
     }
 }
 
-// Displaces the robot by a push, as far as the way is clear, and turns it.
+// Displaces the robot by a push, as far as the path is clear, and turns it.
 static void push(const WgArena *arena, const WgSettings *settings, int64_t step, const WgPush *by, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
     state->heading = wg_reduced_heading(state->heading + by->turn);
     bool stays = by->dx == 0 && by->dy == 0;
-    // Under `endpoint` a robot may stand in a wall, and then nothing moves it: no way out of there is clear.
+    // Under `endpoint` a robot may stand in a wall, and then nothing moves it, because no path out is clear.
     if (stays || !wg_disc_is_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), state->x, state->y)) {
         return;
     }
 
-    // All of it takes no time: it happens at the end of the step.
+    // All of this takes no time and happens at the end of the step.
     int64_t before = robot->corners;
     WgSegment way = {state->x, state->y, state->x + by->dx, state->y + by->dy};
     WgMoved moved = wg_swept_move(wg_grid(arena), wg_disc(settings), way, 1.0, 1.0, settings->wall_friction,
@@ -233,7 +233,7 @@ static void push(const WgArena *arena, const WgSettings *settings, int64_t step,
 
 void wg_disturb(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
 {
-    // Those at this time, in their order.
+    // Apply the pushes at this time, in order.
     while (robot->next_push < settings->push_count && settings->pushes[robot->next_push].step <= step) {
         const WgPush *by = &settings->pushes[robot->next_push++];
         if (by->step == step && robot->report.ending == WG_LIMIT) {
@@ -241,7 +241,7 @@ void wg_disturb(const WgArena *arena, const WgSettings *settings, int64_t step, 
         }
     }
 
-    // The one at this place; where two are, the first.
+    // Apply the push at this place; if there are two, the first.
     int64_t ix = wg_cell_of(robot->body->state.x);
     int64_t iy = wg_cell_of(robot->body->state.y);
     for (int64_t k = 0; k < settings->place_count && robot->report.ending == WG_LIMIT; k++) {
@@ -266,7 +266,7 @@ int64_t wg_slipped(const WgSettings *settings, int64_t step, int64_t drive)
     return wg_whole_speed((double)drive * (1.0 - lost));
 }
 
-// The factor by which a measured length or turn is too long.
+// Returns the factor by which a measured length or turn is too long.
 static double wrong(const WgSettings *settings, int64_t step, int64_t channel)
 {
     double draw = wg_noise_draw(settings, wg_noise_channel(step, channel));
@@ -334,8 +334,8 @@ void wg_flatten(WgWorkspace *workspace)
 
 void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double *memory)
 {
-    // Anything that a controller writes into the observation is cleared after the step: otherwise
-    // it would be memory outside the state.
+    // Anything that a controller writes into the observation is cleared after the step, because otherwise it would be
+    // memory outside the state.
     wg_flatten(workspace);
     double command[3 + WG_MOST_MESSAGE] = {0.0};
     const WgObservation *seen = &workspace->observation;

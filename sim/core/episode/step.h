@@ -44,7 +44,8 @@ int64_t wg_most_events_of_a_step(const WgArena *arena);
 // Forgets where the robot has been, except for its start.
 void wg_visit_start(const WgArena *arena, const WgSettings *settings);
 
-// Step in which the world changes, or something pushes the robot, for the last time; 0 if that never happens.
+// Returns the last step in which the world changes or something pushes the robot; 0 if there is
+// none.
 static inline int64_t wg_last_event(const WgArena *arena, const WgSettings *settings)
 {
     int64_t event = arena->event_count > 0 ? arena->events[arena->event_count - 1].step : 0;
@@ -119,7 +120,7 @@ int64_t wg_slipped(const WgSettings *settings, int64_t step, int64_t drive);
 void wg_measure_move(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
                      WgRobot *robot);
 
-// The same for a turn, heading units.
+// Does the same for a turn, heading units.
 void wg_measure_turn(const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot);
 
 // Adds a step to the digest: whether a wall was touched, the corners of its path, the state after it.
@@ -130,19 +131,19 @@ void wg_write_step(const WgRecording *recording, const WgRobot *robot, int64_t w
 
 // Functions that every step needs.
 
-// Whole lattice units that a speed drives in a step; the rest is lost.
+// Returns the whole lattice units that a speed drives in a step; the rest is lost.
 static inline int64_t wg_drive(int64_t speed)
 {
     return speed / WG_SPEED_UNIT;
 }
 
-// Returns whether the robot's centre is in the grid.
+// Returns true if the robot's centre is in the grid.
 static inline bool wg_is_inside(const WgArena *arena, const WgState *state)
 {
     return wg_is_in_grid(wg_grid(arena), wg_cell_of(state->x), wg_cell_of(state->y));
 }
 
-// Returns whether the tables show that every cell within reach of a move is free; if not, the exact
+// Returns true if the tables show that every cell within reach of a move is free; if not, the exact
 // test is needed.
 static inline bool wg_nothing_near(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t dx,
                                    int64_t dy)
@@ -168,8 +169,8 @@ static inline void wg_add_corner(WgRobot *robot, int64_t x, int64_t y, int64_t t
     corner->time = time;
 }
 
-// Moves the robot to the end of a straight piece of its path, and updates whether the target is
-// reached on it, and its length.
+// Moves the robot to the end of a straight piece of its path, and updates if the target is reached on it, and the
+// path's length.
 static inline void wg_arrive(const WgSettings *settings, int64_t x, int64_t y, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
@@ -207,7 +208,7 @@ static inline WgNormal wg_move(const WgArena *arena, const WgSettings *settings,
     return (WgNormal){0.0, 0.0};
 }
 
-// Counts the points of a step's path, and marks a cell that is new. Returns whether the centre is in the grid.
+// Counts the points of a step's path, and marks a cell that is new. Returns true if the centre is in the grid.
 static inline bool wg_keep_books(const WgArena *arena, int64_t step, WgRobot *robot)
 {
     const WgState *state = &robot->body->state;
@@ -229,9 +230,8 @@ static inline bool wg_keep_books(const WgArena *arena, int64_t step, WgRobot *ro
     return true;
 }
 
-// Moves the robot for one step, with the events in it, and judges the path. Returns whether its
-// centre is in the grid. If the compiler is left to choose, it does not inline this, and a step
-// takes 3 % longer.
+// Moves the robot for one step, with the events in it, and judges the path. Returns true if its centre is in the
+// grid. If the compiler is left to choose, it does not inline this, and a step takes 3 % longer.
 __attribute__((always_inline)) static inline bool wg_advance(const WgArena *arena, const WgSettings *settings,
                                                              int64_t step, WgRobot *robot)
 {
@@ -261,8 +261,8 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
         robot->contact = wg_move(arena, settings, step, by.x, by.y, 0, WG_STEP_TIME, robot);
     }
 
-    // Features that few robots have: poses on a coarser lattice, wheels that measure wrong or miss
-    // what pushes the robot. Against a wall the wheels stand still, whatever the floor does.
+    // Features that few robots have: poses on a coarser lattice, wheels that measure with errors, or miss what pushes
+    // the robot. Against a wall the wheels stand still, whatever the floor does.
     if (settings->lattice > 1 && report->ending == WG_LIMIT) {
         wg_round_pose(arena, settings, step, robot);
     }
@@ -279,8 +279,8 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     return wg_keep_books(arena, step, robot);
 }
 
-// The part of a step before the controller acts. Returns whether the controller is to act: not if
-// the run has ended, nor outside the grid, where nothing can be sensed.
+// Does the part of a step before the controller acts. Returns true if the controller must act: not if the run has
+// ended, nor outside the grid, where nothing can be sensed.
 static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *settings, WgRobot *robot,
                                      WgWorkspace *workspace, int64_t step)
 {
@@ -295,7 +295,7 @@ static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *set
     return true;
 }
 
-// Speed after a step: as commanded, or as near as the wheels' gain and the floor's friction allow.
+// Returns the speed after a step: as commanded, or as near as the wheels' gain and the floor's friction allow.
 static inline int64_t wg_next_speed(int64_t now, int64_t wanted, const WgSettings *settings)
 {
     double gain = settings->gain;
@@ -320,14 +320,14 @@ static inline double wg_clamp(double value, double low, double high)
     return wg_lower(wg_higher(value, low), high);
 }
 
-// Returns whether two numbers are finite: times zero, all finite numbers are zero. One test per
+// Returns true if two numbers are finite: times zero, all finite numbers are zero. One test per
 // number would take twice the instructions.
 static inline bool wg_are_finite(double one, double two)
 {
     return one * 0.0 + two * 0.0 == 0.0;
 }
 
-// Returns whether a number is anything but zero, including NaN: without its sign, zero has no bits.
+// Returns true if a number is anything but zero, including NaN: without its sign, zero has no bits.
 static inline bool wg_is_nonzero(double value)
 {
     uint64_t bits;
@@ -387,7 +387,7 @@ static inline bool wg_call(const WgController *controller, WgWorkspace *workspac
     return true;
 }
 
-// The same, and applies its command.
+// Does the same, and applies its command.
 static inline bool wg_act(const WgSettings *settings, const WgController *controller, WgWorkspace *workspace,
                           int64_t step, WgRobot *robot)
 {
@@ -419,7 +419,7 @@ static inline void wg_note_step(const WgSettings *settings, const WgRecording *r
     }
 }
 
-// Returns whether a recorded step was the last one, considering a recurrence too.
+// Returns true if a recorded step was the last one, considering a recurrence too.
 static inline bool wg_is_over(const WgSettings *settings, WgSearch *search, int64_t step, int64_t quiet, WgRobot *robot)
 {
     WgReport *report = &robot->report;

@@ -9,29 +9,30 @@
 #include "step.h"
 #include "wg_fleet.h"
 
-// Phases that a move of robots near each other may have. Whoever still has somewhere to go then waits for the next step.
+// Phases that a move of robots near each other may have. A robot that has not arrived by then waits for the next
+// step.
 enum { WG_MOST_PHASES = 12 };
 
 // The corners that one move may add to a robot's path: two for each phase, a wait, and a coarser lattice.
 enum { WG_FLEET_CORNERS = 2 * WG_MOST_PHASES + 2 };
 
-// Up to this many robots, all pairs are looked at; from there on, a grid is faster.
+// Up to this many robots, all pairs are examined; above it, a grid is faster.
 enum { WG_FEW_ROBOTS = 12 };
 
 // A robot within a step.
 struct WgMover {
     WgPlace begin;       // where it was when the move began
     WgPlace place;       // where it is
-    WgVector left;       // what is left of its displacement
-    WgPlace goal;        // where the phase is to take it
-    int64_t far;         // no point of its disc gets further than this from its place in this move
+    WgVector left;       // rest of its displacement
+    WgPlace goal;        // where the phase should take it
+    int64_t far;         // no point of its disc gets farther than this from its place in this move
     WgContact wall;      // its first contact with a wall in the phase
     WgNormal normal;     // away from what it touched last in this move
     WgNormal touch;      // away from what it touches in this phase
-    int64_t touching;    // how many things those are
+    int64_t touching;    // number of things that it touches
     int64_t contacts;    // phases of this move in which it touched something
     int64_t since;       // time in the step of its last corner, 2^-32 steps
-    int64_t candidate;   // which lattice point near the wanted one `goal` is
+    int64_t candidate;   // number of the lattice point near the desired one that `goal` is
     int64_t column;      // of its cell in the grid of robots
     int64_t row;
     int64_t cluster;     // index of the first robot of its cluster, once found
@@ -72,17 +73,17 @@ typedef struct WgSpan {
     int64_t until;
 } WgSpan;
 
-// Finds the pairs that may meet, from `place` and `far` of each mover, and links them into clusters. A robot that may meet
-// nobody has no cluster. Two robots of which none moves cannot meet.
+// Finds the pairs that may meet, from `place` and `far` of each mover, and links them into clusters. A robot that
+// cannot meet another one has no cluster. Two robots that both stand still cannot meet.
 void wg_find_near(WgFleet *fleet);
 
-// The word of the complete state that says whether a robot has parked.
+// Returns the word of the complete state that tells if a robot has parked.
 uint64_t *wg_parked_word(const WgFleet *fleet, int64_t robot);
 
 // The message in a robot's state.
 double *wg_message_of(const WgFleet *fleet, int64_t robot);
 
-// Readies what all robots need to sense others, after they have moved.
+// Prepares what all robots need to sense others, after they have moved.
 void wg_ready_senses(WgFleet *fleet);
 
 // Finds the robots around a robot, the nearest first, for its beams and its neighbours.
@@ -95,7 +96,7 @@ void wg_fill_buckets(WgFleet *fleet, int64_t width);
 int64_t wg_first_in(const WgFleet *fleet, int64_t column, int64_t row);
 int64_t wg_next_in(const WgFleet *fleet, int64_t robot);
 
-// Moves all robots for a step by their displacements, with the events that fall into it each at its time.
+// Moves all robots for a step by their displacements, with each event in the step at its time.
 void wg_move_fleet(WgFleet *fleet, int64_t step, const WgVector *by);
 
 #endif

@@ -1,22 +1,23 @@
-// How several robots move at once: exactly, and whatever their numbers.
+// Moves several robots at once: exactly, and independently of their numbering.
 //
-// Robots that may meet nobody in a part of a step move as each does alone. The others form clusters, and a cluster moves in
-// phases. In a phase each of its robots moves uniformly along one straight segment between lattice points, all in the
-// same time, so two discs touch just where the segment of their relative motion is as near to the origin as the sum of
-// their radii: a test in integers, as against a wall's corner. Floating point only proposes when the phase ends: at the
-// first contact, where robots that touch lose what of their displacement leads into each other.
+// Robots that cannot meet any other in a part of a step move as if alone. The others form clusters, and a cluster
+// moves in phases. In a phase each of its robots moves uniformly along one straight segment between lattice points,
+// all in the same time, so two discs touch exactly when the segment of their relative motion comes as near to the
+// origin as the sum of their radii: a test in integers, as against a wall's corner. Floating point only proposes the
+// end of the phase, the first contact, where robots that touch lose the part of their displacement that leads into
+// each other.
 //
-// No two discs overlap, and none a wall: a segment that is not clear of everything is never driven, and robots that
-// stand are clear of each other.
+// No disc overlaps another disc or a wall: a segment that is not clear of everything is never driven, and robots that
+// stand still are clear of each other.
 
 #include <math.h>
 
 #include "fleet.h"
 
 enum {
-    TRIES = 3,     // contacts after which a robot stops: as often as a robot alone tries
-    ASIDE = 4,     // places to stop at, from the wanted one away from what is touched
-    BACK = 4,      // how often they are tried, each time a lattice unit further back
+    TRIES = 3,     // contacts after which a robot stops, as many as a robot alone tries
+    ASIDE = 4,     // places to stop at, from the desired one away from what is touched
+    BACK = 4,      // number of tries, each a lattice unit farther back
     STAND = BACK * ASIDE,
     SLACK = 32,    // lattice units: more than rounding and the places aside add to a move
 };
@@ -41,7 +42,7 @@ static bool is_at_goal(const WgMover *mover)
     return mover->place.x == mover->goal.x && mover->place.y == mover->goal.y;
 }
 
-// Whether a robot's path to its goal is clear of walls.
+// Returns true if a robot's path to its goal is clear of walls.
 static bool is_clear_of_walls(const WgFleet *fleet, int64_t robot)
 {
     WgMover *mover = &fleet->movers[robot];
@@ -55,7 +56,7 @@ static bool is_clear_of_walls(const WgFleet *fleet, int64_t robot)
     return mover->is_clear;
 }
 
-// Whether two robots stay clear of each other on the way to their goals.
+// Returns true if two robots stay clear of each other on the way to their goals.
 static bool are_clear(const WgFleet *fleet, const WgPair *pair)
 {
     const WgMover *one = &fleet->movers[pair->one];
@@ -65,14 +66,14 @@ static bool are_clear(const WgFleet *fleet, const WgPair *pair)
     return wg_point_is_clear(pair->clear_sq, way, 0, 0);
 }
 
-// What a robot touched last: in this phase, or before.
+// Returns what a robot touched last: in this phase, or before.
 static WgNormal last_normal(const WgMover *mover)
 {
     return mover->touching > 0 ? mover->touch : mover->normal;
 }
 
-// Sets the goal of a robot: the lattice point at a share of what is left of its displacement, or one nearby as its
-// `candidate` says, from the nearest on; or where it is.
+// Sets the goal of a robot: the lattice point at a share of its remaining displacement, or a nearby one chosen by
+// `candidate`, nearest first; or its current place.
 static void set_goal(WgMover *mover, double share)
 {
     double dx = (double)mover->left.x;
@@ -96,7 +97,8 @@ static void set_goal(WgMover *mover, double share)
     mover->goal.y = y + (is_last ? sy : away * (fabs(normal.y) >= fabs(normal.x) ? sy : 0));
 }
 
-// Returns whether another goal is left to try: aside only for a robot that touches something, back only if that is allowed.
+// Returns true if another goal is left to try: to the side only for a robot that touches something, back only if
+// allowed.
 static bool has_another_goal(const WgMover *mover, bool back)
 {
     if (!is_moving(mover) || mover->candidate >= STAND) {
@@ -113,7 +115,8 @@ static void try_another_goal(WgMover *mover, double share)
     set_goal(mover, share);
 }
 
-// Notes which robots' paths to their goals are not clear. Returns false if there are some of which none has another goal.
+// Notes which robots' paths to their goals are not clear. Returns false if there are such robots, and none of them
+// has another goal.
 static bool look_for_violations(const WgFleet *fleet, WgCluster cluster, bool back, bool *found)
 {
     WgMover *movers = fleet->movers;
@@ -140,9 +143,9 @@ static bool look_for_violations(const WgFleet *fleet, WgCluster cluster, bool ba
     return true;
 }
 
-// Finds goals at a share of the displacements such that all paths to them are clear of walls and of each other. Robots
-// whose paths are not try their next goals together. Where they may step back, the last one is to stand, so that
-// goals are found always.
+// Finds goals at a share of the displacements so that all paths to them are clear of walls and of each other. Robots
+// whose paths are not clear try their next goals together. If they may step back, the last goal is to stand still, so
+// goals are always found.
 static bool find_goals(const WgFleet *fleet, WgCluster cluster, double share, bool back)
 {
     WgMover *movers = fleet->movers;
@@ -164,8 +167,8 @@ static bool find_goals(const WgFleet *fleet, WgCluster cluster, double share, bo
     return true;
 }
 
-// Notes a contact of this phase. Of several, the normal that is greatest, by x and then by y, is kept: whichever that is,
-// it does not depend on the robots' numbers.
+// Notes a contact of this phase. Of several, it keeps the largest normal, by x and then by y, which does not depend
+// on the robots' numbers.
 static void touch(WgMover *mover, WgNormal normal)
 {
     bool greater = normal.x > mover->touch.x || (normal.x == mover->touch.x && normal.y > mover->touch.y);
@@ -175,7 +178,7 @@ static void touch(WgMover *mover, WgNormal normal)
     mover->touching++;
 }
 
-// The direction from the second robot of a pair to the first, at a share of what is left of their displacements.
+// The direction from the second robot of a pair to the first, at a share of their remaining displacements.
 static WgNormal between(const WgFleet *fleet, const WgPair *pair, double share)
 {
     const WgMover *one = &fleet->movers[pair->one];
@@ -186,14 +189,14 @@ static WgNormal between(const WgFleet *fleet, const WgPair *pair, double share)
     };
 }
 
-// When two robots first touch if nothing stops them, as a share of what is left of their displacements.
+// Returns when two robots first touch if nothing stops them, as a share of their remaining displacements.
 static double pair_contact(const WgFleet *fleet, const WgPair *pair)
 {
     const WgMover *one = &fleet->movers[pair->one];
     const WgMover *other = &fleet->movers[pair->other];
     WgPlace from = {one->place.x - other->place.x, one->place.y - other->place.y};
     WgVector by = {one->left.x - other->left.x, one->left.y - other->left.y};
-    // A touch that only exact arithmetic sees is at the end.
+    // A touch that only exact arithmetic detects is at the end.
     return wg_lower(1.0, wg_touch_time((double)pair->clear_sq, from, by));
 }
 
@@ -211,7 +214,7 @@ static double first_contact(const WgFleet *fleet, WgCluster cluster)
         }
     }
 
-    // When they happen.
+    // Find when contacts happen.
     for (int64_t k = cluster.first; k >= 0; k = movers[k].next) {
         WgMover *mover = &movers[k];
         mover->wall = (WgContact){2.0, {0.0, 0.0}};
@@ -226,7 +229,7 @@ static double first_contact(const WgFleet *fleet, WgCluster cluster)
         first = wg_lower(first, pairs[k].time);
     }
 
-    // Whom they stop.
+    // Find which robots they stop.
     for (int64_t k = cluster.first; k >= 0; k = movers[k].next) {
         movers[k].touching = 0;
         if (movers[k].wall.time <= first) {
@@ -256,7 +259,7 @@ static void go_to_goals(WgFleet *fleet, WgCluster cluster, int64_t step, double 
         WgMover *mover = &fleet->movers[k];
         if (!is_at_goal(mover)) {
             WgEpisode *member = member_of(fleet, k);
-            // If it stood before, its path says until when: others moved meanwhile.
+            // If it stood still before, its path records until when, because others moved in the meantime.
             if (mover->since < whole_time(begin)) {
                 wg_add_corner(&member->robot, mover->place.x, mover->place.y, whole_time(begin));
             }
@@ -276,7 +279,7 @@ static void note_block(WgFleet *fleet, int64_t step, int64_t robot, int64_t by)
     }
 }
 
-// Notes who drives into whom at a contact.
+// Notes which robot drives into which at a contact.
 static void note_blocks(WgFleet *fleet, WgCluster cluster, int64_t step, double share)
 {
     const WgPair *pairs = fleet->near->pairs;
@@ -296,13 +299,14 @@ static void note_blocks(WgFleet *fleet, WgCluster cluster, int64_t step, double 
     }
 }
 
-// Takes from a robot's displacement what a phase has used up, and what would lead into whatever it touches.
+// Removes from a robot's displacement the part that a phase has used up, and the part that would lead into whatever
+// it touches.
 static void slide(WgMover *mover, double share, double friction)
 {
     double dx = (1.0 - share) * (double)mover->left.x;
     double dy = (1.0 - share) * (double)mover->left.y;
     if (mover->touching == 0) {
-        // One that had to stand has lost that time; all others drive on to the very end of their displacement.
+        // A robot that had to stand still has lost that time; all others drive to the very end of their displacement.
         bool stood = is_at_goal(mover);
         mover->left.x = stood ? wg_round_away(dx) : mover->left.x - (mover->goal.x - mover->place.x);
         mover->left.y = stood ? wg_round_away(dy) : mover->left.y - (mover->goal.y - mover->place.y);
@@ -317,14 +321,15 @@ static void slide(WgMover *mover, double share, double friction)
         dx = dx - into * normal.x;
         dy = dy - into * normal.y;
     }
-    // Touched by two things at once, pushed back into what it touched before, or touched too often: it stops.
+    // It stops if it touches two things at once, is pushed back into what it touched before, or has touched things
+    // too often.
     bool is_wedged = mover->contacts > 1 && dx * before.x + dy * before.y < 0.0;
     bool stops = mover->touching > 1 || is_wedged || mover->contacts >= TRIES;
     mover->left.x = stops ? 0 : wg_round_away((1.0 - friction) * dx);
     mover->left.y = stops ? 0 : wg_round_away((1.0 - friction) * dy);
 }
 
-// Moves the robots of a cluster by what is left of their displacements, in phases.
+// Moves the robots of a cluster by their remaining displacements, in phases.
 static void sweep(WgFleet *fleet, WgCluster cluster, int64_t step, WgSpan span)
 {
     double now = (double)span.from / (double)WG_STEP_TIME;
@@ -387,7 +392,7 @@ static void jump(WgFleet *fleet, WgCluster cluster, int64_t step)
         mover->goal = goal;
     }
 
-    // Whoever would end in another robot stays, and is in the way of others in its turn.
+    // A robot that would end in another one stays, and then blocks others in turn.
     bool found = true;
     while (found) {
         found = false;
@@ -442,7 +447,7 @@ static void move_cluster(WgFleet *fleet, WgCluster cluster, int64_t step, WgSpan
     for (int64_t k = cluster.first; k >= 0; k = fleet->movers[k].next) {
         WgMover *mover = &fleet->movers[k];
         WgEpisode *member = member_of(fleet, k);
-        // A robot that stands may still be at its target.
+        // A robot that stands still may be at its target.
         const WgState *state = &member->robot.body->state;
         if (mover->is_active && state->x == mover->begin.x && state->y == mover->begin.y) {
             wg_arrive_closely(member->arena, member->settings, step, state->x, state->y, &member->robot);
@@ -453,7 +458,7 @@ static void move_cluster(WgFleet *fleet, WgCluster cluster, int64_t step, WgSpan
     }
 }
 
-// Readies a robot for a part of the step: where it is, and how far it may get.
+// Prepares a robot for a part of the step: where it is, and how far it may get.
 static void set_out(const WgFleet *fleet, int64_t robot, WgVector by)
 {
     WgMover *mover = &fleet->movers[robot];
@@ -472,7 +477,7 @@ static void set_out(const WgFleet *fleet, int64_t robot, WgVector by)
     }
 }
 
-// Moves all robots by a part of the step, in which the world stands still.
+// Moves all robots by a part of the step in which the world does not change.
 static void move_part(WgFleet *fleet, int64_t step, WgSpan span)
 {
     wg_find_near(fleet);
@@ -524,7 +529,7 @@ static void move_until(WgFleet *fleet, int64_t step, WgSpan span, const WgVector
     }
 }
 
-// Changes the cells that change now, and catches the robots there, parked ones too.
+// Applies the changes of cells at this time, and catches the robots there, including parked ones.
 static void change_world(WgFleet *fleet, int64_t step)
 {
     fleet->next_event = wg_change_cells(member_of(fleet, 0)->arena, step, fleet->next_event);
@@ -537,7 +542,7 @@ static void change_world(WgFleet *fleet, int64_t step)
     }
 }
 
-// Moves robots whose poses are on a coarser lattice to its nearest points, those that may all at once.
+// Moves robots whose poses are on a coarser lattice to its nearest points, all those that can at once.
 static void round_poses(WgFleet *fleet, int64_t step)
 {
     WgMover *movers = fleet->movers;
@@ -588,7 +593,7 @@ static void round_poses(WgFleet *fleet, int64_t step)
     }
 }
 
-// Returns whether an event or a robot has ended the run.
+// Returns true if an event or a robot has ended the run.
 static bool is_ended(const WgFleet *fleet)
 {
     for (int64_t k = 0; k < fleet->count; k++) {
@@ -602,7 +607,7 @@ static bool is_ended(const WgFleet *fleet)
 
 void wg_move_fleet(WgFleet *fleet, int64_t step, const WgVector *by)
 {
-    // `endpoint` looks at the world where a step ends only: there all events come first.
+    // `endpoint` checks the world only at the end of a step, so all events come first.
     const WgArena *arena = member_of(fleet, 0)->arena;
     bool exact = fleet->settings->motion == WG_SWEPT;
     int64_t now = 0;

@@ -1,5 +1,5 @@
-// Which robots may meet in a move. Their number decides what a step costs, not the number of all pairs: a grid whose
-// buckets are as wide as two robots get towards each other finds them.
+// Finds the robots that may meet in a move. A grid with buckets as wide as two robots can approach each other makes
+// the cost of a step depend on their number, not on the number of all pairs.
 
 #include "fleet.h"
 
@@ -22,7 +22,7 @@ static int64_t root_of(WgMover *movers, int64_t robot)
     return robot;
 }
 
-// Returns whether a robot may move in this part of the step.
+// Returns true if a robot may move in this part of the step.
 static bool may_move(const WgFleet *fleet, int64_t robot)
 {
     return fleet->movers[robot].far > fleet->members[robot]->settings->reach;
@@ -69,7 +69,7 @@ void wg_fill_buckets(WgFleet *fleet, int64_t width)
     }
 }
 
-// The robot, or the next one of its bucket, that is in a cell: several cells may share a bucket.
+// Returns the robot, or the next one of its bucket, that is in a cell; several cells may share a bucket.
 static int64_t one_in(const WgFleet *fleet, int64_t robot, int64_t column, int64_t row)
 {
     while (robot >= 0 && (fleet->movers[robot].column != column || fleet->movers[robot].row != row)) {
@@ -89,8 +89,7 @@ int64_t wg_next_in(const WgFleet *fleet, int64_t robot)
     return one_in(fleet, fleet->near->chain[robot], mover->column, mover->row);
 }
 
-// Looks at the robots in the cell of each one, and in four of the eight around it: of two cells next to each other, one
-// sees the other.
+// For each robot, examines its cell and four of the eight around it: of two neighbouring cells, one sees the other.
 static void look_around(WgFleet *fleet)
 {
     static const int64_t OTHER_CELLS[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
@@ -131,7 +130,8 @@ void wg_find_near(WgFleet *fleet)
         look_around(fleet);
     }
 
-    // Link the pairs of each cluster, and its robots; one that may meet nobody stays out.
+    // Link the pairs of each cluster, and its robots; a robot that cannot meet another one stays
+    // out.
     for (int64_t k = 0; k < near->pair_count; k++) {
         int64_t root = root_of(movers, near->pairs[k].one);
         near->pairs[k].next = near->first_pair[root];

@@ -16,7 +16,7 @@ uint64_t *wg_parked_word(const WgFleet *fleet, int64_t robot)
     return (uint64_t *)fleet->members[robot]->robot.body + words_of(fleet, robot) - 1;
 }
 
-// Returns a new array, all zero; NULL if there is no memory, and then for all later ones too.
+// Returns a new array of zeros; NULL if memory runs out, and then for all later calls too.
 static void *array(bool *is_made, int64_t count, size_t size)
 {
     void *made = *is_made ? calloc((size_t)wg_most(count, 1), size) : NULL;
@@ -32,7 +32,7 @@ static bool make_search(WgFleet *fleet, int64_t words)
     search->prints = array(&is_made, wg_blocks(words) + 1, sizeof(uint64_t));
     search->known = array(&is_made, words, sizeof(uint64_t));
     if (fleet->settings->log_steps > 0) {
-        // Not cleared: a long log takes memory only as the run progresses.
+        // This is not cleared, so a long log takes memory only as the run progresses.
         search->log_size = fleet->settings->log_steps + 1;
         search->log = malloc((size_t)search->log_size * sizeof(uint64_t));
         is_made = is_made && search->log != NULL;
@@ -61,7 +61,7 @@ static bool make_near(WgFleet *fleet)
     return is_made;
 }
 
-// Makes what robots need to sense each other, as far as they do.
+// Allocates what robots need to sense each other, if they do.
 static bool make_senses(WgFleet *fleet, const WgArena *const *arenas)
 {
     bool is_made = true;
@@ -81,7 +81,7 @@ static bool make_senses(WgFleet *fleet, const WgArena *const *arenas)
         fleet->furthest = wg_higher(fleet->furthest, beams ? settings->beam_range : 0.0);
         fleet->furthest = wg_higher(fleet->furthest, neighbours ? settings->neighbour_range : 0.0);
     }
-    // A beam may meet the rim of a robot whose centre is further away.
+    // A beam may meet the rim of a robot whose centre is farther away.
     fleet->furthest += radius;
     fleet->around = array(&is_made, fleet->count, sizeof *fleet->around);
     fleet->arenas = array(&is_made, fleet->count, sizeof *fleet->arenas);

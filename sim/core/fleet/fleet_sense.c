@@ -1,4 +1,4 @@
-// How the robots of a fleet sense each other: by range beams, and as neighbours that may send messages.
+// Lets the robots of a fleet sense each other: by range beams, and as neighbours that may send messages.
 
 #include "fleet.h"
 #include "rays.h"
@@ -9,7 +9,7 @@ double *wg_message_of(const WgFleet *fleet, int64_t robot)
     return member->robot.body->memory + member->controller.memory_size;
 }
 
-// The width of a bucket, such that all that a robot may sense is in the nine around it.
+// Returns the width of a bucket, chosen so that all robots that a robot may sense are in the nine around it.
 static int64_t width_of(const WgFleet *fleet)
 {
     const double most = 0x1p40;  // more than any world is wide
@@ -27,8 +27,8 @@ void wg_ready_senses(WgFleet *fleet)
     }
 }
 
-// Returns whether a robot comes before another in the order in which they are sensed: the nearest first, and then by their
-// places, which never are the same, so that their numbers do not matter.
+// Returns true if a robot comes before another in the order of sensing: nearest first, ties broken by place, which is
+// never the same, so that their numbers do not matter.
 static bool comes_before(const WgOther *one, const WgOther *other)
 {
     if (one->away_sq != other->away_sq) {

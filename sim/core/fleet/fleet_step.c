@@ -1,4 +1,4 @@
-// A fleet's step: all move, then all sense, then all act; and what ends its run.
+// Makes a fleet's step: all move, then all sense, then all act; and decides what ends its run.
 
 #include <string.h>
 
@@ -76,7 +76,7 @@ void wg_fleet_move(WgFleet *fleet, const WgVector *by)
     }
 }
 
-// Lets all robots that drive sense where they have come to, and who is there.
+// Lets all driving robots sense their new places and the robots there.
 static void sense(WgFleet *fleet)
 {
     if (fleet->senses_others != 0) {
@@ -96,7 +96,7 @@ static void sense(WgFleet *fleet)
     }
 }
 
-// Lets the controllers in the core act. Returns whether others are to act.
+// Lets the controllers in the core act. Returns true if others must act.
 static bool act(WgFleet *fleet)
 {
     bool waits = false;
@@ -105,7 +105,7 @@ static bool act(WgFleet *fleet)
         if (fleet->acts[k] == 0) {
             continue;
         }
-        // All have sensed, so the messages of the step before are no longer needed.
+        // All have sensed, so the messages of the previous step are no longer needed.
         if (fleet->settings->message > 0) {
             double *message = wg_message_of(fleet, k);
             memset(message, 0, (size_t)fleet->settings->message * sizeof *message);
@@ -122,7 +122,7 @@ static bool act(WgFleet *fleet)
     return waits;
 }
 
-// Takes the answers of the controllers that were to act.
+// Takes the answers of the controllers that had to act.
 static void take_answers(WgFleet *fleet)
 {
     for (int64_t k = 0; k < fleet->count; k++) {
@@ -135,7 +135,7 @@ static void take_answers(WgFleet *fleet)
     }
 }
 
-// Ends the run if a robot has done what ends it: of several, with the gravest ending, by the robot that comes first.
+// Ends the run if a robot has done something that ends it; of several, the gravest ending and the first robot count.
 static bool is_ended_by_robots(WgFleet *fleet)
 {
     static const int64_t GRAVEST_FIRST[] = {WG_CRASH, WG_INVALID_COMMAND, WG_TUNNEL, WG_BURNED};
@@ -193,13 +193,13 @@ static void look_for_loop(WgFleet *fleet)
     }
 }
 
-// Judges and notes a step that is done. Returns whether it was the last one.
+// Judges and records a finished step. Returns true if it was the last one.
 static bool finish_step(WgFleet *fleet)
 {
     fleet->report.steps = fleet->step;
     bool is_ended = is_ended_by_robots(fleet);
     if (fleet->report.ending == WG_CRASH) {
-        return true;  // the step in which a controller fails is not noted
+        return true;  // the step in which a controller fails is not recorded
     }
     for (int64_t k = 0; k < fleet->count; k++) {
         WgEpisode *member = fleet->members[k];

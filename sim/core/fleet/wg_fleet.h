@@ -1,8 +1,8 @@
 // Fleets: several robots in one world, each with its own controller.
 //
 // In each step all robots move at the same time, then all sense, then all act. A robot that has reached its target parks:
-// it stands still and gets no more observations, but stays an obstacle. A fleet is made of episodes, one for each robot, whose
-// states are put next to each other: together they are the complete state that a recurrence repeats.
+// it stands still and gets no more observations, but stays an obstacle. A fleet consists of episodes, one for each
+// robot, whose states are stored next to each other: together they form the complete state that a recurrence repeats.
 
 #ifndef WG_FLEET_H
 #define WG_FLEET_H
@@ -21,15 +21,15 @@ typedef struct WgFleetSettings {
     int64_t find_loop;   // WG_NO_LOOP, WG_SEEK_LOOP or WG_PROVE_LOOP
     int64_t loop_entry;  // for WG_PROVE_LOOP
     int64_t log_steps;   // longest run in which a recurrence is searched for; 0 for none
-    int64_t message;     // numbers that a robot sends in each step, WG_MOST_MESSAGE at most
+    int64_t message;     // numbers that a robot sends in each step, at most WG_MOST_MESSAGE
     int64_t kinds;       // sizes of discs
     const int64_t *kind;      // (robots,) size of each robot, from 0
-    const int64_t *clear_sq;  // (kinds, kinds) squared distance that the centres of two robots keep, lattice units
+    const int64_t *clear_sq;  // (kinds, kinds) squared distance that the centres of two robots must keep, lattice units
 } WgFleetSettings;
 
 // The report of a fleet, in addition to the reports of its robots.
 typedef struct WgFleetReport {
-    int64_t ending;  // WG_LIMIT, ...; WG_REACHED when all robots have parked; WG_LOOP: the complete state came back
+    int64_t ending;  // WG_LIMIT, ...; WG_REACHED when all robots have parked; WG_LOOP: the complete state recurred
     int64_t steps;
     int64_t period;
     int64_t entry;   // first step from which on the states repeat, of WG_LOOP; else -1
@@ -81,15 +81,15 @@ void wg_fleet_free(WgFleet *fleet);
 // Puts all robots at their starts. The arenas must be as they are before the first event.
 WgStatus wg_fleet_begin(WgFleet *fleet);
 
-// Runs at most this many steps: WG_GOES_ON, WG_OVER, or WG_ACTS where controllers outside the core are to act. Of those
-// members `waits` is 1; each finds what it observes in `flat`, and leaves its command and memory as in WgWorkspace before
-// the next call.
+// Runs at most this many steps: WG_GOES_ON, WG_OVER, or WG_ACTS if controllers outside the core must act. For those
+// members `waits` is 1; each finds what it observes in `flat`, and leaves its command and memory as in WgWorkspace
+// before the next call.
 int64_t wg_fleet_run(WgFleet *fleet, int64_t most_steps);
 
-// Ends a run as a crash of a robot's controller, in the step in which it was to act last.
+// Ends a run as a crash of a robot's controller, in the step in which it last had to act.
 void wg_fleet_fail(WgFleet *fleet, int64_t robot, const char *error);
 
-// The parts of a step's motion, for tests: what wg_fleet_run does with displacements that are given.
+// The motion part of a step, for tests: what wg_fleet_run does with given displacements.
 //
 // by:  (count,) displacement of each robot, lattice units.
 void wg_fleet_move(WgFleet *fleet, const WgVector *by);

@@ -35,7 +35,7 @@ bool wg_disc_is_clear(WgGrid grid, int state, WgDisc disc, int64_t x, int64_t y)
     return true;
 }
 
-// Returns whether a corner is clear of the inside of a segment, from its dot and cross products
+// Returns true if a corner is clear of the inside of a segment, from its dot and cross products
 // with it.
 static bool corner_is_clear(int64_t clear_sq, int64_t along, int64_t across, int64_t length_sq)
 {
@@ -71,8 +71,7 @@ bool wg_point_is_clear(int64_t clear_sq, WgSegment way, int64_t x, int64_t y)
     return corner_is_clear(clear_sq, dx * cx + dy * cy, dx * cy - dy * cx, dx * dx + dy * dy);
 }
 
-// Returns whether the disc is clear of one closed cell along a segment whose first end is taken to
-// be clear.
+// Returns true if the disc is clear of one closed cell along a segment whose first end is assumed to be clear.
 //
 // The nearest points of a segment and a box that do not cross include an end of the segment or a corner of the box, so
 // these and the crossing itself decide.
@@ -202,7 +201,7 @@ void wg_near_masks(WgGrid grid, int32_t *near)
     }
 }
 
-// The least entry of the neighbours in the row above or below, plus one.
+// Returns the smallest entry of the neighbours in the row above or below, plus one.
 static int32_t beyond(const int32_t *row, int64_t ix, int64_t width, int32_t least)
 {
     for (int64_t k = wg_most(ix - 1, 0); k <= wg_least(ix + 1, width - 1); k++) {
@@ -215,7 +214,7 @@ void wg_chessboard_clearance(WgGrid grid, int32_t *clearance)
 {
     int64_t width = grid.width;
     int64_t height = grid.height;
-    // Upwards, from the lower left: the outside, and the cells below or to the left.
+    // First pass, upwards from the lower left: the outside, and the cells below or to the left.
     for (int64_t iy = 0; iy < height; iy++) {
         int32_t *row = clearance + iy * width;
         for (int64_t ix = 0; ix < width; ix++) {
@@ -230,7 +229,7 @@ void wg_chessboard_clearance(WgGrid grid, int32_t *clearance)
             row[ix] = nearest;
         }
     }
-    // And back: the cells above or to the right.
+    // Second pass, backwards: the cells above or to the right.
     for (int64_t iy = height - 1; iy >= 0; iy--) {
         int32_t *row = clearance + iy * width;
         for (int64_t ix = width - 1; ix >= 0; ix--) {

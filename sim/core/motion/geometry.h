@@ -50,7 +50,7 @@ static inline int64_t wg_point_box_distance_sq(int64_t x, int64_t y, int64_t ix,
     return dx * dx + dy * dy;
 }
 
-// Returns whether some point of a segment is within a distance of (x, y).
+// Returns true if some point of a segment is within a distance of (x, y).
 static inline bool wg_segment_point_within(WgSegment way, int64_t x, int64_t y, int64_t within_sq)
 {
     int64_t cx = x - way.px;
@@ -71,11 +71,11 @@ static inline bool wg_segment_point_within(WgSegment way, int64_t x, int64_t y, 
     return across * across <= (double)within_sq * (double)length_sq;
 }
 
-// Returns whether a point stays at least the root of `clear_sq` away from a segment whose first end
-// is taken to be that far away, decided in integers. In geometry.c.
+// Returns true if a point stays at least the root of `clear_sq` away from a segment whose first end is assumed to be
+// that far away, decided in integers. In geometry.c.
 bool wg_point_is_clear(int64_t clear_sq, WgSegment way, int64_t x, int64_t y);
 
-// Returns whether the masks show that no cell in the box around a disc's path is taken; if not, the
+// Returns true if the masks show that no cell in the box around a disc's path is taken; if not, the
 // exact test is needed.
 static inline bool wg_window_is_free(const WgArena *arena, int64_t reach, WgSegment way)
 {

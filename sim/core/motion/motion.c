@@ -1,4 +1,4 @@
-// How a commanded displacement becomes a path on the pose lattice: swept and endpoint.
+// Turns a commanded displacement into a path on the pose lattice: swept and endpoint.
 //
 // `swept` never tunnels, for any controller, because every segment that it takes has passed the
 // exact integer test of geometry.c; floating point only suggests where to stop.
@@ -7,7 +7,7 @@
 
 #include "motion.h"
 
-enum { TRIES = 3 };  // straight pieces a move may have: ahead and two slides (face, then corner)
+enum { TRIES = 3 };  // straight pieces that a move may have: ahead, and two slides (face, then corner)
 
 static const double GRAZE = 1e-6;         // lattice units squared by which a path may cut a circle's square and graze it
 static const double TIME_UNIT = 0x1p32;   // of WgCorner.time, in a step
@@ -27,7 +27,7 @@ static bool is_clear(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to)
     return !wg_first_not_clear(grid, WG_SOLID, disc, segment(from, to)).found;
 }
 
-// Time in [0, 1) at which a point moving by d from m meets the circle around the origin; 2 if it doesn't.
+// Returns the time in [0, 1) at which a point moving by d from m meets the circle around the origin; 2 if it doesn't.
 //
 // One that only grazes the circle doesn't, unless `graze` is 0.
 //
@@ -46,7 +46,7 @@ static double contact_with_corner(double radius_sq, double mx, double my, double
     return wg_higher(0.0, (-approach - sqrt(inside)) / a);
 }
 
-// Keeps the earlier of the best contact and those of a disc at the origin, moving by d, with a cell.
+// Keeps the earliest of the best contact so far and those of a disc at the origin, moving by d, with a cell.
 //
 double wg_touch_time(double radius_sq, WgPlace from, WgVector by)
 {
@@ -81,7 +81,7 @@ static void touch_cell(double left, double low, double radius, double dx, double
     }
 }
 
-// When a disc moving by (dx, dy) first touches a solid cell.
+// Finds when a disc moving by (dx, dy) first touches a solid cell.
 static WgContact first_contact(WgGrid grid, double radius, int64_t reach, WgPlace from, int64_t dx, int64_t dy,
                              double graze)
 {
@@ -114,7 +114,7 @@ WgContact wg_wall_contact(WgGrid grid, WgDisc disc, WgPlace from, WgVector by)
     return contact;
 }
 
-// A clear end of a slide: its destination, or one or two lattice units further from the wall.
+// A clear end of a slide: its destination, or one or two lattice units farther from the wall.
 static bool step_aside(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to, WgNormal normal, WgPlace *end)
 {
     int64_t sx = (normal.x > 0.0) - (normal.x < 0.0);
@@ -132,10 +132,10 @@ static bool step_aside(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to, WgNor
     return false;
 }
 
-// A lattice point near a contact that a clear segment leads to, or the start if there is none.
+// Returns a lattice point near a contact that a clear segment leads to, or the start if there is none.
 //
-// Try the nearest to the contact, then points a little away from the wall in case rounding is
-// inside it, then further back.
+// Try the nearest to the contact, then points slightly away from the wall in case rounding is inside it, then farther
+// back.
 static WgPlace stop_at(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64_t dy, WgContact contact)
 {
     double length = sqrt((double)dx * (double)dx + (double)dy * (double)dy);
@@ -145,7 +145,8 @@ static WgPlace stop_at(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64
             break;
         }
         WgPlace goal = {from.x + wg_round_away(share * (double)dx), from.y + wg_round_away(share * (double)dy)};
-        // Where it is, it is clear. Nine of ten contacts of a robot that pushes along walls end here: a fifth faster.
+        // The robot is clear where it is. Nine of ten contacts of a robot that pushes along walls end here, which is
+        // a fifth faster.
         if (goal.x == from.x && goal.y == from.y) {
             break;
         }
@@ -157,7 +158,7 @@ static WgPlace stop_at(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64
     return from;
 }
 
-// The first contact of a path that isn't clear, and where it lets the disc stop.
+// Finds the first contact of a path that isn't clear, and where it lets the disc stop.
 //
 // Corners that the path only grazes count if nothing else explains why it isn't clear: they do not
 // take part in a slide along a wall, though they are as near as possible.
@@ -195,7 +196,7 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
     double now = begin;
     WgNormal normal = {0.0, 0.0};
     for (int attempt = 0; attempt < TRIES && (dx != 0 || dy != 0); attempt++) {
-        // All the way, if it is clear.
+        // Go all the way if it is clear.
         WgPlace goal = {place.x + dx, place.y + dy};
         WgPlace clear_end = goal;
         bool is_free = attempt == 0 ? is_clear(grid, disc, place, goal)
@@ -205,7 +206,7 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
             break;
         }
 
-        // As far as the first wall.
+        // Otherwise go as far as the first wall.
         Stop stop = first_stop(grid, disc, place, dx, dy);
         WgNormal wall = stop.contact.normal;
         now += (end - now) * stop.contact.time;
@@ -214,7 +215,7 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
             place = stop.place;
         }
 
-        // The rest of the displacement, along that wall.
+        // Spend the rest of the displacement along that wall.
         double left_x = (1.0 - stop.contact.time) * (double)dx;
         double left_y = (1.0 - stop.contact.time) * (double)dy;
         double into = (left_x * wall.x + left_y * wall.y) / (wall.x * wall.x + wall.y * wall.y);

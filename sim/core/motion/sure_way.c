@@ -1,7 +1,7 @@
-// Decides whether the disc surely gets to the target: a flood over half cells that may miss a path,
-// but never invents one.
+// Decides if the disc certainly gets to the target, by a flood over half cells that may miss a path but never invents
+// one.
 //
-// A step of half a cell along an axis has its least clearance at an end, a diagonal one at an end or in the middle
+// A step of half a cell along an axis has its smallest clearance at an end, a diagonal one at an end or in the middle
 // (docs/explanation/reachability.md proves it).
 
 #include <string.h>
@@ -25,7 +25,7 @@ static bool is_clear(const Flood *flood, int64_t x, int64_t y)
     return wg_disc_is_clear(flood->grid, WG_SOLID, flood->disc, x, y);
 }
 
-// Returns whether the disc, which is clear at both ends, may go from one to the other.
+// Returns true if the disc, which is clear at both ends, may go from one to the other.
 static bool goes_straight(const Flood *flood, WgSegment way)
 {
     return !wg_first_not_clear(flood->grid, WG_SOLID, flood->disc, way).found;

@@ -35,7 +35,7 @@ static inline int64_t wg_most(int64_t a, int64_t b)
     return b > a ? b : a;
 }
 
-// Like Python's min and max: the first of equals, and a NaN only if it comes first.
+// Like Python's min and max: the first wins a tie, and a NaN only wins if it comes first.
 static inline double wg_lower(double a, double b)
 {
     return b < a ? b : a;

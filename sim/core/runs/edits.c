@@ -5,14 +5,14 @@
 #include "step.h"
 #include "wg_runs.h"
 
-// Working memory for one edit, in addition to the episode.
+// Working memory for one edit, in addition to the episode's.
 typedef struct Scratch {
     uint8_t *ever;   // (height, width) cells that are ever not free
     uint8_t *seen;   // (2 height + 1, 2 width + 1)
     int64_t *stack;  // as many
 } Scratch;
 
-// Returns whether an edit frees the cell (ix, iy), the `solid`th solid one in order of rows.
+// Returns true if an edit frees the cell (ix, iy), the `solid`th solid one in order of rows.
 static bool frees(const WgEdit *edit, int64_t ix, int64_t iy, int64_t solid, int64_t width, int64_t height)
 {
     switch (edit->kind) {
@@ -27,7 +27,7 @@ static bool frees(const WgEdit *edit, int64_t ix, int64_t iy, int64_t solid, int
     }
 }
 
-// Writes the edited cells; returns whether any of them changed.
+// Writes the edited cells; returns true if any of them changed.
 static bool edit_cells(WgGrid old, const WgArena *arena, const WgEdit *edit)
 {
     bool changed = edit->kind >= WG_DROP_ROWS;
@@ -50,7 +50,7 @@ static bool edit_cells(WgGrid old, const WgArena *arena, const WgEdit *edit)
     return changed;
 }
 
-// Returns whether an edit turns the old grid into one of the arena's shape.
+// Returns true if an edit turns the old grid into one of the arena's shape.
 static bool fits(WgGrid old, const WgArena *arena, const WgEdit *edit)
 {
     if (edit->kind < WG_DROP_ROWS) {
@@ -65,7 +65,7 @@ static bool fits(WgGrid old, const WgArena *arena, const WgEdit *edit)
     return edit->kind == WG_DROP_COLUMNS && old.height == arena->height && old.width == arena->width + edit->b;
 }
 
-// A coordinate after `count` rows or columns from `first` on have been removed.
+// Returns a coordinate after `count` rows or columns starting at `first` have been removed.
 static int64_t moved(int64_t coordinate, const WgEdit *edit)
 {
     return coordinate >= (edit->a + edit->b) * WG_UNIT ? coordinate - edit->b * WG_UNIT : coordinate;
@@ -83,8 +83,7 @@ static void move_ends(WgSettings *settings, const WgEdit *edit)
     }
 }
 
-// Moves the start to the nearest clear point of the nine around it, as in every run; false if there
-// is none.
+// Moves the start to the nearest clear point of the nine around it, as in every run; returns false if there is none.
 static bool stand(const WgArena *arena, WgSettings *settings)
 {
     int64_t x = settings->start_x;
@@ -104,7 +103,7 @@ static bool stand(const WgArena *arena, WgSettings *settings)
     return false;
 }
 
-// Returns whether the target is certainly reached without touching a cell that is ever not free.
+// Returns true if the target is certainly reached without touching a cell that is ever not free.
 static bool has_way(const WgArena *arena, const WgSettings *settings, const Scratch *scratch)
 {
     memcpy(scratch->ever, arena->cells, (size_t)(arena->width * arena->height));
@@ -137,7 +136,7 @@ static void survey(const WgArena *arena, const WgSettings *settings, const Scrat
     wg_chessboard_clearance(ever, arena->clearance);
 }
 
-// Returns whether a run has ended as requested.
+// Returns true if a run has ended as requested.
 static bool is_wanted(const WgReport *report, const WgWanted *wanted)
 {
     bool overlaps = report->overlap_step >= 0;
@@ -150,7 +149,7 @@ static bool is_wanted(const WgReport *report, const WgWanted *wanted)
     return report->ending == wanted->ending;
 }
 
-// Makes an edit, and prepares its run; returns whether the edit is possible.
+// Makes an edit, and prepares its run; returns true if the edit is possible.
 static bool prepare(const WgArena *arena, WgSettings *settings, const WgSettings *before, WgGrid old,
                     const WgEdit *edit, bool by_way, const Scratch *scratch)
 {

@@ -65,7 +65,7 @@ double wg_guard_seconds(int64_t process)
 #include <time.h>
 #include <unistd.h>
 
-enum { LOOK_AROUND = 500000 };  // us between two checks that the owner is still there
+enum { LOOK_AROUND = 500000 };  // us between two checks that the owner still exists
 
 static volatile sig_atomic_t owner;  // of the process that makes calls; set only there
 
@@ -78,8 +78,8 @@ static void look_for_owner(int number)
     }
 }
 
-// Resets signals to a program's initial state, except Ctrl-C, which is the owner's, and the check
-// for the owner.
+// Resets signals to a program's initial state, except Ctrl-C, which belongs to the owner, and the check for the
+// owner.
 static void set_signals(void)
 {
     for (int number = 1; number < NSIG; number++) {

@@ -107,7 +107,7 @@ static void sense_at(WgCrew *crew, int64_t robot, WgNormal contact)
              &crew->workspace.observation, crew->workspace.beams);
 }
 
-// Moves a robot and lets it sense, also at its last pose; returns whether a wall stopped or bent the move.
+// Moves a robot and lets it sense, also at its last pose; returns true if a wall stopped or bent the move.
 static bool advance(WgCrew *crew, int64_t robot)
 {
     WgArena arena = arena_of(crew, robot);
@@ -120,7 +120,7 @@ static bool advance(WgCrew *crew, int64_t robot)
     return driver->contact.x != 0.0 || driver->contact.y != 0.0;
 }
 
-// Length of the path to the target, m: straight to one of the four nodes around the robot, then the
+// Returns the length of the path to the target, m: straight to one of the four nodes around the robot, then the
 // shortest path; or infinity.
 static double length_of_way(const WgPlace *place, int64_t x, int64_t y)
 {
@@ -138,8 +138,7 @@ static double length_of_way(const WgPlace *place, int64_t x, int64_t y)
     return best;
 }
 
-// The robot's distance to the target, m: by the shortest path if those are known, otherwise
-// straight.
+// Returns the robot's distance to the target, m: along the shortest path if it is known, otherwise straight.
 static double distance_of(const WgCrew *crew, int64_t robot)
 {
     const WgPlace *place = &crew->places[crew->world[robot]];
@@ -185,7 +184,7 @@ void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observatio
     crew->clock[robot] = 0;
     crew->elapsed[robot] = 0;
 
-    // The first move, at standstill.
+    // Make the first move, at standstill.
     advance(crew, robot);
     observe(crew, observation);
     crew->distance[robot] = distance_of(crew, robot);
@@ -202,7 +201,7 @@ void wg_crew_begin_many(WgCrew *crew, const uint8_t *which, float *observations)
     }
 }
 
-// The next episode, in a world chosen by the robot's seed.
+// Begins the next episode, in a world chosen by the robot's seed.
 static void begin_next(WgCrew *crew, int64_t robot, float *observation)
 {
     crew->episode[robot]++;
@@ -243,7 +242,7 @@ static double reward_of(WgCrew *crew, int64_t robot, bool touched)
     return reward;
 }
 
-// One action of a robot whose episode continues.
+// Applies one action of a robot whose episode continues.
 static void act(WgCrew *crew, int64_t robot, double turn, double speed, const WgTold *told)
 {
     float *observation = told->observation + robot * crew->size;

@@ -33,7 +33,7 @@ WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *f
         }
         endings[n] = robot->report.ending;
         if (endings[n] == WG_CRASH) {
-            memcpy(robot->body, states + n * words, size);  // a controller's partial work counts for nothing
+            memcpy(robot->body, states + n * words, size);  // a controller's partial work is ignored
             robot->body->state.draws = 0;
         }
         drew[n] = robot->body->state.draws;

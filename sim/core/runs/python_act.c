@@ -1,7 +1,7 @@
 // A controller that is a Python object.
 //
-// With the loop in Python, and a call of the core in each step, a fast controller made 0.63 million
-// steps a second; with the loop here it makes 1.1 million.
+// With the loop in Python, and a call of the core in each step, a fast controller made 0.63 million steps per second;
+// with the loop here it makes 1.1 million.
 
 #include "wg_python_act.h"
 
@@ -10,7 +10,7 @@
 
 enum { TOOLS = 9 };
 
-// The loop's tools; it owns no references to them.
+// The loop's tools; it does not own references to them.
 typedef struct Tools {
     PyObject *act;
     PyObject *first;
@@ -28,7 +28,7 @@ int64_t wg_episode_stop(void *subject)
     return wg_episode_step(subject);
 }
 
-// Returns whether an object has exactly this type, not a subtype.
+// Returns true if an object has exactly this type, not a subtype.
 static bool is_just(PyObject *object, PyObject *type)
 {
     PyObject *own = PyObject_Type(object);
@@ -36,7 +36,7 @@ static bool is_just(PyObject *object, PyObject *type)
     return own == type;
 }
 
-// A tuple of floats; NULL after an exception.
+// Returns a tuple of floats; NULL after an exception.
 static PyObject *floats(const double *numbers, int64_t count)
 {
     PyObject *made = PyTuple_New((Py_ssize_t)count);
@@ -86,8 +86,8 @@ static bool read_number(PyObject *object, double *number)
     return true;
 }
 
-// Reads all items of a tuple; returns false, without an exception, if one isn't a number. `plain`:
-// whether all are exactly floats.
+// Reads all items of a tuple; returns false, without an exception, if one isn't a number. `plain`: true if all are
+// exactly floats.
 static bool read_numbers(PyObject *tuple, int64_t count, const Tools *tools, double *numbers, bool *plain)
 {
     *plain = true;
@@ -136,7 +136,7 @@ static PyObject *take_quickly(PyObject *answer, int64_t size, const Tools *tools
     return after;
 }
 
-// The same for any answer, judged by Python. NULL after an exception.
+// Does the same for any answer, judged by Python. NULL after an exception.
 static PyObject *take_slowly(PyObject *answer, int64_t size, const Tools *tools, double *taken)
 {
     PyObject *length = PyLong_FromLongLong(size);
@@ -162,8 +162,8 @@ static PyObject *act_once(WgActing *acting, const Tools *tools, PyObject *memory
         return NULL;
     }
 
-    // The function decides how its time is counted: only the first call, later ones for all calls
-    // around them.
+    // Choose the function by how its time is counted: the first call only for itself, later ones for all calls around
+    // them.
     PyObject *act = tools->act;
     if (acting->calls == 0) {
         act = tools->first;

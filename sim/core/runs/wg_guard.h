@@ -1,5 +1,4 @@
-// Calls of the core in another process, so that a controller that crashes or hangs ends a run and
-// not the program.
+// Calls of the core in another process, so that a controller that crashes or hangs ends a run, not the program.
 //
 // wg_guard_start forks a process that waits for a byte, makes the call described in shared memory,
 // and answers with a byte. Everything a call works on is in memory that both processes share, so
@@ -26,9 +25,9 @@ typedef int64_t (*WgWork)(const WgCall *call);
 struct WgCall {
     WgWork work;
     void *objects[8];        // the function's pointer arguments, in order
-    int64_t number;          // the number that it takes
-    const WgReport *report;  // of the run under way; NULL: there is none
-    int64_t result;          // filled: what the function returns
+    int64_t number;          // the function's number argument
+    const WgReport *report;  // of the current run; NULL: there is none
+    int64_t result;          // filled: the function's return value
     int64_t has_error;       // filled: 1 if the last run's controller left a message
     char error[256];         // filled: the message
 };

@@ -1,5 +1,5 @@
 // Episodes of many robots in lockstep whose commands come from outside, as in environments for
-// reinforcement learning: act, move, sense, reward, and begin again, in one call.
+// reinforcement learning: act, move, sense, reward, and restart, in one call.
 //
 // Each robot's steps are those of a controller in an episode: a first move at standstill before
 // anything is sensed, then alternating commands and moves. Arrays belong to the caller.
@@ -26,8 +26,7 @@ enum {
     WG_SHOW_BEAMS = 9,
 };
 
-// When the next episode begins: in the step after the last one, in the same step, or when the
-// caller asks.
+// When the next episode begins: in the step after the last one, in the same step, or on the caller's request.
 enum { WG_NEXT_STEP = 0, WG_SAME_STEP = 1, WG_NO_AUTORESET = 2 };
 
 // Constants for the numbers of observations, commands and rewards.
@@ -35,7 +34,7 @@ typedef struct WgRules {
     double extent;      // m: what counts as 1 in distances
     double beam_range;  // m: what counts as 1 in range beams
     double turn_rate;   // rad/s: what counts as 1 in actions
-    double slowest;     // share of the top speed: the least that an action may request
+    double slowest;     // smallest share of the top speed that an action may request
     double progress;    // reward for a metre nearer to the target
     double time;        // for a second
     double contact;     // for a step in which a wall stopped or bent the move
@@ -94,13 +93,13 @@ typedef struct WgTold {
 // Fills an environment's observation, (size,), with the simulator's senses that it shows.
 void wg_show(const WgObservation *seen, const int64_t *sensors, int64_t sensor_count, const WgRules *rules, float *shown);
 
-// Which of the worlds an episode is in.
+// Returns the index of the world that an episode is in.
 int64_t wg_world_of_episode(uint64_t seed, int64_t episode, int64_t count);
 
 // Seed of an episode's run, from which noise is drawn: 53 bits.
 int64_t wg_run_of_episode(uint64_t seed, int64_t episode);
 
-// Gives the robots their states (count,), and one chain that is long enough for any step of any of them.
+// Gives the robots their states (count,), and one chain that is long enough for any step of any robot.
 void wg_crew_robots(WgCrew *crew, WgState *states, WgCorner *chain);
 
 // Puts a robot at the start of its episode in a world, and observes: (size,).

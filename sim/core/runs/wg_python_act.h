@@ -7,7 +7,7 @@
 
 #include "wg_episode.h"
 
-// Takes the answer of a controller, if it was to act; then runs until it is to act again, WG_ACTS, or WG_OVER.
+// Takes the answer of a controller, if it had to act; then runs until it must act again, WG_ACTS, or WG_OVER.
 typedef int64_t (*WgStop)(void *subject);
 
 // A run whose controller acts in Python.

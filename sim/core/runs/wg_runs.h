@@ -21,14 +21,14 @@ typedef struct WgStart {
 
 // batch.c
 
-// Runs one controller in one world many times. A recurrence counts up to the end of its first
-// period, as if proved.
+// Runs one controller in one world many times. A recurrence counts up to the end of its first period, as if it were
+// proved.
 //
 // fresh:     the surroundings before the first event; not changed.
 // settings:  those of the episode; start, seed, steps and the search for loops are changed and set back.
 // starts:    (count,)
 // seeds:     (count,)
-// stop:      once it is not 0, which another thread may make it, no run counts and the call soon returns.
+// stop:      set by another thread; once it is not 0, no run counts and the call soon returns.
 // reports:   (count,) filled.
 WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fresh, const WgStart *starts,
                      const uint64_t *seeds, int64_t count, const int64_t *stop, WgReport *reports);
@@ -37,11 +37,11 @@ WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fr
 
 // The effect of an edit on the grid.
 enum {
-    WG_FREE_BOX = 0,      // ix, iy, width, height: what is solid in this box of cells becomes free
+    WG_FREE_BOX = 0,      // ix, iy, width, height: the solid cells in this box become free
     WG_FREE_RUN = 1,      // first, count: this many of the solid cells, in row order
     WG_FREE_RIM = 2,      // the outermost cells
-    WG_DROP_ROWS = 3,     // first, count; what is above moves down
-    WG_DROP_COLUMNS = 4,  // first, count; what is right of them moves left
+    WG_DROP_ROWS = 3,     // first, count; rows above move down
+    WG_DROP_COLUMNS = 4,  // first, count; columns to the right move left
 };
 
 // As rows of (n, 5) int64 in Python.
@@ -68,7 +68,7 @@ typedef struct WgWanted {
 typedef struct WgTried {
     int64_t next;     // index of the edit at which to continue
     int64_t runs;
-    int64_t found;    // 1: the edit before `next` is one
+    int64_t found;    // 1: the edit before `next` is the one searched for
     int64_t running;  // 1: the run of the edit before `next` is not over; the next call continues it
 } WgTried;
 
@@ -96,9 +96,9 @@ WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSetting
 WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *faces, int64_t count, int64_t *after,
                      int64_t *endings, int64_t *drew);
 
-// The senses of a controller at each of many poses, of those that walls determine, without contact.
+// Computes the senses of a controller that walls determine, except contact, at each of many poses.
 //
-// seen:  (count, 17 + beams) filled; 0 for what is not sensed.
+// seen:  (count, 17 + beams) filled; 0 for senses that are off.
 WgStatus wg_sensed_of_walls(const WgArena *arena, const WgSettings *settings, const WgStart *poses, int64_t count,
                             double *seen);
 
@@ -115,9 +115,8 @@ WgStatus wg_lockstep_new(const WgArena *arenas, const WgSettings *settings, cons
 
 void wg_lockstep_free(WgEpisode **episodes, int64_t count);
 
-// Applies the commands of the robots in the first slots, and runs each until it is to act again.
-// Those that do move up to the first slots, in their order; in the first call no robot has acted
-// yet.
+// Applies the commands of the robots in the first slots, and runs each until it must act again. Those robots move up
+// to the first slots, in order; in the first call no robot has acted yet.
 //
 // slots:         (count,) episodes
 // commands:      (count, 3) speed, turn rate, and whether the random number was used
@@ -129,7 +128,7 @@ void wg_lockstep_free(WgEpisode **episodes, int64_t count);
 int64_t wg_lockstep_step(WgEpisode **slots, int64_t count, const double *commands, const double *after,
                       double *observations, double *memories);
 
-// Fills (count,) each run's report, and where the loop that ended it begins, otherwise -1.
+// Fills (count,) with each run's report, and with the beginning of the loop that ended it, otherwise -1.
 void wg_lockstep_reports(WgEpisode *const *episodes, int64_t count, WgReport *reports, int64_t *entries);
 
 #endif

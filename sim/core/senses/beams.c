@@ -4,7 +4,7 @@
 // cells if it runs more along x than along y, otherwise along columns. A table gives how far the
 // lane is free from where the ray enters it, so the ray either leaves the lane before that, or hits
 // the face there. All rays of an eighth of a turn share their first lane, and a second table holds
-// the directions. In a maze this takes 10 ns a beam where the walk takes 30.
+// the directions. In a maze this takes 10 ns per beam; the walk takes 30.
 //
 // The result equals the walk's to the last bit: the distance is the same exact difference divided
 // by the same direction. The point where a ray leaves its lane is known to 1/32 of a lattice unit,
@@ -17,7 +17,7 @@
 #include "sense.h"
 
 enum {
-    PORTION = 64,        // beams that are worked on together
+    PORTION = 64,        // beams that are processed together
     FRACTION_BITS = 32,  // of a place along a lane, in lattice units
     CELL_BITS = FRACTION_BITS + WG_UNIT_BITS,
     MOST_CELLS = 65535,  // of a side of the grid
@@ -27,7 +27,7 @@ enum {
 // What follows a cell in a table of wg_free_runs.
 enum { RIGHT = 0, LEFT = 1, UP = 2, DOWN = 3, DIRECTIONS = 4 };
 
-// How closely a ray may pass a corner, and the exit of a ray that never leaves its lane.
+// The distance at which a ray may pass a corner, and the exit of a ray that never leaves its lane.
 static const int64_t CLOSE = INT64_C(1) << (FRACTION_BITS - 5);
 static const int64_t NEVER = (INT64_C(1) << 60) + (INT64_C(1) << (CELL_BITS - 1));
 
@@ -130,7 +130,7 @@ static void fill_octants(const WgArena *arena, const WgState *state, Octant *oct
     }
 }
 
-// Where a ray hits something, or after how many cells of its lane it is longer than its range.
+// Returns where a ray hits something, or after how many cells of its lane it exceeds its range.
 static inline Hit follow(const Octant *octant, int64_t slope, int64_t most)
 {
     const Hit unsure = {-1, 0};
@@ -162,15 +162,15 @@ static inline Hit follow(const Octant *octant, int64_t slope, int64_t most)
     }
 }
 
-// The eighth of a turn that contains a heading. An axis belongs to the octant that sees the other
-// axis unmirrored, as in the walk.
+// Returns the eighth of a turn that contains a heading. An axis belongs to the octant that sees the other axis
+// unmirrored, as in the walk.
 static inline int64_t octant_of(int64_t heading)
 {
     bool is_below_last_axis = 0 < heading && heading < 6 * EIGHTH;
     return (heading - is_below_last_axis) / EIGHTH;
 }
 
-// Distances of `count` beams from `first` on, lattice units.
+// Fills the distances of `count` beams starting at `first`, lattice units.
 static void measure(const WgArena *arena, const WgSettings *settings, const WgState *state, const Octant *octants,
                     int64_t first, int64_t count, double *distances)
 {

@@ -95,13 +95,13 @@ static bool has_arrived(const Line *line)
     return line->ix == line->last_ix && line->iy == line->last_iy;
 }
 
-// Moves to the next cell. Of the lines to the next column and the next row, the nearer one is
-// crossed; if both are equally near, the line passes through the corner.
+// Moves to the next cell. It crosses the nearer of the lines to the next column and the next row; if both are equally
+// near, the line passes through the corner.
 static void follow(Line *line)
 {
     int64_t to_column = line->step_x > 0 ? (line->ix + 1) * WG_UNIT - line->x : line->x - line->ix * WG_UNIT;
     int64_t to_row = line->step_y > 0 ? (line->iy + 1) * WG_UNIT - line->y : line->y - line->iy * WG_UNIT;
-    // How far along the line each of them is, times both lengths.
+    // The distance of each along the line, times both lengths.
     int64_t first_x = to_column * line->length_y;
     int64_t first_y = to_row * line->length_x;
     if (line->iy == line->last_iy || (line->ix != line->last_ix && first_x <= first_y)) {
@@ -125,7 +125,7 @@ int64_t wg_walls_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int
     return count;
 }
 
-// Returns whether a cell, or one within the reach of smoke around it, burns.
+// Returns true if a cell, or one within the reach of smoke around it, burns.
 static bool is_in_smoke(WgGrid grid, int64_t ix, int64_t iy, int64_t reach)
 {
     int64_t top = wg_least(iy + reach, grid.height - 1);

@@ -65,7 +65,8 @@ void wg_heading_table(int64_t *table)
     }
 }
 
-// Returns whether a direction from the robot is in the sensor's field, which reaches as far to either side of the heading.
+// Returns true if a direction from the robot is in the sensor's field, which extends equally to both sides of the
+// heading.
 static bool is_in_field(const WgSettings *settings, Place shift, int64_t heading)
 {
     if (settings->sensor_field >= (double)(WG_TURN / 2)) {
@@ -75,8 +76,8 @@ static bool is_in_field(const WgSettings *settings, Place shift, int64_t heading
     return (double)off <= settings->sensor_field;
 }
 
-// Returns the signal of a source of strength 1 at a place: 1 / (1 + squared distance in cells), less the loss in walls and smoke
-// on the way; 0 beyond the sensor's range.
+// Returns the signal of a source of strength 1 at a place: 1 / (1 + squared distance in cells), minus the loss in
+// walls and smoke on the way; 0 beyond the sensor's range.
 static double sent(const WgArena *arena, const WgSettings *settings, Place source, Place place)
 {
     enum { MOST_HALVINGS = 1000 };
@@ -105,7 +106,7 @@ static double sent(const WgArena *arena, const WgSettings *settings, Place sourc
     return value;
 }
 
-// The same, as the sensor reads it: a share of it wrong.
+// Returns the same as the sensor reads it, with a relative error.
 //
 // draw:  number of the random draw of the noise.
 static double with_noise(const WgSettings *settings, double value, int64_t draw)
@@ -118,7 +119,7 @@ static double with_noise(const WgSettings *settings, double value, int64_t draw)
 
 double wg_signal_here(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
 {
-    // The sensor adds up what comes from the sources in its field.
+    // The sensor adds up the signals of the sources in its field.
     Place here = {state->x, state->y};
     double value = 0.0;
     for (int64_t k = -1; k < settings->decoy_count; k++) {
@@ -135,7 +136,7 @@ double wg_signal_here(const WgArena *arena, const WgSettings *settings, const Wg
     return with_noise(settings, value, wg_noise_channel(step, WG_NOISE_SIGNAL));
 }
 
-// Strength of the signal that the sensor reads for a place near the robot, 0 where none comes.
+// Returns the strength of the signal that the sensor reads for a place near the robot, 0 if there is none.
 //
 // shift:  direction from the robot to the place.
 // draw:   number of the random draw of the noise.
@@ -154,7 +155,7 @@ static double reading(const WgArena *arena, const WgSettings *settings, Place pl
     return with_noise(settings, value, draw);
 }
 
-// The cell, of the nine around (ix, iy), that wg_signal_heading points to.
+// Finds the cell, of the nine around (ix, iy), that wg_signal_heading points to.
 static Place strongest_of_nine(WgGrid grid, int64_t ix, int64_t iy, int64_t target_x, int64_t target_y)
 {
     const int64_t middle = WG_UNIT / 2;
@@ -202,7 +203,7 @@ int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, i
     return wg_heading_of(best.x * WG_UNIT + middle - x, best.y * WG_UNIT + middle - y, heading);
 }
 
-// Like wg_signal_heading, for a sensor with other limits; the robot's heading if it sees nothing.
+// Like wg_signal_heading, but for a sensor with other limits; returns the robot's heading if it sees nothing.
 static int64_t strongest_cell(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
 {
     WgGrid grid = wg_grid(arena);
@@ -212,7 +213,7 @@ static int64_t strongest_cell(const WgArena *arena, const WgSettings *settings, 
     Place strongest = {state->x, state->y};
     double most = 0.0;
     for (int64_t place = -1; place < side * side; place++) {
-        // The own cell first, then rows from the top, columns from the left.
+        // The robot's own cell comes first, then rows from the top, columns from the left.
         Place cell = own;
         if (place >= 0) {
             cell.x += place % side - settings->sensor_cells;

@@ -60,7 +60,7 @@ static inline void wg_prefetch_displacement(const int64_t *headings, int64_t hea
     __builtin_prefetch(&headings[wg_reduced_heading(heading - WG_TURN / 4)]);
 }
 
-// Returns whether a normal is set: not (0, 0). Without its sign, zero has no bits; comparing them
+// Returns true if a normal is set: not (0, 0). Without its sign, zero has no bits; comparing them
 // takes a third of the instructions of two comparisons of doubles.
 static inline bool wg_is_contact(WgNormal contact)
 {
@@ -87,7 +87,7 @@ double wg_signal_here(const WgArena *arena, const WgSettings *settings, const Wg
 // Heading towards the strongest signal around the robot.
 int64_t wg_strongest_heading(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step);
 
-// Fills the range beams, m; a beam that hits nothing, or is lost, returns its longest distance.
+// Fills the range beams, m; a beam that hits nothing, or is lost, returns its maximum range.
 void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step,
                     double *beams);
 
@@ -95,8 +95,8 @@ void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgSt
 void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
                    WgNormal contact, int64_t step, WgObservation *observation, double *beams);
 
-// Returns whether any of them is declared. One test of all instead of one of each saves 16
-// instructions in a step without them.
+// Returns true if any of them is declared. A single test for all of them saves 16 instructions in a step without
+// them.
 static inline bool wg_senses_more(const WgSettings *settings)
 {
     return (settings->senses & ~(int64_t)(WG_SENSE_RANDOM | WG_SENSE_NOTHING_ELSE)) != 0;
@@ -116,8 +116,7 @@ static inline double wg_sensed_random(const WgSettings *settings, const WgState 
     return settings->coin == 0 ? drawn : (double)wg_floor(drawn * coin) / coin;
 }
 
-// Fills the observation; of the senses that cost time only those in WgSettings.senses. Constants
-// are left alone.
+// Fills the observation; senses that cost time only if they are in WgSettings.senses. Constants do not change.
 //
 // contact:  normal of the robot's last contact.
 // step:     its number.

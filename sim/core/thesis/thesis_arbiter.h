@@ -1,5 +1,4 @@
-// Which behaviour controls the thesis's robot, and what it does: a state machine without any
-// geometry.
+// Decides which behaviour controls the thesis's robot, and what it does: a state machine without any geometry.
 //
 // wg_select_behaviour lets a behaviour take control; the caller then sets the new target heading if
 // collide has just taken control, and checks whether the robot already points there.
@@ -27,7 +26,7 @@ enum { WG_IDLE = -1, WG_COLLIDE = 0, WG_SEEK = 1, WG_DRIVE = 2 };
 enum { WG_A0 = 0, WG_A1, WG_A2, WG_A3, WG_A4, WG_A5, WG_A6, WG_INTERRUPTIBLE };
 
 // Actions of the wheels: stop and turn towards the target heading; drive at the robot's speed;
-// drive at the speed before the collision; stop; keep the speed, whatever it is.
+// drive at the speed from before the collision; stop; keep the speed, whatever it is.
 typedef enum WgWheels {
     WG_WHEELS_TURN,
     WG_WHEELS_GO,
@@ -39,7 +38,7 @@ typedef enum WgWheels {
 typedef struct WgCharge {
     int64_t behaviour;  // WG_IDLE if no behaviour has control
     int64_t ticks;     // its counter
-    bool taken;        // whether it has just taken control
+    bool taken;        // 1 if it has just taken control
 } WgCharge;
 
 typedef struct WgAction {
@@ -53,8 +52,8 @@ typedef struct WgAction {
 // reading:        of the arbiter.
 // behaviour:      in control so far;
 // ticks:          its counter.
-// collision:      whether the last move hit a wall.
-// at_signal:      whether the target heading is already the signal's direction.
+// collision:      1 if the last move hit a wall.
+// at_signal:      1 if the target heading is already the signal's direction.
 // collide_ticks:  initial counter of collide;
 // drive_ticks:    that of drive.
 //
@@ -95,8 +94,8 @@ static inline WgCharge wg_select_behaviour(int64_t reading, int64_t behaviour, i
 // behaviour:  WG_COLLIDE, WG_SEEK (the caller has made the signal's direction its target) or
 //             WG_DRIVE.
 // ticks:      its counter.
-// collision:  whether the last move hit a wall.
-// turned:     whether the robot points along its target heading.
+// collision:  1 if the last move hit a wall.
+// turned:     1 if the robot points along its target heading.
 static inline WgAction wg_run_behaviour(int64_t behaviour, int64_t ticks, bool collision,
                                         bool turned)
 {

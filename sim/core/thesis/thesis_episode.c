@@ -107,7 +107,7 @@ static void look_for_loop(const WgThesisSettings *settings, WgThesisRun *run, Wg
     }
 }
 
-// One tick; false if it needs a draw and none is left.
+// Makes one tick; returns false if it needs a draw and none is left.
 static bool tick(const ThesisGrid *grid, const WgThesisArena *arena,
                  const WgThesisSettings *settings, WgThesisRun *run, const double *draws,
                  int64_t draw_count, int64_t step)
@@ -124,7 +124,7 @@ static bool tick(const ThesisGrid *grid, const WgThesisArena *arena,
     int64_t touched = run->state.collision;
     ThesisPoint before;
     if (settings->rule == WG_RULE_RANDOM && run->state.draws_used >= draw_count) {
-        // The tick may need the missing draw: then it has not happened.
+        // The tick may need the missing draw; in that case it has not happened.
         const WgThesisState state = run->state;
         if (!thesis_tick(grid, settings, draws, draw_count, &run->state, step, &before)) {
             run->state = state;
@@ -152,7 +152,7 @@ static bool is_share(double value)
     return value >= 0.0 && value <= 1.0;
 }
 
-// Returns whether the robot's numbers guarantee that every tick ends and no integer overflows.
+// Returns true if the robot's numbers guarantee that every tick ends and no integer overflows.
 static bool robot_is_sound(const WgThesisSettings *settings)
 {
     const int64_t most = (int64_t)1 << 40;
@@ -166,7 +166,7 @@ static bool robot_is_sound(const WgThesisSettings *settings)
     return rule && counters && turns && shares && forces && settings->steps <= most;
 }
 
-// The same for a run's initial state.
+// Does the same for a run's initial state.
 static bool state_is_sound(const WgThesisSettings *settings, const WgThesisState *state)
 {
     const double farthest = 1e6; // px in a tick, and rad

@@ -55,7 +55,7 @@ void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *set
         } else if (event->state == WG_BURNING) {
             value = WG_THESIS_FLAME;
         }
-        // In the thesis's program a wall that lands on the robot ends nothing, as one that it enters does not.
+        // In the thesis's program, neither a wall that lands on the robot nor one that it enters ends the run.
         bool harms = event->state != WG_SOLID || settings->stop_at_tunnel != 0;
         bool falls = harms && value < 0 && value != arena->cells[cell] && run->ending == WG_LIMIT;
         arena->cells[cell] = value;
@@ -135,8 +135,7 @@ void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesis
     }
 }
 
-// Narrows [enter, leave], shares of a path, to the part between two edges of a cell; false if there
-// is none.
+// Narrows [enter, leave], shares of a path, to the part between two edges of a cell; returns false if there is none.
 //
 // low: the first edge from the path's start, px; along: length of the path on this axis, px.
 static bool clip(double low, double along, double *enter, double *leave)
@@ -153,7 +152,7 @@ static bool clip(double low, double along, double *enter, double *leave)
     return true;
 }
 
-// Share, 0 to 1, of a straight path that is inside a cell.
+// Returns the share, 0 to 1, of a straight path that is inside a cell.
 //
 // Slab test: Ericson, Real-Time Collision Detection (2005), 5.3.3.
 static double share_inside(ThesisPoint start, ThesisPoint path, int64_t cell_x, int64_t cell_y)
@@ -165,7 +164,7 @@ static double share_inside(ThesisPoint start, ThesisPoint path, int64_t cell_x, 
     return crosses ? wg_higher(leave - enter, 0.0) : 0.0;
 }
 
-// The first wall that the straight path enters, rows outer; step -1 if none.
+// Finds the first wall that the straight path enters, row by row; step -1 if there is none.
 static WgThesisPlace entered_wall(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path,
                                   double length, const WgThesisRun *run, int64_t step)
 {

@@ -1,5 +1,4 @@
-// The thesis's motion: forward in steps of one pixel until something is touched, with its three
-// faults.
+// The thesis's motion: forward in steps of one pixel until it touches something, with its three faults.
 //
 // It slides along a wall after looking at only one cell, backs off without looking, and continues
 // if only the corner of a cell is touched; so a robot that turns often works its way into walls and
@@ -30,7 +29,7 @@ static inline double near_on_axis(double place, double radius, int64_t cell)
     return high < 0.0 ? high : 0.0;
 }
 
-// Returns whether the open disc meets the cell.
+// Returns true if the open disc meets the cell.
 static inline bool touches_cell(ThesisPoint centre, double radius, int64_t cell_x, int64_t cell_y)
 {
     double near_x = near_on_axis(centre.x, radius, cell_x);
@@ -38,7 +37,7 @@ static inline bool touches_cell(ThesisPoint centre, double radius, int64_t cell_
     return near_x * near_x + near_y * near_y < 0.25;
 }
 
-// What one pixel's step hits: the first wall that a single-axis part of it touches.
+// Returns what a step of one pixel hits: the first wall that a single-axis part of it touches.
 //
 // Rows outside the grid are skipped, where the listing leaves its loop: the same inside a border of
 // walls.
@@ -75,7 +74,7 @@ static int contact(const ThesisGrid *grid, ThesisPoint next, ThesisPoint here, d
     return found;
 }
 
-// Returns whether the disc touches no wall.
+// Returns true if the disc touches no wall.
 static bool is_clear(const ThesisGrid *grid, ThesisPoint centre, double radius)
 {
     int64_t centre_x = thesis_cell_of(centre.x);
@@ -93,8 +92,8 @@ static bool is_clear(const ThesisGrid *grid, ThesisPoint centre, double radius)
     return true;
 }
 
-// Returns whether a move hits no wall and no edge of the grid, judged by the box around it: then
-// none of its steps needs a check, and a tick of the recorded vectors takes 59 ns instead of 68.
+// Returns true if a move hits no wall and no edge of the grid, judged by the box around it. Then none of its steps
+// needs a check, and a tick of the recorded vectors takes 59 ns instead of 68.
 static bool is_open(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path, double radius)
 {
     const double margin = 0.5;  // px, far more than the rounding errors of such a move add up to
@@ -123,7 +122,7 @@ static bool is_open(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path,
 
 // Sets the centre after a pixel's step that meets a wall, and returns WG_SLIDE or WG_BACK_OFF.
 //
-// A slide continues along one axis, and goes back along the other by one pixel's part.
+// A slide continues along one axis, and goes back along the other by one pixel's share.
 static int64_t meet_wall(const ThesisGrid *grid, ThesisPoint *here, ThesisPoint next,
                          ThesisPoint unit, double radius, int touched, int64_t repairs,
                          double wall_friction)
@@ -178,8 +177,8 @@ WgThesisMove thesis_advance(const ThesisGrid *grid, double x, double y, double g
                 collision = true;
                 break;
             }
-            // As in the listing, the sum of the steps so far is added to the start: its rounding
-            // decides where steps end.
+            // As in the listing, the sum of the steps so far is added to the start, because its rounding decides
+            // where steps end.
             gone.x += unit.x;
             gone.y += unit.y;
             here = next;
@@ -199,7 +198,7 @@ WgStatus wg_thesis_move(const int32_t *cells, int64_t width, int64_t height,
                         const WgThesisSettings *settings, double x, double y, double goal_x,
                         double goal_y, WgThesisMove *move)
 {
-    const double farthest = 1e6; // px; a tick moves 10,000 at most
+    const double farthest = 1e6; // px; a tick moves at most 10,000
     if (!thesis_fits(width, height, settings->radius, x, y) ||
         !(fabs(goal_x - x) <= farthest && fabs(goal_y - y) <= farthest)) {
         return WG_BAD_VALUE;

@@ -14,7 +14,7 @@ static const double THESIS_CELL = 10.0; // px per cell; the listing's `length`
 static const double THESIS_PI = 3.14159265358979323846;
 static const double THESIS_TWO_PI = 6.28318530717958647692;
 
-// How many cells around its own a disc can touch: its radius is at most one cell.
+// Number of cells around its own that a disc can touch: its radius is at most one cell.
 enum { THESIS_REACH = 1 };
 
 // Random numbers of one tick. The last is the slip's, the others are the sensor's.
@@ -61,7 +61,7 @@ static inline void thesis_clamp(const ThesisGrid *grid, double radius, double *x
     *y = down > high_y ? high_y : down;
 }
 
-// Returns whether a grid and a disc in it satisfy the assumptions of these files.
+// Returns true if a grid and a disc in it satisfy the assumptions of these files.
 static inline bool thesis_fits(int64_t width, int64_t height, double radius, double x, double y)
 {
     const int64_t most = 1 << 24;
@@ -84,7 +84,7 @@ WgThesisMove thesis_advance(const ThesisGrid *grid, double x, double y, double g
 double thesis_sensed(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y,
                      double looking, int64_t step);
 
-// Returns whether the settings satisfy the assumptions of these functions.
+// Returns true if the settings satisfy the assumptions of these functions.
 bool thesis_can_sense(const ThesisGrid *grid, const WgThesisSettings *settings);
 
 #endif

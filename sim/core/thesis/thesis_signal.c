@@ -1,8 +1,7 @@
 // The thesis's light: the noise filter, and how the robot reads the signal.
 //
-// It also has the features that its author proposed for later: a sensor that looks in one direction
-// only, or errs; walls that weaken or block the light behind them; a robot with a coarser map than
-// the world.
+// It also has the features that its author proposed as future work: a sensor that looks in only one direction, or has
+// errors; walls that weaken or block the light behind them; a robot with a coarser map than the world.
 //
 // Source: the thesis's listing, simWorldCreator.noiseMapGen, simGuiExp.scanMultipleCells and
 // calcHeading.
@@ -12,7 +11,7 @@
 #include "thesis_parts.h"
 
 static const double DARK =
-    1073741824.0;  // 2^30, the reading where no light arrives: weaker than any signal
+    1073741824.0;  // 2^30, the reading if no light arrives: weaker than any signal
 
 enum {
     MOST_HALVINGS = 30,  // walls that weaken the light; behind more of them it is equally dark
@@ -84,9 +83,9 @@ static double bearing_to(Cell cell, double side, double x, double y)
     return bearing(((double)cell.x + 0.5) * side - x, ((double)cell.y + 0.5) * side - y);
 }
 
-// The cell with the best signal within `sense` cells; the first of equals.
+// Returns the cell with the best signal within `sense` cells; the first wins a tie.
 //
-// In a wall the own value is the lowest, so the robot then seeks the middle of that wall.
+// In a wall, the robot's own cell has the lowest value, so the robot then seeks the middle of that wall.
 static Cell brightest(const ThesisGrid *grid, double x, double y, int64_t sense)
 {
     const Cell own = {thesis_cell_of(x), thesis_cell_of(y)};
@@ -122,7 +121,7 @@ static int64_t walls_between(const ThesisGrid *grid, Cell from, Cell to)
     int64_t gone_y = 0;
     int64_t walls = 0;
     while (gone_x < path_x || gone_y < path_y) {
-        // Below 0 the next edge crossed is vertical; at 0 it is a corner.
+        // If negative, the next edge crossed is vertical; if 0, it is a corner.
         int64_t ahead = (1 + 2 * gone_x) * path_y - (1 + 2 * gone_y) * path_x;
         if (ahead <= 0) {
             gone_x++;
@@ -139,7 +138,7 @@ static int64_t walls_between(const ThesisGrid *grid, Cell from, Cell to)
     return walls;
 }
 
-// Signal of a cell after passing the walls; below 0 if there is none.
+// Signal of a cell after passing the walls; negative if there is none.
 static double reading_of(const ThesisGrid *grid, Cell cell, const WgThesisSettings *settings)
 {
     double value = thesis_value(grid, cell.x, cell.y);
@@ -189,7 +188,7 @@ static double noisy_reading(const ThesisGrid *grid, Cell cell, const WgThesisSet
     return value;
 }
 
-// Returns whether a place is in the sensor's field of view.
+// Returns true if a place is in the sensor's field of view.
 static bool in_field(double dx, double dy, double looking, double field)
 {
     if (field == 0.0) {
@@ -200,8 +199,8 @@ static bool in_field(double dx, double dy, double looking, double field)
     return (around < off ? around : off) <= field / 2.0;
 }
 
-// Cell, or block of `scale` cells, with the best reading in reach; the first of equals, its own
-// before all others.
+// Cell, or block of `scale` cells, with the best reading in reach; the first wins a tie, and the robot's own cell
+// wins over all others.
 static Cell best_of(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y,
                     double looking, int64_t step, int64_t scale)
 {

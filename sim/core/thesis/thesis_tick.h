@@ -1,4 +1,4 @@
-// A tick of the thesis's robot: the move at the present speed, then the arbiter, whose turn takes
+// A tick of the thesis's robot: the move at the current speed, then the arbiter, whose turn takes
 // effect immediately and whose speed drives the next tick.
 //
 // Source: the thesis's listing, robot.update, robot.turnS and the three behaviours.
@@ -31,8 +31,7 @@ static inline double thesis_turn(double heading, double target)
     return thesis_wrap(turned);
 }
 
-// The speed at which the robot rolls in this tick: inertia and friction keep it from the wanted
-// speed.
+// The speed at which the robot rolls in this tick: inertia and friction keep it from the requested speed.
 static inline double thesis_rolling(const WgThesisSettings *settings, double rolling, double wanted)
 {
     if (rolling < wanted) {
@@ -134,7 +133,7 @@ static inline void thesis_escape(const WgThesisSettings *settings, WgThesisState
 // Moves the robot and lets the behaviours act in tick `step`, from 1.
 //
 // draws:   (draw_count,) random numbers in [0, 1) for WG_RULE_RANDOM, in order.
-// before:  gets the centre before a wall changed the move.
+// before:  receives the centre before a wall changed the move.
 //
 // Returns false if the tick needs a draw and none is left; then the state is unusable.
 static inline bool thesis_tick(const ThesisGrid *grid, const WgThesisSettings *settings,
@@ -154,7 +153,7 @@ static inline bool thesis_tick(const ThesisGrid *grid, const WgThesisSettings *s
     bool collision = move.collision != 0;
     *before = (ThesisPoint){move.before_x, move.before_y};
 
-    // Sense, if a behaviour can ask for it.
+    // Sense, if a behaviour may need it.
     double signal = 0.0;
     if (old == WG_SEEK || (!collision && (old == WG_IDLE || reading >= WG_A2))) {
         signal = thesis_sensed(grid, settings, state->x, state->y, state->heading, step);

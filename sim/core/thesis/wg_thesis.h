@@ -1,9 +1,9 @@
 // The motion model `stepped`: the thesis's own simulator.
 //
-// Its frame: pixels, y down, ten pixels a cell; heading 0 is -x, pi/2 is -y (up), and headings grow
-// clockwise on the screen; milliseconds. Cells are stored column by column: cells[x * height + y].
-// The border must be WG_THESIS_WALL. Arrays belong to the caller, and no function keeps an address
-// after it returns.
+// Its frame: pixels, y down, ten pixels per cell; heading 0 is -x, pi/2 is -y (up), and headings
+// grow clockwise on the screen; milliseconds. Cells are stored column by column: cells[x * height +
+// y]. The border must be WG_THESIS_WALL. Arrays belong to the caller, and no function keeps an
+// address after it returns.
 
 #ifndef WG_THESIS_H
 #define WG_THESIS_H
@@ -20,7 +20,7 @@ enum {
     WG_THESIS_FLAME = -3, // does not stop the robot; the thesis has no fire
 };
 
-// An ending in addition to those of wg_sim.h: no draw was left; append some and call again.
+// An ending in addition to those of wg_sim.h: the draws ran out; append some and call again.
 enum { WG_NEEDS_DRAWS = 6 };
 
 // Rules: how the robot turns after a collision.
@@ -56,8 +56,8 @@ typedef struct WgThesisSettings {
     double radius;          // px
     double speed;           // px/ms
     double tolerance;       // overlap with a wall that is not reported, px
-    double acceleration;    // px/ms gained in a ms at most; 0: at once
-    double friction;        // px/ms lost in a ms by a robot that rolls out; 0: at once
+    double acceleration;    // largest gain of px/ms per ms; 0: unlimited
+    double friction;        // px/ms lost per ms by a robot that rolls out; 0: stops immediately
     double wall_friction;   // share of a slide that friction takes
     double slip;            // largest share of a tick's path that is lost
     double sensor_field;    // angle that the sensor looks into, rad; 0: all around
@@ -123,7 +123,7 @@ typedef struct WgThesisRow {
     double escapes;
 } WgThesisRow;
 
-// Where something happened for the first time, and which move had let the robot into the wall.
+// Where something happened for the first time, and the move that let the robot into the wall.
 typedef struct WgThesisPlace {
     int64_t step; // -1: never
     int64_t x;    // cell
@@ -133,8 +133,8 @@ typedef struct WgThesisPlace {
     int64_t cause; // the move of that step
 } WgThesisPlace;
 
-// A run: where it is, and its results. An episode that ended for lack of ticks or draws continues
-// from here.
+// A run: where it is, and its results. An episode that ran out of ticks or draws continues from
+// here.
 typedef struct WgThesisRun {
     WgThesisState state;
     int64_t ending; // WG_LIMIT, ... or WG_NEEDS_DRAWS
@@ -178,13 +178,12 @@ void wg_thesis_begin(WgThesisRun *run, double x, double y, double heading, doubl
 // Runs until the outcome is decided, settings->steps ticks are done, or tick `until` is.
 //
 // A run that ended as WG_LIMIT or WG_NEEDS_DRAWS continues where it stopped if called again with
-// the same arena, and with more steps or draws; the earlier draws stay in front.
+// the same arena, and with more steps or draws; the earlier draws stay at the front.
 //
 // run:     begun or stopped.
-// search:  for a recurrence of the complete state after the last event; NULL where find_loop is
-//          WG_NO_LOOP.
+// search:  for a recurrence of the complete state after the last event; NULL if find_loop is WG_NO_LOOP.
 // draws:   (draw_count,) random numbers in [0, 1) for WG_RULE_RANDOM, in order.
-// rows:    (row_count,) row k gets the state after step first_row + k.
+// rows:    (row_count,) row k receives the state after step first_row + k.
 //
 // Of several endings in one tick the first counts: WG_BURNED, WG_TUNNEL, WG_REACHED, WG_LOOP.
 WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *settings,

@@ -119,7 +119,7 @@ class GeneratedMaps:
             ):
                 raise InvalidParameter(
                     "wrong-type",
-                    "a {kind} came",
+                    "a {kind} was yielded",
                     "yield (name, walls) or (name, walls, start, target)",
                     kind=type(item).__name__,
                 )

@@ -120,7 +120,7 @@ class _Check:
             inside = 0 <= ix < self.world.width * self.k and 0 <= iy < self.world.height * self.k
             if not (inside and 0 <= first <= last):
                 raise _ConfinementRefused(
-                    f"({ix}, {iy}) from slab {first} to {last} is not a valid stay"
+                    f"tile ({ix}, {iy}) from slab {first} to {last} is not a valid stay"
                 )
             self.stays[ix, iy].append((first, last))
             if first <= self.last and self._apart((ix, iy), self.target) <= self.reach + SLACK:

@@ -4,7 +4,8 @@
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 
-static const double STRIDE = 0.03 / 0.07;  // of the radius; less than the diameter, or it steps over openings
+// of the radius; less than the diameter, otherwise the robot would step over openings
+static const double STRIDE = 0.03 / 0.07;
 static const double LEAST_STRIDE = 0.005;  // m: a robot smaller than half of this would take forever
 static const double FLAT = 20.0 * DEGREE;  // lean on a flat wall
 static const double ROUND = 40.0 * DEGREE;  // lean around a corner
@@ -16,8 +17,9 @@ static const double GIVE_WAY = 40.0 * DEGREE;  // turn away from a wall at which
 static const double SAME_FLAT = 5.0 * DEGREE;  // a wall that turns by less is flat
 static const double AHEAD = 45.0 * DEGREE;  // turn of one wall into the path
 static const double BEHIND = 120.0 * DEGREE;  // turn of one wall out of the path
-static const double STANDS = 0.02;  // a move ahead of less than this share of a step is none
-static const double PROGRESS = 0.5;  // share of a step by which the target must come nearer, or a slide is a stop
+static const double STANDS = 0.02;  // a move ahead of less than this share of a step counts as none
+// share of a step by which the target must come nearer, otherwise a slide counts as a stop
+static const double PROGRESS = 0.5;
 static const double PRESSES = 3.0;  // presses without finding the wall before it is searched for
 
 double wg_stride(const WgObservation *seen)
@@ -64,7 +66,7 @@ void wg_begin_following(WgWallBody *body, double wall)
     body->smooth = 0.0;
 }
 
-// How far the last step got in its direction, m; walls may have pushed the robot back, or aside.
+// Returns how far the last step got in its direction, m; walls may have pushed the robot back, or aside.
 static double moved_ahead(const WgObservation *seen, const WgWallBody *body)
 {
     return (seen->x - body->x) * wg_cos(seen->heading) + (seen->y - body->y) * wg_sin(seen->heading);

@@ -5,8 +5,8 @@
 // around a corner. If it meets something else, it *presses* against its own wall again before it
 // continues: the obstacle may be the far side of a passage hardly wider than the robot. Only if it
 // then cannot move ahead at all does it turn to the other wall. If it loses its wall, it turns
-// towards it step by step. So it follows the edge of the region that its centre can reach, and
-// skips no opening.
+// towards it step by step. So it follows the edge of the region that its centre can reach, and does not skip
+// openings.
 //
 // A step is never longer than wg_stride, which is less than the robot's diameter.
 
@@ -31,7 +31,7 @@ void wg_drive(const WgObservation *seen, WgWallBody *body, WgCommand *command, d
 // long as possible.
 void wg_head_for_target(const WgObservation *seen, WgWallBody *body, WgCommand *command);
 
-// Returns whether a wall stopped, rather than bent, the last step to the target, which was no
+// Returns true if a wall stopped, rather than bent, the last step to the target, which was no
 // longer than a stride.
 //
 // A wall that is no longer ahead has only bent it, however far that step got: the disc has slid
@@ -40,18 +40,17 @@ void wg_head_for_target(const WgObservation *seen, WgWallBody *body, WgCommand *
 // far: distance to the target before the step, m.
 bool wg_is_stopped(const WgObservation *seen, const WgWallBody *body, double far);
 
-// World direction, rad, of what the last step touched.
+// Returns the world direction, rad, of the thing that the last step touched.
 double wg_touched(const WgObservation *seen);
 
 // Starts to follow a wall in a direction, rad, by pressing against it.
 void wg_begin_following(WgWallBody *body, double wall);
 
-// Processes what the last step touched; returns whether it was the followed wall, which makes
+// Processes the touch of the last step; returns true if it was the followed wall, which makes
 // `wall` a measured direction.
 bool wg_feel(const WgObservation *seen, WgWallBody *body);
 
-// Returns whether the wall is nowhere around the robot any more; only a world that changes can
-// remove it.
+// Returns true if the wall is no longer around the robot; only a world that changes can remove it.
 bool wg_has_lost_it(const WgWallBody *body);
 
 // Commands the next step along the wall.

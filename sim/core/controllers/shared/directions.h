@@ -1,4 +1,4 @@
-// Directions and distances in the plane, where a beam and the target are, and how to command a turn.
+// Directions and distances in the plane, the directions of beams and target, and commands to turn.
 //
 // Only + - * /, sqrt and fdlibm's functions are used, so every machine gets the same bits.
 

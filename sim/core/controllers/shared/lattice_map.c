@@ -16,7 +16,7 @@ enum {
 
 static const int64_t UNKNOWN = (int64_t)1 << 40;
 
-// Position of an edge's bit: which of the map's numbers, and which bit of it.
+// Position of an edge's bit: the index of a number of the map, and the bit in it.
 typedef struct Bit {
     double *word;
     int64_t shift;
@@ -26,7 +26,7 @@ typedef struct Bit {
 typedef struct Search {
     int32_t *cost;  // of the best path to each node so far; INT32_MAX: none
     int8_t *move;   // by which that path came there; -1: none
-    int64_t *heap;  // bound << 32 | node, the least first
+    int64_t *heap;  // bound << 32 | node, smallest first
     int64_t count;  // of the heap
     int64_t room;   // of the heap
 } Search;
@@ -106,7 +106,8 @@ static int64_t door_of(const WgMapperMemory *map, WgNode node)
     return 0 <= i && i < 2 * REACH && 0 <= j && j < 2 * REACH ? j * 2 * REACH + i : -1;
 }
 
-// Returns whether a node is next to the target, and the way between them isn't known to be blocked.
+// Returns true if a node is next to the target, and the path between them isn't known to be
+// blocked.
 static bool has_door(const WgMapperMemory *map, WgNode node)
 {
     int64_t number = door_of(map, node);
@@ -191,7 +192,7 @@ static void push(Search *search, int64_t item)
     search->count++;
 }
 
-// Takes the least item off the heap.
+// Removes the smallest item from the heap.
 static int64_t pop(Search *search)
 {
     int64_t *heap = search->heap;
@@ -214,7 +215,7 @@ static int64_t pop(Search *search)
     return least;
 }
 
-// Lower bound of the cost from a node to the target.
+// Returns a lower bound of the cost from a node to the target.
 static int64_t at_least(const WgMapperMemory *map, WgNode node)
 {
     double dx = fabs((double)node.x - map->target_x);
@@ -222,8 +223,7 @@ static int64_t at_least(const WgMapperMemory *map, WgNode node)
     return wg_floor((double)STRAIGHT * wg_higher(dx, dy) + (double)(DIAGONAL - STRAIGHT) * wg_lower(dx, dy));
 }
 
-// A* from a node; returns the number of the window's node where the plan ends, -1 if there is no
-// path.
+// Searches from a node by A*; returns the number of the window's node where the plan ends, -1 if there is no path.
 //
 // A plan ends next to the target. It may also end where it leaves the window; that costs the
 // remaining distance plus a charge that makes it the last resort.
@@ -303,8 +303,7 @@ static void keep_plan(WgMapperMemory *map, Search *search, int64_t last)
 
 WgPlanned wg_map_plan(WgMapperMemory *map, WgNode from)
 {
-    // A plan is made about every hundred steps, and needs up to 77 bytes a node: too much to keep
-    // for each robot.
+    // A plan is made about every hundred steps, and needs up to 77 bytes per node, too much to keep for each robot.
     int64_t nodes = side_of(map) * side_of(map);
     Search search = {.room = 8 * nodes + 1};
     search.heap = malloc((size_t)search.room * sizeof *search.heap);

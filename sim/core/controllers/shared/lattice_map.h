@@ -34,7 +34,7 @@ void wg_map_block(WgMapperMemory *map, WgNode node, int64_t move);
 // Marks all edges that pass within a radius of a point as blocked; both in nodes.
 void wg_map_block_near(WgMapperMemory *map, double x, double y, double radius);
 
-// Marks the way from a node to the target as blocked.
+// Marks the path from a node to the target as blocked.
 void wg_map_block_door(WgMapperMemory *map, WgNode node);
 
 // Clears the map.
