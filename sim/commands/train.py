@@ -28,7 +28,8 @@ EXAMPLES = (
     "--controller",
     default="q-learner",
     show_default=True,
-    help="A controller that learns: q-learner, behaviours+by=learning:..., or learned:FILE to continue.",
+    help="A controller that learns: q-learner, behaviours+by=learning:..., ./mine.py:Mine, or learned:FILE to "
+    "continue.",
 )
 @click.option("--episodes", default=200, show_default=True, help="Number of runs to learn from.")
 @click.option("--steps", default=2000, show_default=True, help="Budget of each run, in steps.")
@@ -67,7 +68,8 @@ def train(
     PATHS are worlds, or folders of them, such as the failures of a campaign.
     """
     from sim.controllers import CONTROLLERS
-    from sim.controllers.learning import learned_text, learning_of
+    from sim.controllers.learning import learned_text
+    from sim.controllers.taught import learning_of
     from sim.drawing.curve import curve_svg
     from sim.runners.training import TrainingOptions
     from sim.runners.training import train as train_in
@@ -82,7 +84,8 @@ def train(
         if curve.suffix != ".svg":
             raise click.UsageError(f"--curve {curve}: name an .svg file")
     scenario = Scenario.parse(controller)
-    found, _ = learning_of(CONTROLLERS.get(scenario.controller), scenario.controller)
+    found = CONTROLLERS.get(scenario.controller)
+    learning_of(found, scenario.controller)
     files = [file for path in paths for file in _worlds_in(path)]
     if not files:
         raise click.UsageError(f"{paths[0]} holds no .grid file")
@@ -121,9 +124,14 @@ def _worlds_in(path: Path) -> list[Path]:
 
 def _first_name(name: str) -> str:
     """Return the name of the controller that first learned, if this one continues from a file."""
-    from sim.controllers.learning import is_learned_name, learned_file, read_learned
+    from sim.controllers.catalogue import own_words
+    from sim.controllers.learning import LEARNED, is_learned_name, learned_file, read_learned
 
-    return read_learned(learned_file(name)).controller if is_learned_name(name) else name
+    if is_learned_name(name):
+        return read_learned(learned_file(name)).controller
+    base, words = own_words(name)
+    kept = [f"{key}={value}" for key, value in words.items() if key != LEARNED]
+    return "+".join((base, *kept))
 
 
 def _say(learned: Learned) -> None:

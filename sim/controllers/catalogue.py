@@ -21,11 +21,11 @@ from sim.controllers.learning import (
     is_learned_name,
     learned_file,
     read_learned,
-    with_numbers,
 )
 from sim.controllers.programs.process import ProcessController, is_process_name
 from sim.controllers.shared.library import library_controller
 from sim.controllers.shared.object_file import is_library_name, library_file
+from sim.controllers.taught import with_numbers
 from sim.controllers.variants import Variants, no_options
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter, Message
@@ -33,14 +33,21 @@ from worldgen.files.whole import expanded
 from worldgen.parameters import split_options
 from worldgen.plugins.registry import Registry, check_code, user_code
 
-__all__ = ["CONTROLLERS", "called", "controller_of", "in_plain_place", "names_in"]
+__all__ = ["CONTROLLERS", "called", "controller_of", "in_plain_place", "names_in", "own_words"]
 
 _NAMES_CODE = re.compile(r"[\w./~-]+:[A-Za-z_]\w*(\+.*)?", re.DOTALL)
 _IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)
 
 
-def _own_words(name: str) -> tuple[str, dict[str, str | None]]:
-    """Split ``topological+places=16`` into the controller and options of its own."""
+def own_words(name: str) -> tuple[str, dict[str, str | None]]:
+    """Split ``topological+places=16`` into the controller and options of its own.
+
+    Args:
+        name: A controller's name, without options of the run.
+
+    Returns:
+        The name without them, and each option's value as text; None for one without ``=``.
+    """
     headed = is_process_name(name) or is_composition_name(name)
     if "+" not in name or headed or is_library_name(name) or is_learned_name(name):
         return name, {}
@@ -77,7 +84,7 @@ class ControllerRegistry(Registry[Controller]):
                 self._loaded[name] = library_controller(name)
             return self._loaded[name]
         # A registered controller, or a class of the user's, may have options of its own.
-        base, words = _own_words(name)
+        base, words = own_words(name)
         if words:
             return self._with_options(name, base, words)
         return super().get(name)
@@ -101,7 +108,8 @@ class ControllerRegistry(Registry[Controller]):
             InvalidParameter: If an option is unknown or out of range, or the file holds something
                 else than what this controller learned.
         """
-        path = words.pop(LEARNED, "")
+        has_learned = LEARNED in words
+        path = words.pop(LEARNED, None)
         found = self.get(base)
         if words:
             variants: Variants | None = getattr(found, "variants", None)
@@ -109,9 +117,17 @@ class ControllerRegistry(Registry[Controller]):
             if variants is None or unknown:
                 raise InvalidParameter.of(no_options(base, unknown[0]))
             found = variants.named(words, base, name)
-        if path == "":
+        if not has_learned:
             return found
-        learned = read_learned(expanded(path or "."))
+        if not path:
+            raise InvalidParameter(
+                "no-value",
+                "{name!r} names no file",
+                "write {controller}+learned=taught.json",
+                name=name,
+                controller=base,
+            )
+        learned = read_learned(expanded(path))
         # The class comes from the name, so a file that names other code cannot run it.
         if _place_apart(learned.controller) != _place_apart(base):
             raise InvalidParameter(
@@ -146,7 +162,7 @@ class ControllerRegistry(Registry[Controller]):
     def source(self, name: str) -> Path | None:
         if is_learned_name(name):
             return learned_file(name)
-        name, _ = _own_words(name)
+        name, _ = own_words(name)
         if is_composition_name(name):
             files = (BEHAVIOURS.source(part) for part in listed_names(name) if ":" in part)
             return next((file for file in files if file is not None), None)

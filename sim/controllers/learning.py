@@ -11,18 +11,15 @@ import json
 import math
 import stat
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.files.whole import expanded
-
-if TYPE_CHECKING:
-    from sim.controllers.base import CompiledController, Controller
 
 __all__ = [
     "LEARNED",
@@ -32,10 +29,7 @@ __all__ = [
     "is_learned_name",
     "learned_file",
     "learned_text",
-    "learning_of",
     "read_learned",
-    "with_exploration",
-    "with_numbers",
 ]
 
 Floats = npt.NDArray[np.float64]
@@ -61,12 +55,14 @@ class Learning:
             has none. Such a controller draws random numbers while it is trained.
         arrives: Changes a memory (m,) after a run in which the robot arrived; ``None`` if nothing
             remains to be learned then.
+        whole: Whether all of the numbers are whole and none is below 0.
     """
 
     first: int
     count: int
     explore: int = -1
     arrives: Callable[[Floats], None] | None = None
+    whole: bool = False
 
     @property
     def places(self) -> slice:
@@ -197,68 +193,3 @@ def _not_learned(path: Path, reason: str) -> InvalidParameter:
         path=str(path),
         reason=reason,
     )
-
-
-def learning_of(controller: Controller, name: str) -> tuple[CompiledController, Learning]:
-    """Return a controller that learns, and what it learns.
-
-    Raises:
-        InvalidParameter: If it learns nothing.
-    """
-    learning: Learning | None = getattr(controller, "learning", None)
-    if learning is None:
-        raise InvalidParameter(
-            "does-not-learn",
-            "controller {name!r} does not learn",
-            "use q-learner, or behaviours+by=learning:avoid,follow,approach",
-            name=name,
-        )
-    return controller, learning  # type: ignore[return-value]
-
-
-def with_numbers(
-    controller: Controller, numbers: tuple[float, ...], name: str
-) -> CompiledController:
-    """Return a controller that starts with learned numbers.
-
-    Args:
-        controller: One that learns.
-        numbers: The learned numbers.
-        name: Its name from now on.
-
-    Raises:
-        InvalidParameter: If it does not learn, or has a different number of learned values, or a
-            number cannot be in its memory.
-    """
-    found, learning = learning_of(controller, name)
-    if len(numbers) != learning.count:
-        raise InvalidParameter(
-            "wrong-size",
-            "{name} has {came} numbers, but {controller} learns {count}",
-            "train it again with this version",
-            name=name,
-            came=len(numbers),
-            controller=found.name,
-            count=learning.count,
-        )
-    if any(number < 0.0 or number != math.floor(number) for number in numbers):
-        raise InvalidParameter(
-            "out-of-range",
-            "{name} has numbers that are not whole, or below 0",
-            "train it again",
-            name=name,
-        )
-    memory = list(found.memory)
-    memory[learning.places] = numbers
-    return replace(found, name=name, memory=tuple(memory))
-
-
-def with_exploration(controller: CompiledController, thousandths: int) -> CompiledController:
-    """Return a controller that makes this share of its decisions at random, in thousandths."""
-    learning = controller.learning
-    if learning is None or learning.explore < 0 or thousandths == 0:
-        return controller
-    memory = list(controller.memory)
-    memory[learning.explore] = float(thousandths)
-    senses = dict.fromkeys((*controller.senses, "random"))
-    return replace(controller, memory=tuple(memory), senses=tuple(senses), randomised=True)

@@ -83,6 +83,11 @@ _POINT_STEP, _POINT_TIME, _POINT_X, _POINT_Y = range(4)
 _POINT_FIELDS = 4
 
 
+def _memory_of(episode: CoreEpisode) -> Floats:
+    """Return (m,) the memory of an episode that has ended."""
+    return episode.state_words()[STATE_WORDS:].view(np.float64)
+
+
 class LatticeRun:
     """One world, controller and set of options, ready to run any number of times.
 
@@ -295,20 +300,33 @@ class LatticeRun:
         return self.outcome_of(loop.episode, loop.recording(), loop.complete, loop.fault)
 
     def run_and_recall(self, steps: int, *, find_loop: bool) -> tuple[Outcome, Floats]:
-        """Simulate a compiled controller from the start, and return its memory at the end, too.
+        """Simulate a controller from the start, and return its memory at the end, too.
 
         Returns:
             The outcome, and (m,) the memory.
+
+        Raises:
+            InvalidParameter: If the controller itself fails.
         """
-        if not isinstance(self.controller, CompiledController):
-            raise TypeError("only the memory of a compiled controller can be read at the end")
         self.settings.steps = steps
         self.settings.digest = 0
         self.settings.find_loop = (
             lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
         )
-        outcome, episode = self._run_compiled(self.controller, record=False)
-        return outcome, episode.state_words()[STATE_WORDS:].view(np.float64)
+        if isinstance(self.controller, CompiledController):
+            outcome, ended = self._run_compiled(self.controller, record=False)
+            return outcome, _memory_of(ended)
+        loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
+        loop.run(steps, record=False)
+        if loop.fault is not None or loop.episode is None:
+            raise InvalidParameter(
+                "code-failed",
+                "the controller fails in training: {reason}",
+                "run it, and fuzz it, before you train it",
+                reason="" if loop.fault is None else loop.fault.error,
+            )
+        outcome = self.outcome_of(loop.episode, None, loop.complete, None)
+        return outcome, _memory_of(loop.episode)
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`.

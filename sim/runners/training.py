@@ -14,14 +14,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.learning import Episodes, Learned, learning_of, with_exploration
+from sim.controllers.base import Controller
+from sim.controllers.learning import Episodes, Learned, Learning
+from sim.controllers.taught import learning_of, memory_at_reset, with_exploration, with_numbers
 from sim.options.run import RunOptions
 from sim.runners.lattice import LatticeRun
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import check_between
+from worldgen.plugins.registry import user_code
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
@@ -62,7 +64,7 @@ class TrainingOptions:
 def train(
     worlds: Sequence[World],
     scenario: Scenario,
-    controller: CompiledController,
+    controller: Controller,
     options: TrainingOptions,
     progress: Progress | None = None,
 ) -> Learned:
@@ -79,17 +81,18 @@ def train(
         What it learned, and its learning curve, which begins before the training.
 
     Raises:
-        InvalidParameter: If the controller does not learn, or there is no world.
+        InvalidParameter: If the controller does not learn, fails, or learns something that is not
+            a number, or there is no world.
     """
-    found, learning = learning_of(controller, scenario.controller)
+    learning = learning_of(controller, scenario.controller)
     if not worlds:
         raise InvalidParameter("no-worlds", "there is no world to train in", "name at least one")
     # Separate streams, so that the worlds' order does not depend on how many seeds are drawn.
     order = RandomStream(options.seed).child("order of worlds")
     seeds = RandomStream(options.seed).child("episodes")
-    learned = np.array(found.memory)[learning.places]
+    learned = np.array(memory_at_reset(controller, scenario.controller))[learning.places]
     best = learned
-    curve = [_tested(worlds, scenario, found, learned, 0)]
+    curve = [_tested(worlds, scenario, controller, learned, 0)]
     best_point = curve[0]
     due = _tests_after(options.episodes)
     # Explore less and less. Keep the best of what was tested, because learning can also unlearn.
@@ -99,14 +102,15 @@ def train(
         learned = _episode(
             order.choice(worlds),
             scenario,
-            with_exploration(_with(found, learned), explore),
+            with_exploration(_with(controller, scenario, learned), explore, scenario.controller),
+            learning,
             options,
             seeds.next64() >> 1,
         )
         if progress is not None:
             progress(episode + 1)
         if episode + 1 in due:
-            point = _tested(worlds, scenario, found, learned, episode + 1)
+            point = _tested(worlds, scenario, controller, learned, episode + 1)
             curve.append(point)
             if _is_better(point, best_point):
                 best_point = point
@@ -123,19 +127,16 @@ def _is_better(point: Episodes, other: Episodes) -> bool:
     return (-point.reached, point.steps) < (-other.reached, other.steps)
 
 
-def _with(controller: CompiledController, learned: Floats) -> CompiledController:
-    """Return a controller that starts with some numbers."""
-    memory = np.array(controller.memory)
-    learning = controller.learning
-    if learning is not None:
-        memory[learning.places] = learned
-    return replace(controller, memory=tuple(memory.tolist()))
+def _with(controller: Controller, scenario: Scenario, learned: Floats) -> Controller:
+    """Return the controller that starts with some numbers."""
+    return with_numbers(controller, tuple(learned.tolist()), scenario.controller)
 
 
 def _episode(
     world: World,
     scenario: Scenario,
-    controller: CompiledController,
+    controller: Controller,
+    learning: Learning,
     options: TrainingOptions,
     seed: int,
 ) -> Floats:
@@ -143,25 +144,31 @@ def _episode(
     run = LatticeRun(world, controller, replace(scenario.run, seed=seed))
     # A loop ends an episode that draws nothing: it would teach the same again.
     outcome, memory = run.run_and_recall(options.steps, find_loop=True)
-    learning = controller.learning
-    if learning is None:
-        return memory
     if outcome.ending in ARRIVALS and learning.arrives is not None:
-        learning.arrives(memory)
-    return memory[learning.places].copy()
+        with user_code(f"controller {scenario.controller!r}: learning.arrives"):
+            learning.arrives(memory)
+    learned = memory[learning.places].copy()
+    if not np.isfinite(learned).all():
+        raise InvalidParameter(
+            "not-finite",
+            "controller {controller!r} learned a value that is not a finite number",
+            "bound what it learns",
+            controller=scenario.controller,
+        )
+    return learned
 
 
 def _tested(
     worlds: Sequence[World],
     scenario: Scenario,
-    controller: CompiledController,
+    controller: Controller,
     learned: Floats,
     episodes: int,
 ) -> Episodes:
     """Return how a controller does in all worlds without drawing."""
     reached = 0
     steps = 0
-    tried = _with(controller, learned)
+    tried = _with(controller, scenario, learned)
     for world in worlds:
         budget: RunOptions = scenario.options(world)
         outcome, _ = LatticeRun(world, tried, budget).run_and_recall(budget.steps, find_loop=True)

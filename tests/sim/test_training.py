@@ -1,23 +1,25 @@
 """A learner that a world traps is taught in it, and is no longer trapped."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from sim import simulate
+from sim import Command, simulate
 from sim.controllers import CONTROLLERS
-from sim.controllers.learning import Learned, learned_text, read_learned
+from sim.controllers.learning import Learned, Learning, learned_text, read_learned
 from sim.drawing.curve import curve_svg
 from sim.runners.training import TrainingOptions, train
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from worldgen import InvalidParameter
-from worldgen.families import trap
+from worldgen import InvalidParameter, write_world
+from worldgen.families import rooms, trap
 from worldgen.files.grid import read_world
+from worldgen.plugins.registry import ONLY_CODE, only_code
 
 TRAP = Path(__file__).parents[1] / "data" / "learner" / "trapped.grid"
 COMPOSED = "behaviours+by=learning:avoid,follow,approach,escape"
@@ -132,3 +134,124 @@ def test_what_cannot_be_trained_is_refused(tmp_path):
         train([], Scenario("q-learner"), CONTROLLERS.get("q-learner"), TrainingOptions())
     with raises(InvalidParameter, "out-of-range"):
         replace(TrainingOptions(), episodes=0)
+
+
+@pytest.fixture
+def escaper(tmp_path, monkeypatch):
+    """The class of the page, in a file of the working directory, and a world."""
+    page = Path(__file__).parents[2] / "docs/reference/behaviours.md"
+    source = re.search(r"```python\n(# learner\.py\n.*?)```", page.read_text("utf-8"), re.DOTALL)
+    (tmp_path / "learner.py").write_text(source[1])
+    write_world(trap(5, size=20), tmp_path / "w.grid")
+    monkeypatch.chdir(tmp_path)
+    return "./learner.py:Escaper"
+
+
+def test_a_class_of_one_s_own_is_taught_and_starts_with_what_it_learned(escaper):
+    options = ("--episodes", 12, "--out", "taught.json")
+    assert worldgen("train", "w.grid", "--controller", escaper, *options).code == 0
+    taught = f"{escaper}+learned=taught.json"
+    learned = read_learned(Path("taught.json"))
+    assert learned.controller == escaper and any(learned.numbers)
+    assert CONTROLLERS.get(taught).reset()[4:] == learned.numbers
+    before, after = (
+        json.loads(worldgen("run", "w.grid", "--controller", name, "--json").out)["steps"]
+        for name in (escaper, taught)
+    )
+    best = min(point.steps for point in learned.curve)
+    assert after == best < before == learned.curve[0].steps
+
+    again = worldgen(
+        "train", "w.grid", "--controller", taught, "--episodes", 1, "--out", "more.json"
+    )
+    assert again.code == 0 and read_learned(Path("more.json")).controller == escaper
+
+
+def test_its_failures_replay_and_its_loops_are_proved(escaper):
+    numbers = ",".join(["0"] * 12)
+    Path("taught.json").write_text(
+        '{"format":"worldgen-learned","version":1,"controller":"learner.py:Escaper","curve":[],'
+        f'"numbers":[{numbers}]}}'
+    )
+    name = f"{escaper}+learned=taught.json"
+    plain, taught = (simulate(rooms(101), one, steps=5000) for one in (escaper, name))
+    assert plain.verdict == taught.verdict == "loop"
+    assert plain.evidence == taught.evidence
+    scenario = Scenario.parse(f"{name}+slip=0.1")
+    assert scenario.controller == name and scenario.run.robot.slip == 0.1
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        (learned_text(Learned("other.py:Escaper", (0.0,) * 12, ())), "other-controller"),
+        (learned_text(Learned("other.py:Robot", (0.0,) * 12, ())), "other-controller"),
+        (learned_text(Learned("learner.py:Escaper", (0.0,) * 3, ())), "wrong-size"),
+        ("{}", "not-learned"),
+    ],
+)
+def test_a_file_that_is_not_what_the_class_learned_is_refused(escaper, text, code):
+    Path("taught.json").write_text(text)
+    with raises(InvalidParameter, code):
+        CONTROLLERS.get(f"{escaper}+learned=taught.json")
+
+
+def test_a_file_alone_still_runs_no_code(escaper):
+    Path("taught.json").write_text(learned_text(Learned(escaper, (0.0,) * 12, ())))
+    with raises(InvalidParameter, "learned-names-code"):
+        CONTROLLERS.get("learned:taught.json")
+    with raises(InvalidParameter, "no-value"):
+        CONTROLLERS.get(f"{escaper}+learned=")
+
+
+def test_code_that_was_named_with_what_it_learned_may_run(escaper, monkeypatch):
+    Path("taught.json").write_text(learned_text(Learned(escaper, (0.0,) * 12, ())))
+    name = f"{escaper}+learned=taught.json"
+    monkeypatch.setenv(ONLY_CODE, "[]")
+    with raises(InvalidParameter, "code-not-allowed"):
+        CONTROLLERS.get(name)
+    only_code([name])
+    assert CONTROLLERS.get(name).reset()
+
+
+class _Odd:
+    learning = Learning(0, 5)
+    senses = ("bump",)
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        return Command(), memory
+
+
+class _Failing(_Odd):
+    learning = Learning(0, 1)
+
+    def act(self, observation, memory):
+        raise ValueError("no idea")
+
+
+class _Planner(_Odd):
+    def reset(self, world):
+        return (0.0,)
+
+
+class _Endless(_Failing):
+    def act(self, observation, memory):
+        return Command(), (float("inf"),)
+
+
+@pytest.mark.parametrize(
+    ("kind", "code"),
+    [
+        (_Odd, "wrong-declaration"),
+        (_Failing, "code-failed"),
+        (_Planner, "does-not-learn"),
+        (_Endless, "not-finite"),
+    ],
+)
+def test_learners_that_cannot_be_trained_are_refused_with_a_code(kind, code):
+    options = TrainingOptions(episodes=1, steps=5)
+    with raises(InvalidParameter, code):
+        train([trap(3, size=24)], Scenario("mine"), kind(), options)

@@ -172,7 +172,7 @@ def _learning(count: int) -> Learning:
     """Return where a composition of this many parts keeps what its arbiter has learned."""
     first = size_of("WgComposition") + count * size_of("WgStoredPart") + size_of("WgLearning")
     conditions = int(lib.WG_CONDITIONS) * (1 + count)
-    return Learning(first, conditions * size_of("WgFeedback"))
+    return Learning(first, conditions * size_of("WgFeedback"), whole=True)
 
 
 def _memory(parts: Sequence[Layer], priorities: Sequence[float], arbiter: str) -> Memory:

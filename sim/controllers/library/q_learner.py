@@ -63,6 +63,7 @@ LEARNING = Learning(
     _SIZE - _VALUES,
     explore=place("WgQLearnerMemory", "explore"),
     arrives=_arrives,
+    whole=True,
 )
 
 q_learner = CompiledController(

@@ -423,7 +423,7 @@ static void leave(const WgObservation *seen, WgTopologicalMemory *own, int64_t e
 // finest is followed by the coarsest.
 static void decide(const WgObservation *seen, WgTopologicalMemory *own, const Points *points, double open)
 {
-    Ways ways;
+    Ways ways = {0};
     find_ways(own, &ways);
     Choice best = best_exit(seen, own, &ways, stride_of(seen, own));
     if (best.place < 0) {
