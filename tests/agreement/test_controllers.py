@@ -8,12 +8,12 @@ import pytest
 from fuzz.faults import FAULTS
 from sim.controllers import CONTROLLERS
 from sim.controllers.core_act import CoreAct
-from sim.controllers.learning import with_exploration
 from sim.controllers.library.dynamic_window import DynamicWindow, dynamic_window_robot
 from sim.controllers.library.potential_field import PotentialField, potential_field_robot
 from sim.controllers.library.three_layer import ThreeLayer, three_layer_robot
 from sim.controllers.library.vfh import VfhPlus, vfh_robot
 from sim.controllers.programs.program import ControllerError
+from sim.controllers.taught import with_exploration
 from tests.reference.fuzz import as_classes
 from tests.reference.sim.controllers import dynamic_window, potential_field, three_layer, vfh
 from tests.reference.sim.library import ACTS
@@ -115,7 +115,7 @@ def test_a_composition_is_its_plain_python(name):
 
 
 def test_a_learner_that_explores_is_its_plain_python():
-    controller = with_exploration(CONTROLLERS.get("q-learner"), 400)
+    controller = with_exploration(CONTROLLERS.get("q-learner"), 400, "q-learner")
     check_alike(controller, ACTS["q-learner"], seed=5)
 
 
