@@ -33,6 +33,7 @@ class CompareAnswers(Opened):
 
     def compare(self, message: Message, part: Part) -> dict[str, Any]:
         """Run each controller in each world, row by row; each cell is a part."""
+        # Check the whole message before the first run.
         scenarios = self._scenarios(message)
         asked = _counted(message, "worlds", MOST_WORLDS)
         seeds = field(message, "seeds", int)
@@ -41,6 +42,7 @@ class CompareAnswers(Opened):
                 "out-of-range", "{seeds} seeds", "choose 1 to {most}", seeds=seeds, most=MOST_SEEDS
             )
         steps = None if message.get("steps") is None else field(message, "steps", int)
+        # Send each cell once it is known, so that the page fills while the runs go on.
         worlds = []
         rows = []
         for row, one in enumerate(asked):
@@ -62,6 +64,7 @@ class CompareAnswers(Opened):
                     continue
                 cells.append(cell)
                 part({**place, **_shown(cell)})
+            # Only rows that every controller completed are ranked and totalled.
             if len(cells) == len(scenarios):
                 worlds.append(named)
                 rows.append(tuple(cells))

@@ -109,7 +109,7 @@ def _period(labels: npt.NDArray[np.int64], repeats: int) -> int:
     """Return the least period that fills the end of a run so many times; 0 if there is none."""
     last = len(labels) - 1
     for step in np.flatnonzero(labels[:-1] == labels[-1])[::-1].tolist():
-        period = last - step
+        period: int = last - step
         first = last - repeats * period
         if first < 0:
             return 0

@@ -28,7 +28,7 @@ from worldgen.reach.still.cut import find_chain, rim_cells
 from worldgen.reach.still.disc import Disc, beyond, parts, target_disc
 from worldgen.reach.still.disc import _chain_lines as chain_lines
 from worldgen.reach.still.disc import _inside as is_inside
-from worldgen.reach.still.disc import _is_away as is_away
+from worldgen.reach.still.disc import is_away
 from worldgen.reach.still.lattice_graph import (
     Graph,
     build_graph,
