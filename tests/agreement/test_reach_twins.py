@@ -25,10 +25,9 @@ from worldgen.reach.deciding import decide_many
 from worldgen.reach.still import lattice_graph, path, prove
 from worldgen.reach.still.coarse import walk_squares
 from worldgen.reach.still.cut import find_chain, rim_cells
-from worldgen.reach.still.disc import Disc, beyond, parts, target_disc
+from worldgen.reach.still.disc import Disc, beyond, is_away, parts, target_disc
 from worldgen.reach.still.disc import _chain_lines as chain_lines
 from worldgen.reach.still.disc import _inside as is_inside
-from worldgen.reach.still.disc import is_away
 from worldgen.reach.still.lattice_graph import (
     Graph,
     build_graph,

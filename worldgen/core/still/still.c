@@ -311,6 +311,7 @@ static WgStatus straighten(Work *work, WgStill *still)
         }
     }
     count = merge_straight(x, y, count);
+    assert(count >= 1);  // the start stays
 
     memset(whole, 1, (size_t)room);
     int64_t state[5] = {0, 1, 2, 1, WG_UNSURE};
