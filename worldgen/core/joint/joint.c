@@ -3,6 +3,7 @@
 // Erdmann, Lozano-Perez, "On Multiple Moving Objects" (1987), for planning by priority.
 // Silver, "Cooperative Pathfinding" (2005), for the search in space and time with reservations.
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -145,6 +146,7 @@ typedef struct Among {
 
 static int64_t track_at(const Track *track, int64_t tick)
 {
+    assert(tick >= 0 && track->length >= 0);
     return track->nodes[wg_min(tick, track->length)];
 }
 
@@ -234,7 +236,7 @@ static bool reach(Among *among, int64_t node, int64_t tick, int64_t parent)
 static bool keep_track(const Among *among, int64_t last, Track *track)
 {
     track->length = among->states[last].tick;
-    track->nodes = malloc((size_t)(track->length + 1) * sizeof *track->nodes);
+    track->nodes = calloc((size_t)track->length + 1, sizeof *track->nodes);
     if (track->nodes == NULL) {
         return false;
     }
@@ -298,19 +300,19 @@ static WgStatus plan_one(Among *among, int64_t most, Track *track, bool *found)
     return status;
 }
 
-static WgStatus joined(const WgJoint *joint, const Track *tracks, WgJointPlan **made)
+static WgStatus joined(const Track *tracks, int64_t robots, WgJointPlan **made)
 {
     int64_t length = 0;
-    for (int64_t robot = 0; robot < joint->robots; robot++) {
+    for (int64_t robot = 0; robot < robots; robot++) {
         length = wg_max(length, tracks[robot].length);
     }
-    *made = wg_joint_plan_new(joint->robots, length);
+    *made = wg_joint_plan_new(robots, length);
     if (*made == NULL) {
         return WG_OUT_OF_MEMORY;
     }
     for (int64_t tick = 0; tick <= length; tick++) {
-        for (int64_t robot = 0; robot < joint->robots; robot++) {
-            (*made)->nodes[tick * joint->robots + robot] = (int32_t)track_at(&tracks[robot], tick);
+        for (int64_t robot = 0; robot < robots; robot++) {
+            (*made)->nodes[tick * robots + robot] = (int32_t)track_at(&tracks[robot], tick);
         }
     }
     return WG_OK;
@@ -328,17 +330,18 @@ WgStatus wg_joint_prioritised(const WgJoint *joint, const int64_t *order, int64_
     if (most > INT32_MAX - WG_MOVES) {
         return WG_BAD_VALUE;
     }
-    for (int64_t i = 0; i < joint->robots; i++) {
-        if (order[i] < 0 || order[i] >= joint->robots) {
+    int64_t robots = joint->robots;
+    for (int64_t i = 0; i < robots; i++) {
+        if (order[i] < 0 || order[i] >= robots) {
             return WG_BAD_VALUE;
         }
     }
-    Track *tracks = calloc((size_t)wg_max(joint->robots, 1), sizeof *tracks);
+    Track *tracks = calloc((size_t)wg_max(robots, 1), sizeof *tracks);
     if (tracks == NULL) {
         return WG_OUT_OF_MEMORY;
     }
     int64_t quiet = joint->ticks - 1;
-    for (int64_t i = 0; i < joint->robots && status == WG_OK && *failed < 0; i++) {
+    for (int64_t i = 0; i < robots && status == WG_OK && *failed < 0; i++) {
         int64_t robot = order[i];
         if (tracks[robot].nodes != NULL) {
             status = WG_BAD_VALUE;
@@ -363,9 +366,9 @@ WgStatus wg_joint_prioritised(const WgJoint *joint, const int64_t *order, int64_
         quiet = wg_max(quiet, tracks[robot].length);
     }
     if (status == WG_OK && *failed < 0) {
-        status = joined(joint, tracks, made);
+        status = joined(tracks, robots, made);
     }
-    for (int64_t robot = 0; robot < joint->robots; robot++) {
+    for (int64_t robot = 0; robot < robots; robot++) {
         free(tracks[robot].nodes);
     }
     free(tracks);

@@ -117,6 +117,7 @@ static WgStatus list_spare(Work *work)
     for (int64_t j = low_y; j < high_y; j++) {
         for (int64_t i = low_x; i < high_x; i++) {
             if (graph->clear[j * graph->stride + i] != 0 && is_in_target(work, i, j)) {
+                assert(work->spare_count < room);
                 work->spare[work->spare_count++] = j * graph->stride + i;
             }
         }
