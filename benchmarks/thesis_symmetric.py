@@ -72,6 +72,7 @@ class Wall:
 
     def world(self) -> World | None:
         """Return the hall with this wall; ``None`` if they do not fit."""
+        # The wall has room on every side, and the post is on its middle.
         right = self.left + self.width
         top = self.low + self.height
         inside = self.left >= 2 and right <= SIDE - 2 and self.low >= 2 and top + self.rise <= 24
@@ -80,6 +81,7 @@ class Wall:
             return None
         if self.block and not centred:
             return None
+        # Draw the border, the wall and the post above it.
         walls = np.zeros((SIDE, SIDE), np.bool_)
         walls[[0, -1]] = True
         walls[:, [0, -1]] = True
@@ -126,6 +128,7 @@ class Wall:
 
 def misses(walls: list[Wall]) -> list[float]:
     """Return how far both rules are from their times in each wall, as a sum of logarithms."""
+    # Run all worlds in one batch; walls that do not fit miss by any measure.
     worlds = [wall.world() for wall in walls]
     fit = [world for world in worlds if world is not None]
     found = {}
@@ -147,6 +150,7 @@ def tells_the_same(wall: Wall) -> bool:
     world = wall.world()
     if world is None:
         return False
+    # A rule goes around the end on whose side it is when it first gets below the wall's middle.
     middle = (wall.low + wall.height / 2) * CELL
     sides = []
     for rule in RULES:
@@ -155,6 +159,7 @@ def tells_the_same(wall: Wall) -> bool:
             return False
         passes = int(np.argmax(np.asarray(trace.y) < middle))
         sides.append(trace.x[passes] < (wall.left + wall.width / 2) * CELL)
+    # Seeds that never arrive count as infinitely slow.
     runs = simulate_many(world, "thesis-3", motion="stepped", steps=20_000, seeds=20)
     arrived = _arrived(runs)
     median = float(np.median(np.where(arrived, runs.steps, math.inf)))
