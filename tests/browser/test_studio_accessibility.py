@@ -47,7 +47,7 @@ def states(page):
     page.get_by_text("Opened config-05.grid").first.wait_for()
     yield "files, and a selection"
     go(page, "Play")
-    page.get_by_label("thesis-1").check()
+    page.get_by_role("checkbox", name="thesis-1 (turn-right)").check()
     page.locator("#run").click()
     page.locator(".result").nth(1).wait_for()
     page.locator(".save summary").click()

@@ -297,7 +297,7 @@ WRONG = [
     (["EMPTY", "--option", "side=3"], "option is for a generator, and none is named"),
     (["GEN:few", "--out", "EMPTY/words.md"], "is a file; name a folder"),
     (["GEN:few", "--out", "EMPTY"], "is not empty; give --force"),
-    (["GEN:few", "--csv", "EMPTY/words.md"], "is there already"),
+    (["GEN:few", "--csv", "EMPTY/words.md"], "already exists"),
 ]
 
 

@@ -354,7 +354,7 @@ def test_the_program_ends_with_2_and_one_line(tmp_path):
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")
     assert (
-        done.stderr.startswith("worldgen: a.map:3: the end of the file came")
+        done.stderr.startswith("worldgen: a.map:3: the end of the file is")
         and done.stderr.count("\n") == 1
     )
 
