@@ -17,9 +17,14 @@ export function makeSettings(change) {
     element,
     /* Shows options; `values` contains the changed ones by name, and is updated. */
     offer: (options, values) => offer(Object.assign(settings, { options, values }), element),
-    open: (heading) => open(settings, heading || Object.keys(settings.groups)[0]),
+    open: (heading) => open(settings, heading || firstHeading(settings)),
     headingOf: (input) => Object.keys(settings.groups).find((heading) => settings.groups[heading].contains(input)),
   };
+}
+
+// The behaviours' heading if these robots have one, which Ctrl+B promises.
+function firstHeading(settings) {
+  return settings.groups.Behaviours ? "Behaviours" : Object.keys(settings.groups)[0];
 }
 
 function offer(settings, element) {
