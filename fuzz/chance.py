@@ -1,4 +1,4 @@
-"""How much chance matters in a failure: the exact answer, or else how many seeds fail."""
+"""Find how much chance matters in a failure, exactly, or else by counting seeds that fail."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 MOST_STATES = 100_000
-"""Most states to explore before falling back to counting seeds; this many take a few seconds."""
+"""Limit on the states to explore before counting seeds instead; this many take a few seconds."""
 
 # Campaigns find many failures, so they explore less for each.
 _MOST_IN_CAMPAIGNS = 20_000
@@ -82,7 +82,7 @@ def chance_of(
         world: The world of the run.
         controller: Name of the controller.
         options: Options of the run; the seed and the budget do not affect the answer.
-        most: Most states to explore.
+        most: Limit on the states to explore.
 
     Raises:
         WorldgenError: If the controller does not fit the options or the world.
@@ -94,7 +94,7 @@ def chance_of(
     if outcomes is None:
         return Chance(
             "undecided",
-            f"there are more than {most} states; take a coarser +lattice=N or a smaller +coin=N",
+            f"there are more than {most} states; use a coarser +lattice=N or a smaller +coin=N",
         )
 
     # Distrust the exploration: check that the answer follows from its states, and that ordinary
@@ -116,9 +116,9 @@ def chance_of(
 
 
 def chance_details(world: World, scenario: Scenario) -> dict[str, Value]:
-    """Return what a failure's record says about chance.
+    """Return the entries about chance for a failure's record.
 
-    That is ``chance`` and ``states`` if the exact answer is known, else :func:`seeds_that_fail`.
+    They are ``chance`` and ``states`` if the exact answer is known, else :func:`seeds_that_fail`.
     """
     controller = CONTROLLERS.get(scenario.controller)
     if (
@@ -169,7 +169,7 @@ def in_words(found: Chance, seeds: Mapping[str, Value]) -> str:
 
 
 def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[str, Value]:
-    """Return how many of ``count`` seeds fail, for a run with randomness.
+    """Return the number of ``count`` seeds that fail, for a run with randomness.
 
     Either the controller draws random numbers, or the simulator does, for slip or sensor noise.
 
@@ -187,7 +187,7 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
 
 
 def share_that_fails(world: World, scenario: Scenario, count: int) -> dict[str, Value]:
-    """Return how many of ``count`` seeds fail to arrive, and what share of all seeds that implies.
+    """Return how many of ``count`` seeds fail to arrive, and the share of all seeds this implies.
 
     If the target is walled off, arriving is the failure: seeds that get there through walls count.
 

@@ -47,8 +47,8 @@ def describe(
     Args:
         failure: The failure.
         path: Its file.
-        met: By class, how often a campaign met it.
-        why: After which changes its robot arrives: ``arrives if cell (3, 2) is free``.
+        met: By class, the number of times that a campaign met it.
+        why: The changes after which its robot arrives: ``arrives if cell (3, 2) is free``.
     """
     world = failure.world
     record = failure.record
@@ -59,12 +59,12 @@ def describe(
         trail = trail_of(episode, world)
         evidence = episode.evidence
     except OutOfTime:
-        # The controller is slow. The picture is worth less than the wait, so it has no trail.
+        # The controller is slow. The picture is not worth the wait, so it has no trail.
         words = ""
         trail = None
         evidence = failure.evidence
 
-    # Everything known about how often, from where and how reliably the failure occurs.
+    # Collect everything known about how often, from where and how reliably the failure occurs.
     often = f", met {counted(met[kind], 'time')}" if met and met[kind] else ""
     seeds = describe_seeds(failure)
     chance = f", {seeds}" if seeds else ""
@@ -89,9 +89,9 @@ def describe(
 
 
 def _doubt(failure: Failure) -> str:
-    """Return a line that says why no controller is sure to arrive; else nothing."""
+    """Return a line with the reason why no controller is certain to arrive, or nothing."""
     why = str(failure.record.details.get(HAZARD, "")).partition("disturbed: ")[2]
-    return f"  no controller is sure to arrive: {shown(why)}\n" if why else ""
+    return f"  no controller is certain to arrive: {shown(why)}\n" if why else ""
 
 
 def run_to_draw(failure: Failure) -> tuple[Episode, str]:

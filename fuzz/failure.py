@@ -47,13 +47,13 @@ class Failure:
         """Return the failure stored in a world's file.
 
         Raises:
-            InvalidParameter: If the world holds no failure.
+            InvalidParameter: If the world has no failure.
         """
         found = cls.found_in(world)
         if found is None:
             raise InvalidParameter(
                 "no-failure",
-                "this world holds no failure",
+                "this world has no failure",
                 "run it with worldgen run",
                 at_terminal=True,
             )
@@ -70,7 +70,7 @@ class Failure:
 
         Raises:
             FormatError: If the file cannot be read.
-            InvalidParameter: If it holds no failure.
+            InvalidParameter: If it has no failure.
         """
         return cls.of(read_world(path))
 

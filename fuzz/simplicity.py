@@ -27,7 +27,7 @@ class Case(NamedTuple):
 
 
 class Measure(NamedTuple):
-    """A quantity that is lower for simpler failures.
+    """A measure that is lower for simpler failures.
 
     Args:
         name: Short name.
@@ -66,7 +66,7 @@ def rounder(value: float, usual: float = 0.0, *, up: bool = True) -> Iterator[fl
     near += [float(f"{value:.{digits}g}") for digits in (1, 2, 3)]
     near += [math.floor(value / float(power)) * float(power)]
 
-    # Keep only those that really are simpler. Of equally simple ones, the nearest comes first.
+    # Keep only those that are actually simpler; among equally simple ones, the nearest comes first.
     better = {number for number in near if number_cost(number, usual) < number_cost(value, usual)}
     kept = sorted(better, key=lambda number: (number_cost(number, usual), abs(number - value)))
     yield from (number for number in [usual, *kept] if number != value and (up or number <= value))
@@ -132,7 +132,7 @@ ORDER: tuple[Measure, ...] = (
     Measure("covered", "robots whose disc overlaps their target at the start", _covered),
     Measure(
         "heading",
-        "0 for a quarter turn, 1 for an eighth, 2 for a sixteenth, else 3; of all robots",
+        "0 for a quarter turn, 1 for an eighth, 2 for a sixteenth, else 3; summed over all robots",
         lambda case: sum(turned(robot.start.heading) for robot in case.world.robots),
     ),
     Measure(
@@ -144,7 +144,7 @@ ORDER: tuple[Measure, ...] = (
     Measure(
         "numbers",
         "cost of radius, speed, target, time step and options: 0 for the usual number, 1 to 4 "
-        "for one digit (1 before 2, 2 before 5, 5 before others), 10 for each further digit",
+        "for one digit (1 before 2, 2 before 5, 5 before others), plus 10 per further digit",
         _numbers,
     ),
     Measure(
@@ -155,7 +155,7 @@ ORDER: tuple[Measure, ...] = (
 )
 """The measures by which two failures are compared, most significant first.
 
-Shrinking takes an edit only if it lowers the tuple of these measures.
+Shrinking accepts an edit only if it lowers the tuple of these measures.
 """
 
 

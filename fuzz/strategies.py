@@ -1,4 +1,4 @@
-"""Hypothesis strategies for worlds, per family and combined, and for scenarios.
+"""Hypothesis strategies for worlds, per family and combined, and strategies for scenarios.
 
 A scenario is a world and the run in it. The strategies draw structure, never raw cells: a family's
 parameters and seed, or the bytes of a feature layout (:mod:`fuzz.search.features`). Everything
@@ -186,7 +186,7 @@ def _choices(family: str, parameter: Parameter) -> st.SearchStrategy[Any] | None
     return None if varied is None else st.sampled_from(varied)
 
 
-# The grounds on which worlds that change over time are built.
+# Static families on which worlds that change over time are built.
 _STILL = (
     "maze",
     "corridor",

@@ -31,7 +31,7 @@ class Violation:
 
     @property
     def is_repeatable(self) -> bool:
-        """True if running the scenario again gives the same run and facts, byte for byte."""
+        """True if running the scenario again produces the same run and facts, byte for byte."""
         return self.facts.get("repeatable") is not False
 
     @property

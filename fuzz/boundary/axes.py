@@ -42,8 +42,8 @@ class Axis:
     Args:
         name: Name on the command line.
         unit: Unit of its values.
-        low: Index of the least value.
-        high: Index of the greatest.
+        low: Index of the smallest value.
+        high: Index of the largest value.
         value: Returns the value of an index.
         index: Returns the index nearest to a subject's own value; ``None`` if the subject has no
             such number.
@@ -85,7 +85,7 @@ def _with_radius(subject: Subject, value: float) -> Subject:
 def _with_speed(subject: Subject, value: float) -> Subject:
     """Return the robot with another speed.
 
-    The witness is slowed down or sped up accordingly, unless the world changes meanwhile.
+    The witness is slowed down or sped up accordingly, unless the world changes over time.
     """
     world = subject.world
     witness = subject.world.certificate

@@ -23,7 +23,7 @@ _MEASURED = (
 def is_bounded(scenario: Scenario) -> bool:
     """Return True if failures of a scenario have a boundary.
 
-    Runs that depend on chance have none.
+    Runs that depend on randomness have none.
     """
     controller = CONTROLLERS.get(scenario.controller)
     return not (
@@ -35,7 +35,7 @@ def is_bounded(scenario: Scenario) -> bool:
 def subject_of(failure: Failure) -> Subject | None:
     """Return the subject to vary for a failure.
 
-    It is ``None`` if the failure is not one of not arriving, or depends on chance.
+    It is ``None`` if the failure is not a failure to arrive, or depends on randomness.
     """
     if failure.oracle is not None or failure.is_breach:
         return None

@@ -58,8 +58,8 @@ class BoundaryRuns:
         subject: The scenario.
         axis: The number to vary.
         seen: Called with each run.
-        spare: Share by which a wider robot must also be able to get there. If the robot only just
-            fits, all controllers fail.
+        spare: Fraction by which a wider robot must also be able to get there. If the robot only
+            just fits, all controllers fail.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome 
 
     Args:
         subject: The scenario; its world's own witness is used if it is wide enough.
-        spare: Share by which a wider robot must also be able to get there.
+        spare: Fraction by which a wider robot must also be able to get there.
 
     Returns:
         The scenario with the witness in its world, and how the run ended; ``None`` if the target is
@@ -228,13 +228,13 @@ def _narrowed(looks: BoundaryRuns, one: BoundaryRun, other: BoundaryRun) -> Boun
 
 @dataclass(frozen=True)
 class Stretch:
-    """Values of an axis, from ``first`` to ``last``, with the same outcome as far as the scan saw.
+    """Values of an axis, from ``first`` to ``last``, with the same outcome in all runs of the scan.
 
     Args:
         outcome: ``arrives``, ``fails``, or ``no proof`` if the target is not provably reachable or
             there is no such scenario.
-        first: Least value.
-        last: Greatest value.
+        first: Smallest value.
+        last: Largest value.
         verdicts: The different verdicts of its runs.
         runs: Number of runs.
     """

@@ -1,1 +1,1 @@
-"""A campaign: an executor does units of search, failures are shrunk, a store keeps it all on disk."""
+"""A campaign: an executor runs units of search, failures are shrunk, a store keeps all on disk."""

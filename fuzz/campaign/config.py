@@ -22,9 +22,9 @@ class CampaignConfig(SearchOptions):
     """The definition of a campaign.
 
     Together with a unit's number and the search state, it determines the unit's result. With a
-    database, the result depends on that folder, too. The units of an epoch know what earlier epochs
-    found, except the one just before. ``examples``, ``oracles`` and the other fields that are not
-    listed here are described in :class:`SearchOptions`.
+    database, the result depends on that folder, too. The units of an epoch know the findings of
+    earlier epochs, except the one just before. ``examples``, ``oracles`` and the other fields that
+    are not listed here are described in :class:`SearchOptions`.
 
     Args:
         scenario: Controller, motion model and options; each draw has its own seed and time step.
@@ -46,6 +46,6 @@ class CampaignConfig(SearchOptions):
 
     @property
     def slower(self) -> int:
-        """How much less a unit does than for a compiled controller, whose steps take nanoseconds."""
+        """Factor by which a unit does less than for a compiled controller with its fast steps."""
         controller = CONTROLLERS.get(self.scenario.controller)
         return 1 if isinstance(controller, CompiledController) and not controller.slow else _SLOWER

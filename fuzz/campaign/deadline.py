@@ -1,4 +1,4 @@
-"""Deadlines for the work that a campaign hands out."""
+"""Deadlines for the work that a campaign distributes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["NO_DEADLINE", "TO_HAND_IN", "Deadline", "now", "stop_from", "stoppin
 
 # Seconds after a stop within which running units must return their results.
 TO_HAND_IN = 3.0
-# Seconds after a stop during which earlier failures are still proved; fewer than TO_HAND_IN.
+# Seconds after a stop during which earlier failures are still proved; less than TO_HAND_IN.
 _TO_PROVE = 2.0
 
 _stops: list[

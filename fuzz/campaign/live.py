@@ -1,6 +1,6 @@
-"""Count runs as they happen, across processes, so that a long unit shows that it works.
+"""Count runs as they happen, across processes, so that a long unit shows progress.
 
-A unit hands in its result at its end, which may be a minute away. Each process therefore adds its
+A unit returns its result at its end, which may be a minute away. Each process therefore adds its
 runs to counters that all of them share. They are for people: no result depends on them.
 """
 
@@ -32,7 +32,7 @@ LIVE_FILE = "live.json"
 """Name, in the campaign store, of the file with the counts while a campaign runs."""
 
 _EVERY = 0.5  # s between two versions of the file
-_NOT_FAILED = ("reached", "covered", "sealed")  # verdicts at first look
+_NOT_FAILED = ("reached", "covered", "sealed")  # verdicts in screening
 
 Counters = Any  # a shared array of three numbers, which has no public type
 _counters: list[Counters] = []
@@ -43,9 +43,9 @@ class LiveCounts:
     """Runs of all processes since the executor was made.
 
     Args:
-        worlds: How many.
-        steps: Of all of them.
-        failed: Those that did not arrive at first look.
+        worlds: Number of runs.
+        steps: Steps of all runs.
+        failed: Number of runs that did not arrive in screening.
     """
 
     worlds: int = 0
@@ -54,7 +54,7 @@ class LiveCounts:
 
     @classmethod
     def of(cls, counters: Counters) -> LiveCounts:
-        """Return what shared counters say now."""
+        """Return the current values of shared counters."""
         worlds, steps, failed = counters
         return cls(int(worlds), int(steps), int(failed))
 
@@ -64,7 +64,7 @@ class LiveCounts:
         return LiveCounts(self.worlds + worlds, self.steps + steps, self.failed + failed)
 
     def without(self, handed_in: LiveCounts) -> LiveCounts:
-        """Return what is not handed in yet; at least nothing, because a unit may be done twice."""
+        """Return the counts not yet in a result; at least 0, because a unit may be done twice."""
         return LiveCounts(
             max(0, self.worlds - handed_in.worlds),
             max(0, self.steps - handed_in.steps),
@@ -79,10 +79,10 @@ class LiveState:
     Args:
         phase: ``preparing`` until the first run, which no budget counts; then ``searching``, and
             ``shrinking`` while nothing is searched.
-        worlds: Runs so far, of units under way too.
-        steps: Of these runs.
-        failed: Runs that did not arrive at first look.
-        shrinking: Failures that are being shrunk, or wait for it.
+        worlds: Runs so far, including those of units in progress.
+        steps: Steps of these runs.
+        failed: Runs that did not arrive in screening.
+        shrinking: Failures that are being shrunk, or waiting for it.
         elapsed: Seconds of the budget that are used.
     """
 
@@ -95,7 +95,7 @@ class LiveState:
 
 
 def has_failed(verdict: str) -> bool:
-    """Return True if a verdict at first look is one of a failure."""
+    """Return True if a verdict in screening is that of a failure."""
     return verdict not in _NOT_FAILED
 
 
@@ -108,9 +108,9 @@ def count_live(verdict: str, runs: int, steps: int) -> None:
     """Count runs that have just ended.
 
     Args:
-        verdict: At first look.
-        runs: How many ended with it.
-        steps: Of all of them.
+        verdict: Verdict in screening.
+        runs: Number of runs that ended with it.
+        steps: Steps of these runs.
     """
     for counters in _counters:
         with counters.get_lock():
@@ -121,18 +121,18 @@ def count_live(verdict: str, runs: int, steps: int) -> None:
 
 @contextlib.contextmanager
 def shown_in(store: Path, state: Callable[[], LiveState]) -> Iterator[None]:
-    """Keep a file up to date with what a campaign is doing, and remove it at the end.
+    """Keep a file up to date with a campaign's activity, and remove it at the end.
 
     Args:
         store: The campaign store's folder.
-        state: Returns what it is doing; called in another thread.
+        state: Returns its activity; called in another thread.
     """
     over = threading.Event()
     file = store / LIVE_FILE
 
     def write() -> None:
         while not over.wait(_EVERY):
-            # A full disk is reported by what has to be written.
+            # A full disk is reported when required files are written.
             with contextlib.suppress(OSError):
                 part = file.with_suffix(".part")
                 part.write_text(json.dumps(asdict(state())), "utf-8")
@@ -150,7 +150,7 @@ def shown_in(store: Path, state: Callable[[], LiveState]) -> Iterator[None]:
 
 
 def read_live(store: Path) -> LiveState | None:
-    """Return what a running campaign is doing; ``None`` if that is not known (yet)."""
+    """Return the activity of a running campaign; ``None`` if it is not known (yet)."""
     try:
         return LiveState(**json.loads(read_text(store / LIVE_FILE)))
     except (OSError, TypeError, ValueError):

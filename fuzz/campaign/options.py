@@ -15,7 +15,7 @@ from worldgen.parameters import Bounds, Parameter, Written, parameters_of_fields
 __all__ = ["MOST_ROBOTS", "CampaignOptions", "SearchOptions"]
 
 MOST_ROBOTS = 100
-"""The largest number of robots in a campaign's worlds; proving that more can arrive takes long."""
+"""Limit on the robots in a campaign's worlds; proving that more can arrive takes long."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,8 +27,8 @@ class SearchOptions:
             wall, block, or ./file.py:name; may be repeated.
         examples: Number of worlds each unit tries, or up to 80 times as many if they are screened
             in C.
-        robots: Number of robots in each world. More than one are all driven by the same controller;
-            the search then looks for deadlocks, livelocks and collisions.
+        robots: Number of robots in each world. Several robots are all driven by the same
+            controller; the search then looks for deadlocks, livelocks and collisions.
         epoch: Number of units that learn from the same earlier ones; at most twice as many run at a
             time.
         database: Hypothesis database, such as .hypothesis/examples. Examples in it run first, and
@@ -56,10 +56,10 @@ class CampaignOptions(SearchOptions):
         world: Search on this map; only start, target and radius vary.
         vary: Draw robot_radius, robot_speed, time_step or an option of the motion model from these
             values; list the simplest first. May be repeated.
-        time_step: Duration of a step, s [default: the motion model's].
+        time_step: Duration of a step, s.  [default: the motion model's]
         detour: Count a path longer than RATIO times the witness as a failure; the same as --oracle
             detour=RATIO.
-        shrink: Shrink failures [default: yes, but not with --world].
+        shrink: Shrink failures.  [default: yes, but not with --world]
 
     Raises:
         InvalidParameter: If a value is out of range or of the wrong type.

@@ -35,15 +35,15 @@ class UnitResult:
         strategy: Strategy that produced its scenarios.
         worlds: Number of scenarios simulated.
         steps: Number of steps simulated.
-        verdicts: How often each verdict came up in screening; if the target is walled off,
-            ``breach`` for a robot that got there, ``sealed`` for one that did not.
+        verdicts: Counts of verdicts in screening; if the target is walled off, ``breach`` for a
+            robot that got there, ``sealed`` for one that did not.
         failures: The smallest failure of each class, with witness, evidence and class.
-        met: How often each class occurred among the classified failures.
+        met: Counts of each class among the classified failures.
         elites: Candidates for the archive, by cell.
         cut: Whether time ran out before its work was done; the other fields hold the results until
             then.
         interrupted: Whether the reason was Ctrl-C.
-        effort: Where its time went; no store keeps this and no other unit knows it.
+        effort: How it spent its time; this is not stored, and other units do not know it.
     """
 
     strategy: str = ""
@@ -79,7 +79,7 @@ class StrategyYield:
 
 @dataclass(frozen=True)
 class SearchState:
-    """Knowledge that the units of an epoch share about all units up to the epoch before the last.
+    """Knowledge that the units of an epoch share, about all units up to the epoch before last.
 
     It is the same for any timing.
 

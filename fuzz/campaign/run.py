@@ -43,7 +43,7 @@ __all__ = [
 
 T = TypeVar("T")
 
-# Failures of one class that are shrunk; the smallest result is kept.
+# Number of failures per class that are shrunk; the smallest result is kept.
 _RESTARTS = 6
 # Seconds after the end of the time in which results may still arrive.
 GRACE = 1.0
@@ -58,7 +58,7 @@ class UnitDone:
     Args:
         unit: Its number.
         state: State of the campaign, including the unit.
-        again: Whether it was done in an earlier run.
+        again: True if it was done in an earlier run.
     """
 
     unit: int
@@ -73,7 +73,7 @@ class Discovery:
     Args:
         kind: Its class.
         failure: The shrunk failure.
-        replaces: Whether the class already had one.
+        replaces: True if the class already had one.
     """
 
     kind: str
@@ -115,19 +115,19 @@ class CampaignState:
         units: Units done and merged.
         cut: Additional units that must be done again, because they were cut short by the time limit
             or Ctrl-C, or came too early.
-        too_early: The part of ``cut`` that was completed with too little knowledge, because an earlier unit
-            was cut short.
+        too_early: The part of ``cut`` that was completed with too little knowledge, because an
+            earlier unit was cut short.
         until: One more than the highest number of any unit, complete or cut.
         worlds: Scenarios simulated.
         steps: Steps simulated.
         seconds: Seconds of all runs together.
         times: Seconds of this run: ``start-up``, ``search`` and ``shrinking``.
-        effort: For this run, where the time of units and of shrinking went, over all workers.
+        effort: For this run, how units and shrinking spent their time, over all workers.
         verdicts: Counts of the verdicts in screening.
-        met: How often each class occurred.
+        met: Counts of each class.
         known: The same, for classes in the baseline.
         best: The smallest shrunk failure of each class.
-        memory: The search state: the strategies' yields, and what later units know.
+        memory: The search state: the strategies' yields, and the knowledge of later units.
         finds: First finds, in the order of units.
     """
 
@@ -167,8 +167,8 @@ class Shrinking:
 
     Args:
         failure: The failure.
-        complete: Whether shrinking ended on its own, rather than by the clock.
-        effort: Where its time went.
+        complete: True if shrinking ended on its own, rather than by the clock.
+        effort: How it spent its time.
     """
 
     failure: Failure
@@ -198,7 +198,7 @@ class Campaign:
         config: Definition of the campaign.
         units: Amount of work; with it, the corpus depends only on the seed.
         seconds: Time, ignored if ``units`` is given. Three quarters of it are for the search, the
-            rest for shrinking. Units in progress are then cut short, and keep what they found.
+            rest for shrinking. Units in progress are then cut short, and keep their findings.
             Failures not shrunk by the end are pending.
         workers: Number of processes; 1 means this process.
         executor: Executor to use instead of processes.
@@ -209,9 +209,9 @@ class Campaign:
         began: When the time began, by ``time.monotonic``; if omitted, when :meth:`run` is called.
         own: Seconds since then spent in the controller's own code.
 
-    Iterating over :meth:`run` does the work. However it is stopped, ``state.best`` and
-    :meth:`pending` keep everything that was found. However often a campaign is stopped, its state
-    is the same once it has continued to the same number of units.
+    Iterating over :meth:`run` does the work. No matter how it is stopped, ``state.best`` and
+    :meth:`pending` keep all findings. However often a campaign is stopped, its state is the same
+    once it has continued to the same number of units.
     """
 
     def __init__(
@@ -253,7 +253,7 @@ class Campaign:
         self._met_whole: Counter[tuple[str, bool]] = Counter()
         # Search states by epoch.
         self._known = [SearchState(), SearchState()]
-        # First epoch whose search state lacks what a cut unit would have found.
+        # First epoch whose search state lacks the findings of a cut unit.
         self._knows_too_little = math.inf
         # Units that wait for a worker.
         self._jobs: list[_ShrinkJob] = []
@@ -268,7 +268,7 @@ class Campaign:
 
     @property
     def is_ready(self) -> bool:
-        """True once everything that the first units need is loaded, and the time has begun."""
+        """True once everything that the first units need is loaded, and the clock is running."""
         return self._schedule.is_ready
 
     def pending(self) -> dict[str, Failure]:
@@ -284,7 +284,7 @@ class Campaign:
         }
 
     def live(self) -> LiveState:
-        """Return what the campaign is doing, with the runs of units under way.
+        """Return the campaign's activity, with the runs of units in progress.
 
         May be called in another thread.
         """
@@ -310,7 +310,7 @@ class Campaign:
         """Do the campaign, or the rest of it.
 
         Raises:
-            KeyboardInterrupt: After Ctrl-C, once the units in progress have returned what they had.
+            KeyboardInterrupt: After Ctrl-C, once the units in progress have returned their results.
         """
         with self._executor as executor:
             try:
@@ -340,7 +340,7 @@ class Campaign:
             if self._schedule.is_over(GRACE):
                 break
         yield from self._take_what_is_done()
-        # They do not answer in time, so they are not awaited.
+        # They do not answer in time, so do not wait for them.
         if self._under_way or self._shrinks:
             executor.stop()
         if self.units is None:
@@ -425,7 +425,7 @@ class Campaign:
                 )
 
     def _occupied(self) -> int:
-        """Return how many workers have work, or a result that is merged before they get more.
+        """Return the number of workers that have work, or a result that must be merged first.
 
         Units are merged in order. Those that are done after an unfinished one keep no worker busy.
         """
@@ -456,7 +456,7 @@ class Campaign:
         return job
 
     def _jobs_before(self, job: _ShrinkJob) -> int:
-        """Return how many waiting failures are equally urgent, including those in progress."""
+        """Return the number of equally urgent failures that wait or are in progress."""
         return sum(one.before <= job.before for one in self._jobs) + len(self._shrinks)
 
     def _queue(self, jobs: list[_ShrinkJob]) -> None:
@@ -535,7 +535,7 @@ class Campaign:
         state.steps += result.steps
         state.verdicts += result.verdicts
         state.met += result.met
-        # Keep what is worth storing, and store it.
+        # Select the results worth storing, and store them.
         jobs, kept = self._enter_failures(unit, result, seconds)
         elites = {
             cell: elite
@@ -546,7 +546,7 @@ class Campaign:
         result = replace(result, failures=kept, elites=elites)
         if under.seconds is None:
             self._store.save_unit(unit, Done(result, seconds))
-        # Cut units change the shown state, but not what later units know.
+        # Cut units change the displayed state, but not the knowledge of later units.
         state.memory = state.memory.after(result)
         if result.cut:
             self._knows_too_little = min(self._knows_too_little, unit // self.config.epoch + 2)
@@ -587,7 +587,7 @@ class Campaign:
         return jobs, kept
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
-        """Return a unit's result, or an earlier run's result of the same unit if that got further."""
+        """Return a unit's result, or that of an earlier run if it got further with the unit."""
         before = self._store.cut_unit(unit)
         if before is None or before.result.worlds <= result.worlds:
             return result
@@ -616,7 +616,7 @@ class Campaign:
     def _whole(self, kinds: Iterable[str]) -> list[_ShrinkJob]:
         fresh = sorted(set(kinds) - self._kept_whole)
         self._kept_whole.update(fresh)
-        # Each takes a second.
+        # Each of these takes a second.
         return [_ShrinkJob(min(self._candidates[kind], key=_size), "class") for kind in fresh]
 
     def _kept(self) -> Iterator[Discovery]:
@@ -629,10 +629,10 @@ class Campaign:
             if under.seconds is None and result.complete:
                 self._store.save_shrunk(job.failure, job.kept, shrunk)
             self._count_time()
-            # There was no time left for it.
+            # No time was left for it.
             if not result.complete and not shrunk.is_shrunk:
                 continue
-            # It slid there from a new class, which is processed at the end.
+            # Shrinking moved it here from a new class, which is processed at the end.
             if self._is_known(shrunk):
                 continue
             kind = shrunk.bucket
@@ -672,7 +672,7 @@ def _shrunk_or_same(failure: Failure, kept: str, seconds: float | None, end: flo
                 return Shrinking(with_boundaries(made.failure, failure))
             except (
                 OutOfTime
-                # It is shrunk and proved in any case; a later run measures its boundaries.
+                # It is already shrunk and proved; a later run measures its boundaries.
             ):
                 return Shrinking(made.failure, complete=False)
     except OutOfTime:

@@ -25,7 +25,7 @@ _SHRINKING = (
 )
 # Share of the time for shrinking one failure while the search continues.
 _ONE_OF = 0.1
-# Most seconds of start-up that count; never more than the search's share leaves.
+# Limit on the seconds of start-up that count; never more than the search's share leaves.
 _COUNTED = 3.0
 # Seconds for shrinking a failure.
 _LEAST = 0.05
@@ -38,8 +38,8 @@ class Schedule:
 
     Time begins with the first work that no earlier run did.
 
-    Start-up counts up to three seconds and a quarter of the time, since a slow machine would leave
-    nothing of a short budget. The time of the controller's own code counts in full.
+    Start-up counts up to three seconds and a quarter of the time, because on a slow machine nothing
+    of a short budget would be left. The time of the controller's own code counts in full.
 
     Args:
         seconds: Time for search and shrinking together; ``None`` for no limit.
@@ -88,7 +88,7 @@ class Schedule:
         return self._left(self._share_to_search(urgent=False)) > 0.0
 
     def begin(self, own: float = 0.0) -> None:
-        """Start the time: everything is loaded.
+        """Start the clock: everything is loaded.
 
         Args:
             own: Seconds of that spent in the controller's own code.
@@ -104,7 +104,7 @@ class Schedule:
     def deadline(self) -> Deadline:
         """Return when a unit must end.
 
-        That is at the end of the search's share of the time, or later if some of it is left.
+        This is the end of the search's share of the time, or later if some of it is left.
         """
         if self._seconds is None:
             return NO_DEADLINE
@@ -114,13 +114,13 @@ class Schedule:
         return Deadline(at + self._left(share), at + self._left(prove))
 
     def shrank_enough(self) -> bool:
-        """Return True if shrinking has had its share of the time and it is the search's turn."""
+        """Return True if shrinking has had its share of the time and the search is next."""
         if self._seconds is None:
             return False
         return self._shrinking > _SHRINKING * (self._search + self._shrinking)
 
     def for_shrinking(self, failures: int, workers: int) -> tuple[float | None, float]:
-        """Return the seconds for the next failure, and when it must be proved.
+        """Return the seconds for the next failure, and the time by which it must be proved.
 
         The second is a time by :func:`fuzz.campaign.deadline.now`.
 

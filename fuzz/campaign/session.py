@@ -56,7 +56,7 @@ from worldgen.support.progress import is_verbose, working
 
 __all__ = ["CampaignSession", "configure"]
 
-# Least seconds between two summaries while the search continues.
+# Minimum seconds between two summaries while the search continues.
 _SUMMARY_EVERY = 1.0
 # Seconds for the runs of all pictures together.
 _TO_DRAW = 2.0
@@ -73,7 +73,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
     Args:
         options: Options as given.
         seed: Seed of the whole campaign.
-        seconds: Most seconds for trying out the controller; None for any time.
+        seconds: Limit in seconds for trying out the controller; None for no limit.
 
     Raises:
         InvalidParameter: If a name is unknown, or controller and motion model do not fit together.
@@ -83,7 +83,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
     if is_numbered(options.controller):
         raise InvalidParameter(
             "one-controller-for-all",
-            "{controller!r} gives each robot its own controller, and a campaign has one for all",
+            "{controller!r} gives each robot its own controller, but a campaign has one for all",
             "write --robots 2 --controller bug2",
             at_terminal=True,
             controller=options.controller,
@@ -110,7 +110,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         raise InvalidParameter(
             "twice",
             "{option} {name} is given twice",
-            "put all its values into one, after commas",
+            "put all its values into one, separated by commas",
             option=_VARY,
             name=min(twice),
         )
@@ -137,12 +137,13 @@ def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedO
     """
     scenario = config.scenario
     outcome = try_out(scenario, seconds)
-    # Every other run would fail too, after the whole start-up deadline.
+    # Every other run would fail too, each after the whole start-up deadline.
     if outcome.fault is not None and outcome.verdict == Verdict.HANG and outcome.steps == 1:
         raise InvalidParameter(
             "no-first-answer",
             "{controller} does not answer its first observation within {seconds} s",
-            "does it flush its output after each line? docs/reference/controllers.md has the protocol",
+            "does it flush its output after each line? docs/reference/controllers.md describes "
+            "the protocol",
             controller=scenario.controller,
             seconds=outcome.fault.deadline,
         )
@@ -155,16 +156,15 @@ class CampaignSession:
     """Runs a campaign and keeps its folder.
 
     Args:
-        campaign_run: The campaign, with its folder and how long it is to search; closed by
-            :meth:`run`.
+        campaign_run: The campaign, with its folder and budget; closed by :meth:`run`.
         executor: Where the units run.
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
         baseline: Failures whose classes are known, which are only counted; none if omitted.
-        count_hazards: Whether a robot burned by something its controller cannot sense also makes
+        count_hazards: True if a robot burned by something its controller cannot sense also makes
             the exit code 1.
         began: When the command began, by ``time.monotonic``.
-        lasts: Whether the folder still exists after the command, so that a message can name it.
+        lasts: True if the folder still exists after the command, so that a message can name it.
         own: Seconds since then spent in the controller's own code.
         last: Failures of the last campaign in the same folder, which this one replaces.
     """
@@ -210,25 +210,25 @@ class CampaignSession:
         self._overview = Overview(())
         self._unsaved: set[str] = set()
         self._status = "running"
-        # Until all earlier results have been processed.
+        # This holds until all earlier results have been processed.
         self._goes_on = campaign_run.done > 0
         self._summarised = time.monotonic()
 
     def run(self) -> int:
         """Do the campaign; return the exit code."""
-        # Search. If workers died or the disk is full, name what was kept and how to continue.
+        # Search. If workers died or the disk is full, tell what was kept and how to continue.
         try:
             with contextlib.closing(self._store):
                 stopped = self._search_and_say_how_it_ended()
         except WorkersLost as error:
             if not self._lasts:
                 raise OutputError(
-                    "broken-off", "{reason}", "nothing was kept: begin again", reason=str(error)
+                    "broken-off", "{reason}", "nothing was kept: start again", reason=str(error)
                 ) from error
             raise OutputError(
                 "broken-off",
                 "{reason}",
-                "what was found until then is in {out}, and {way_on}",
+                "the findings so far are in {out}, and {way_on}",
                 at_terminal=True,
                 reason=str(error),
                 out=self._out,
@@ -239,13 +239,13 @@ class CampaignSession:
                 raise OutputError(
                     "broken-off",
                     "{reason}",
-                    "nothing was kept: make room, and begin again",
+                    "nothing was kept: free some space, and start again",
                     reason=str(error),
                 ) from error
             raise OutputError(
                 "broken-off",
                 "{reason}",
-                "what is there is whole: make room, and {way_on}",
+                "the stored results are intact: free some space, and {way_on}",
                 at_terminal=True,
                 reason=str(error),
                 way_on=self._way_on,
@@ -303,7 +303,7 @@ class CampaignSession:
             return InvalidParameter(
                 "too-slow",
                 "no world was finished within {limit}: the controller, or this machine, is too "
-                "slow for that",
+                "slow for this",
                 "give a larger --budget, or smaller worlds",
                 at_terminal=True,
                 limit=self._limit,
@@ -316,7 +316,7 @@ class CampaignSession:
         )
 
     def _search_and_say_how_it_ended(self) -> bool:
-        """Search, and record how it ended before other processes may use the folder.
+        """Search, and record the outcome before other processes may use the folder.
 
         Return whether Ctrl-C came.
         """
@@ -337,7 +337,7 @@ class CampaignSession:
         return stopped
 
     def _conclude(self, *, stopped: bool) -> bool:
-        """Work out and write what was found; return whether Ctrl-C came, now or before."""
+        """Evaluate and write the findings; return whether Ctrl-C came, now or before."""
         if not stopped:
             try:
                 with working("running natural worlds and explaining failures"):
@@ -399,7 +399,7 @@ class CampaignSession:
             self._say_late(late)
 
     def _say_late(self, late: int) -> None:
-        """Say how many classes were not shrunk, and what shrinks them.
+        """Print the number of classes that were not shrunk, and the command that shrinks them.
 
         Nothing is printed if time was not the reason.
         """
@@ -413,7 +413,7 @@ class CampaignSession:
             return
         folder = shlex.quote(str(self._out))
         note(
-            f"{are}, because the time ended before shrinking did: "
+            f"{are}, because time ran out before shrinking was done: "
             f"worldgen fuzz --resume {folder} --units {state.until} does the rest"
         )
 
@@ -439,7 +439,7 @@ class CampaignSession:
             self._save(at_least_after=_SUMMARY_EVERY)
 
     def _save(self, at_least_after: float = 0.0) -> None:
-        """Write the new failures, and from time to time the file that reports read."""
+        """Write the new failures, and periodically the file that reports read."""
         for kind in sorted(self._unsaved):
             data = self._campaign.state.best[kind].dumps()
             path = self._path(kind)
@@ -499,7 +499,7 @@ class CampaignSession:
         )
         click.echo(
             f"seed {self._config.seed}: {describe_units(state)}, {counted(state.worlds, 'world')}, "
-            f"{counted(state.steps, 'step')} in {describe_time(state)}; at first look "
+            f"{counted(state.steps, 'step')} in {describe_time(state)}; in screening "
             f"{verdicts or 'nothing'}"
         )
         # Add notes about slow or hanging controllers.
@@ -508,17 +508,16 @@ class CampaignSession:
         if state.effort.broken:
             steps = counted(state.effort.broken, "step")
             note(
-                f"{steps} of {self._config.scenario.controller} were still running when the time was over, "
-                f"and had to be broken "
-                "off; if a step may hang, run the controller as a program: each step has a "
-                "deadline then, and a hang "
-                "is a failure (docs/reference/controllers.md)"
+                f"{steps} of {self._config.scenario.controller} were still running when time was "
+                f"up, and had to be interrupted; if a step may hang, run the controller as a "
+                f"program: each step then has a deadline, and a hang is a failure "
+                f"(docs/reference/controllers.md)"
             )
         if hazards:
             note(f"--count-hazards makes failures of {hazard_words(hazards.values())}")
 
     def _report_in_detail(self) -> None:
-        """Print each class with its picture, and what each strategy did."""
+        """Print each class with its picture, and the yield of each strategy."""
         state = self._campaign.state
         hazards = self._hazards()
         for kind, failure in sorted(self._failing().items()):
@@ -561,7 +560,7 @@ class CampaignSession:
             if state.times
         }
         failing = self._failing()
-        # What a failure depends on was tried for the clearest one of each cause.
+        # The dependencies were tried for the clearest failure of each cause.
         why = {
             self._out / cause.file: cause.why.describe()
             for cause in self._overview.causes

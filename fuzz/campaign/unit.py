@@ -1,6 +1,6 @@
 """Units of a campaign: pure functions of (configuration, unit number, search state).
 
-Any worker may do any of them.
+Any worker can do any of them.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def run_unit(
     known = SearchState() if memory is None else memory
     name = planned_strategy(config, unit, known)
     result = UnitResult(strategy=name)
-    # State that a shared library has kept from other units does not count here.
+    # State that a shared library has kept from other units must not matter here.
     renew()
     try:
         with stopping_when(deadline.to_begin_is_over):

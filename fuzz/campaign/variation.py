@@ -140,7 +140,7 @@ def _check_name(name: str, motion: str) -> None:
         hint = f"did you mean {close[0]!r}? " if close else ""
         raise InvalidParameter(
             "unknown-name",
-            "{option} {name}: under {motion} nothing of that name can be varied",
+            "{option} {name}: nothing with that name can be varied under {motion}",
             "{hint}known: {known!l}",
             option=_OPTION,
             name=name,

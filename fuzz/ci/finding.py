@@ -103,7 +103,8 @@ class CiFinding:
             words = ""
             trail = None
             frames = describe_frames(failure.evidence)
-        # What a reader of the CI's log sees: the cause, what happened, and a picture that fits.
+        # Collect what a reader of the CI's log sees: the cause, what happened, and a picture that
+        # fits.
         cause = cause_of(failure)
         what = reason if state == "not confirmed" else f"{record.verdict}{words}"
         picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
@@ -147,7 +148,7 @@ class CiFinding:
 
     @property
     def explanation(self) -> str:
-        """Why it happens: one sentence or two, empty if nothing is known."""
+        """Why it happens: one or two sentences; empty if nothing is known."""
         depends = f" It {self.why}." if self.why else ""
         return f"{self.sentence}{depends}".strip()
 

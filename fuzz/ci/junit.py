@@ -11,7 +11,7 @@ __all__ = ["junit"]
 
 _SKIPPED = {
     "known": "known: the baseline has this class",
-    "hazard": "hazard: none of the controller's senses shows what burned the robot",
+    "hazard": "hazard: none of the controller's senses detects what burned the robot",
 }
 
 

@@ -37,8 +37,8 @@ be reached in all of them.
   report them as new.
 - `fixed/`: failures that no longer occur. `pytest` runs each one and fails if it comes back.
 
-`worldgen replay {known}` shows what each failure does today. After a fix, move its file
-from `known/` to `fixed/`.
+`worldgen replay {known}` shows the current state of each failure. After a fix, move its file from
+`known/` to `fixed/`.
 """
 
 

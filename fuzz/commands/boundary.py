@@ -1,4 +1,4 @@
-"""``worldgen boundary``: the value of one number at which a controller begins to fail."""
+"""``worldgen boundary``: find the value of one number at which a controller begins to fail."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ _FACTOR = 2
 
 @click.command(epilog=EXAMPLES)
 @click.argument("path", type=click.Path(path_type=Path))
-@click.option("--controller", help=f"{CONTROLLER_HELP} [default: that of a failure's record]")
+@click.option("--controller", help=f"{CONTROLLER_HELP} [default: the one in a failure's record]")
 @click.option(
     "--motion", default="swept", show_default=True, help="Motion model, with --controller."
 )
 @click.option(
-    "--time-step", type=float, help="Duration of a step, s, with --controller [default: 0.015]."
+    "--time-step", type=float, help="Duration of a step, s, with --controller.  [default: 0.015]"
 )
 @click.option(
     "--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers."
@@ -58,9 +58,9 @@ def boundary(
     """Find the radius, speed or heading at which failures begin.
 
     Runs the scenario at 65 values, from half to twice its own (headings: a whole turn; depths: 1 to
-    65 cells), and narrows each change down to two neighbouring values. Two changes between neighbouring
-    values go unnoticed. Exit code 0 if the robot arrives at every value at which the target can
-    be reached, else 1.
+    65 cells), and narrows each change down to two neighbouring values. Two changes between
+    neighbouring values are not detected. Exit code 0 if the robot arrives at every value at which
+    the target can be reached, else 1.
     """
     from fuzz.boundary import AXES, BoundaryRuns, scan
     from worldgen.errors import InvalidParameter
@@ -118,13 +118,13 @@ def _subject(
     failure = Failure.found_in(world)
     if failure is None:
         raise click.UsageError(
-            f"{path} holds no failure that names a controller; give --controller NAME"
+            f"{path} does not hold a failure that names a controller; give --controller NAME"
         )
     return Subject(failure.world, failure.scenario)
 
 
 def _scanned(axis: Axis, start: int) -> range:
-    """Return the indices of a scan, with the scenario's own value among them if an axis has no end."""
+    """Return the indices of a scan, including the scenario's own value if an axis has no end."""
     if axis.name == "depth":
         return range(axis.low, axis.low + _POINTS)
     if axis.name == "heading":

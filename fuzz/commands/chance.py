@@ -1,4 +1,4 @@
-"""``worldgen chance``: what a random controller can do, whatever it draws."""
+"""``worldgen chance``: decide what a random controller can do, whatever it draws."""
 
 from __future__ import annotations
 
@@ -20,16 +20,18 @@ EXAMPLES = (
 @click.command(epilog=EXAMPLES)
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--controller", help=f"{CONTROLLER_HELP} A failure names its own.")
-@click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
+@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
 @click.option(
-    "--most", type=click.IntRange(1, 10_000_000), help="States to explore [default: 100000]."
+    "--most",
+    type=click.IntRange(1, 10_000_000),
+    help="Number of states to explore.  [default: 100000]",
 )
 @click.option(
     "--seeds",
     type=click.IntRange(1, 100_000),
     default=40,
     show_default=True,
-    help="Seeds to run if undecided.",
+    help="Number of seeds to run if undecided.",
 )
 @json_option
 def chance(
@@ -42,8 +44,9 @@ def chance(
 ) -> None:
     """Decide whether a random controller always, never or sometimes arrives.
 
-    Explores every state that some random numbers lead to; if there are too many, counts the seeds that do
-    not arrive. Exit code 0 if the robot arrives with probability one, or with every seed; 1 if not.
+    Explores every state that some random numbers lead to; if there are too many, counts the seeds
+    that do not arrive. Exit code 0 if the robot arrives with probability one, or with every seed; 1
+    if not.
     """
     from fuzz.chance import MOST_STATES, chance_of, in_words, share_that_fails
     from fuzz.failure import Failure
@@ -64,9 +67,9 @@ def chance(
     elif (failure := Failure.found_in(world)) is not None:
         scenario = failure.scenario
     else:
-        raise click.UsageError("give --controller; only a failure's file names its own")
+        raise click.UsageError("give --controller; only the file of a failure names its own")
     # Explore all states, or fall back to counting seeds.
-    with working(f"looking at every draw of {scenario.label()}") as work:
+    with working(f"exploring every draw of {scenario.label()}") as work:
         found = chance_of(
             world, scenario.controller, scenario.options(world), most=most or MOST_STATES
         )

@@ -25,9 +25,13 @@ FILE = click.Path(path_type=Path)
 def _filters(command: F) -> F:
     """Add the options ``--controller``, ``--class`` and ``--verdict``, which take shell patterns."""
     for name, argument, what in (
-        ("--verdict", "verdicts", "Only this verdict: 'loop', or a pattern like '*'."),
-        ("--class", "kinds", "Only this class: 'tunnel-*'."),
-        ("--controller", "controllers", "Only this controller, with its options: 'thesis-1*'."),
+        ("--verdict", "verdicts", "Select only this verdict: 'loop', or a pattern such as '*'."),
+        ("--class", "kinds", "Select only this class: 'tunnel-*'."),
+        (
+            "--controller",
+            "controllers",
+            "Select only this controller, with its options: 'thesis-1*'.",
+        ),
     ):
         command = click.option(name, argument, multiple=True, metavar="PATTERN", help=what)(command)
     return command
@@ -43,9 +47,9 @@ def _paths(command: F) -> F:
 def corpus() -> None:
     """List, compare, merge and prune folders of failures.
 
-    A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures count
-    as the same if controller, motion model and class are equal. docs/howto/keep-failures.md describes
-    it.
+    A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures
+    count as the same if controller, motion model and class are equal. docs/howto/keep-failures.md
+    describes it.
     """
 
 
@@ -54,7 +58,7 @@ def corpus() -> None:
 @_filters
 @json_option
 def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -> None:
-    """List failures: class, verdict, controller, motion model, when first seen, size, digest."""
+    """List failures: class, verdict, controller, motion model, first date, size, digest."""
     found = _read(paths, patterns)
     entries = found.entries
     classes = len({entry.facts.key for entry in entries})
@@ -88,14 +92,14 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
         )
     click.echo(f"{counted(len(entries), 'failure')} of {counted(classes, 'class', 'classes')}")
     if found.others:
-        note(f"passed over {counted(found.others, 'world')} without a failure")
+        note(f"skipped {counted(found.others, 'world')} without a failure")
 
 
 @corpus.command(epilog="\b\n  worldgen corpus show failures/ --png failures.png")
 @_paths
 @_filters
 @click.option(
-    "--png", type=FILE, metavar="OUT", help="Draw all on one sheet instead, a PNG picture."
+    "--png", type=FILE, metavar="OUT", help="Draw all on one sheet instead, as a PNG picture."
 )
 @json_option
 @force_option
@@ -108,7 +112,7 @@ def show(
 ) -> None:
     """Show failures in the terminal: picture, evidence, the line that replays it.
 
-    Or all on one sheet. Runs the controllers that the files name.
+    Or show all on one sheet. This runs the controllers that the files name.
     """
     from fuzz.corpus import contact_sheet
     from fuzz.describe import describe
@@ -156,9 +160,9 @@ def merge(
 ) -> None:
     """Copy the smallest failure of each class into a folder, as CONTROLLER/MOTION/CLASS.grid.
 
-    The same corpora give the same files, in whatever order they are named. A folder that holds
-    other worlds is refused without --force, which replaces those of the same name and keeps the
-    others.
+    The same corpora give the same files, no matter in which order they are named. A folder that
+    holds other worlds is refused without --force, which replaces those of the same name and keeps
+    the others.
     """
     from fuzz.corpus import merge as merge_failures
 
@@ -184,7 +188,7 @@ def merge(
 @_filters
 @json_option
 def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> None:
-    """Report which classes of failures are new, missing, met in a smaller or only in a larger world.
+    """Report classes of failures that are new, missing, or now in a smaller or larger world.
 
     Exit code 1 if NEW has a class that OLD has not, else 0: known failures do not fail a build.
     """
@@ -229,18 +233,19 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
 @corpus.command(epilog="\b\n  worldgen corpus prune failures/ --dry-run")
 @click.argument("folder", type=FILE, metavar="DIR")
 @_filters
-@click.option("--dry-run", is_flag=True, help="Say what would go; delete nothing.")
+@click.option("--dry-run", is_flag=True, help="Print what would be deleted, but delete nothing.")
 @json_option
 def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...]) -> None:
     """Delete failures that no longer replay, and all but the smallest of each class.
 
-    Asks for nothing; nothing is deleted before all are judged. A failure whose controller cannot be
-    run here stays, and the exit code is then 1. Runs the controllers that the files name.
+    This does not ask for confirmation; nothing is deleted before all failures are judged. A failure
+    whose controller cannot be run here is kept, and the exit code is then 1. This runs the
+    controllers that the files name.
     """
     from fuzz.corpus import judge_all, remove
     from worldgen.errors import OutputError
 
-    # Refuse what is not a folder of failures.
+    # Refuse anything that is not a folder of failures.
     if not folder.is_dir():
         raise OutputError(
             "wrong-kind-of-file",
@@ -296,8 +301,9 @@ def export(
 ) -> None:
     """Write failures into one file: an archive with pictures and a table, or a table.
 
-    Equal failures are an equal archive, byte for byte, and every command reads it like a folder.
-    The pictures show the robot's path: the controllers that the files name are run, but for a .csv.
+    Equal failures give equal archives, byte for byte, and every command reads them like folders.
+    The pictures show the robot's path, so the controllers that the files name are run, except for a
+    .csv.
     """
     from fuzz.corpus import export as export_failures
 

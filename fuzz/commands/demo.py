@@ -11,7 +11,7 @@ from worldgen.cli.output import emit_json, force_option, json_option, note
 __all__ = ["demo"]
 
 _SEED = 7
-# Some ten seconds, everything shrunk.
+# This takes about ten seconds, including shrinking.
 _UNITS = 3
 _EXAMPLES = 200
 
@@ -48,7 +48,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
     if out.exists() and not force:
         raise OutputError(
             "file-exists",
-            "{out} is there already",
+            "{out} already exists",
             "give --force to overwrite what is in it, or --out another name",
             at_terminal=True,
             out=out,

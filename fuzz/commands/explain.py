@@ -1,4 +1,4 @@
-"""``worldgen explain``: the smallest changes after which the robot of a failure arrives."""
+"""``worldgen explain``: find the smallest changes after which the robot of a failure arrives."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ EXAMPLES = "\b\n  worldgen explain failures/loop-wall.grid\n  worldgen explain f
 def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> None:
     """Report what a failure depends on, one change at a time.
 
-    Frees each wall cell near the path, drops each event and each option, and varies start heading,
-    radius, speed and time step, one at a time. A change counts only if the target is still provably
-    reachable. Failures that depend on chance, or that an oracle reported, cannot be explained this
-    way. Exit code 2 if a file holds no failure that can be explained.
+    It frees each wall cell near the path, drops each event and each option, and varies start
+    heading, radius, speed and time step, one at a time. A change counts only if the target is still
+    provably reachable. Failures that depend on randomness, or that an oracle reported, cannot be
+    explained this way. Exit code 2 if a file holds no failure that can be explained.
     """
     from fuzz.failure import Failure
     from fuzz.overview.counterfactual import counterfactuals
@@ -39,7 +39,7 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
     for path, world in read_worlds(paths):
         failure = Failure.found_in(world)
         if failure is None:
-            note(f"{shown(path)}: this world holds no failure; worldgen run simulates it")
+            note(f"{shown(path)}: this world has no failure; worldgen run simulates it")
             unexplained += 1
             continue
         failure = failure.driven_by(controller)

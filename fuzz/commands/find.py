@@ -1,4 +1,4 @@
-"""``worldgen find``: a world in which given controllers have given outcomes."""
+"""``worldgen find``: search for a world in which given controllers have given outcomes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ EXAMPLES = (
     "--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter of the family."
 )
 @click.option(
-    "--from", "begin", type=click.Path(path_type=Path), help="Begin from this world and edit it."
+    "--from", "begin", type=click.Path(path_type=Path), help="Start from this world and edit it."
 )
 @click.option("--start", metavar="X,Y,HEADING", help="Start pose of every world, m and rad.")
 @click.option(
@@ -50,35 +50,42 @@ EXAMPLES = (
     is_flag=True,
     help="Keep worlds symmetric about the diagonal through the upper left.",
 )
-@click.option("--keep-target", is_flag=True, help="Leave the target where it is.")
+@click.option("--keep-target", is_flag=True, help="Do not move the target.")
 @click.option(
     "--leash",
     type=click.IntRange(0),
     metavar="CELLS",
-    help="Move walls and target no further; add none.",
+    help="Maximum distance to move walls and target; no walls are added.",
 )
 @click.option(
     "--together",
     is_flag=True,
-    help="With --leash, keep each obstacle in one piece, and apart from the others.",
+    help="With --leash, keep each obstacle in one piece and separate from the others.",
 )
-@click.option("--no-edit", is_flag=True, help="Only worlds as the family makes them.")
+@click.option(
+    "--no-edit", is_flag=True, help="Use only worlds as the family makes them, without edits."
+)
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
-@click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
+@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
 @click.option(
     "--budget",
     type=Duration(),
     metavar="TIME",
-    help="Search this long: 30s, 5m, 1h [default: 30s].",
+    help="Time to search, such as 30s, 5m or 1h.  [default: 30s]",
 )
 @click.option(
     "--units",
     type=click.IntRange(1),
-    help="Do this much work; the result depends on the seed alone.",
+    help="Amount of work instead of time; the result then depends only on the seed.",
 )
-@click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
 @click.option(
-    "--out", type=click.Path(path_type=Path), required=True, help="File for the nearest world."
+    "--workers", type=click.IntRange(1, 256), help="Number of processes.  [default: one per core]"
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="File to write the nearest world to.",
 )
 @seed_option
 @json_option
@@ -107,13 +114,13 @@ def find(
     r"""Search for a world with the outcomes that you name.
 
     An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang,
-    invalid-command), never (loop or stalled; with chance also timeout), or fails (anything but
-    reached). Add steps to reached, or the period to loop: reached@330, reached@300..400,
-    reached@<400, reached@4.95s, loop@104. For a controller with chance, 19 of 20 seeds must do so,
-    or their median time counts.
+    invalid-command), never (loop or stalled; for random controllers also timeout), or fails
+    (anything but reached). Add steps to reached, or the period to loop: reached@330,
+    reached@300..400, reached@<400, reached@4.95s, loop@104. For a random controller, 19 of 20 seeds
+    must do so, or their median time counts.
 
-    The target of the written world can be reached. Exit code 0 if every outcome is as requested, else 1.
-    Ctrl-C writes the nearest until then, exit code 130.
+    The target of the written world can be reached. Exit code 0 if every outcome is as requested,
+    else 1. Ctrl-C writes the nearest world so far, with exit code 130.
     """
     import os
 
@@ -128,10 +135,10 @@ def find(
         (begin is not None and bool(families), "give --from or --family, not both"),
         (
             no_edit and not families,
-            "--no-edit leaves worlds as a family makes them; name one with --family",
+            "--no-edit leaves worlds as a family makes them; name a family with --family",
         ),
         (together and leash is None, "give --together with --leash, which bounds the edits"),
-        (no_edit and symmetric, "give --no-edit or --symmetric, not both: to mirror is to edit"),
+        (no_edit and symmetric, "give --no-edit or --symmetric, not both: mirroring is an edit"),
     ):
         if contradiction:
             raise click.UsageError(reason)
@@ -167,14 +174,14 @@ def find(
 
 
 def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
-    """Search, and write the nearest world however that ends; return whether Ctrl-C ended it."""
+    """Search, and write the nearest world in any case; return True if Ctrl-C ended the search."""
     from fuzz.campaign.executors import WorkersLost
     from worldgen.errors import OutputError
     from worldgen.files.grid import write_world
     from worldgen.support.plain_text import counted
     from worldgen.support.progress import working
 
-    # Search, and remember how the search ended.
+    # Search, and record how the search ended.
     stopped = False
     broken = None
     try:
@@ -187,14 +194,14 @@ def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
         stopped = True
     except WorkersLost as error:
         broken = error
-    # Whatever ended it, write the nearest world.
+    # Write the nearest world, no matter how the search ended.
     if search.best is not None:
         write_world(search.best.world, out, force=force)
     if broken is not None:
         kept = (
-            f"the nearest world until then is in {out}"
+            f"the nearest world so far is in {out}"
             if search.best
-            else "no world had been met until then"
+            else "no world had been found so far"
         )
         raise OutputError(
             "worker-died",
@@ -240,7 +247,7 @@ def _pose(text: str) -> Pose:
         raise InvalidParameter(
             "not-a-pose",
             "start={text!r} is not X,Y,HEADING",
-            "write numbers like 0.35,2.65,-1.36",
+            "write numbers, as in 0.35,2.65,-1.36",
             text=text,
         ) from None
     return Pose(x, y, heading)
@@ -273,7 +280,7 @@ def _report(
 
     best = search.best
     if best is None:
-        note("no world with a reachable target was met; give more time, or another --family")
+        note("no world with a reachable target was found; give more time, or another --family")
     if as_json:
         emit_json(
             {

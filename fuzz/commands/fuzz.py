@@ -1,4 +1,4 @@
-"""``worldgen fuzz``: a campaign on the command line."""
+"""``worldgen fuzz``: run a campaign from the command line."""
 
 from __future__ import annotations
 
@@ -48,15 +48,15 @@ _BEGUN = {option.name for option in _DECLARED} | {"out", "seed"}
     "--budget",
     type=Duration(),
     metavar="TIME",
-    help="Time to search and shrink, such as 30s, 5m or 1h [default: 30s].",
+    help="Time to search and shrink, such as 30s, 5m or 1h.  [default: 30s]",
 )
 @click.option(
     "--units",
     type=click.IntRange(1),
-    help="Run this many units instead; the result then depends on the seed alone.",
+    help="Run this many units instead; the result then depends only on the seed.",
 )
 @click.option(
-    "--workers", type=click.IntRange(1, 256), help="Number of processes [default: one per core]."
+    "--workers", type=click.IntRange(1, 256), help="Number of processes.  [default: one per core]"
 )
 @click.option(
     "--scheduler",
@@ -87,8 +87,8 @@ _BEGUN = {option.name for option in _DECLARED} | {"out", "seed"}
 @click.option(
     "--count-hazards",
     is_flag=True,
-    help="Count as failures hazards that the controller cannot sense, and disturbances that no "
-    "controller is sure to withstand.",
+    help="Also count as failures hazards that the controller cannot sense, and disturbances that "
+    "no controller is certain to withstand.",
 )
 @output_options
 @seed_option
@@ -112,10 +112,10 @@ def fuzz(
 ) -> None:
     """Search for worlds in which a controller fails.
 
-    Writes the smallest world of each class of failure to a .grid file. The exit code is 1 if a
-    class is found that no --baseline has, and 0 if not. Hazards that the controller
-    cannot sense or withstand are listed separately. Ctrl-C keeps what was found. Run the same
-    command again, or --resume FOLDER, to continue an interrupted campaign.
+    The smallest world of each class of failure is written to a .grid file. The exit code is 1 if a
+    class is found that no --baseline has, and 0 if not. Hazards that the controller cannot sense or
+    withstand are listed separately. Ctrl-C keeps the findings so far. Run the same command again,
+    or --resume FOLDER, to continue an interrupted campaign.
     """
     import os
     import time
@@ -158,7 +158,7 @@ def fuzz(
             )
         # Choose the baseline and the workers.
         was_known = Baseline.of(known, campaign_run.config.scenario, note)
-        # What the last campaign left here is compared with; a baseline takes its place.
+        # The last campaign's failures here serve for comparison; a baseline replaces them.
         replaces = force and resume is None and not known
         last = _last_failures(campaign_run) if replaces else Baseline()
         if scheduler:
@@ -208,7 +208,7 @@ def _begin(
 def _last_failures(campaign_run: CampaignRun) -> Baseline:
     """Return the failures that an earlier campaign left in the folder, run again.
 
-    Whatever cannot be read is about to be overwritten, so nobody needs to hear of it.
+    Unreadable files are about to be overwritten, so they are not reported.
     """
     import contextlib
 
@@ -228,6 +228,5 @@ def _refuse_beside_resume() -> None:
         name = option.name or ""
         if name in _BEGUN and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
             raise click.UsageError(
-                f"{option.opts[0]} stays as the campaign was begun; give it without --resume, or "
-                f"not"
+                f"{option.opts[0]} cannot change in a resumed campaign; omit it, or omit --resume"
             )

@@ -29,20 +29,20 @@ EXAMPLES = (
     "--family",
     "families",
     multiple=True,
-    help="Family that pull requests are tested with; may be repeated.",
+    help="Family to test pull requests with; may be repeated.",
 )
 @click.option(
     "--ci",
     type=click.Choice(("github", "gitlab", "none")),
-    help="CI service [default: the one that FOLDER uses].",
+    help="CI service.  [default: the one that FOLDER uses]",
 )
 @click.option(
     "--units",
     type=click.IntRange(1),
     default=6,
     show_default=True,
-    help="Amount of work of each search; the same every time, so that no pull request fails by "
-    "luck.",
+    help="Amount of work of each search, the same every time, so that no pull request fails by "
+    "chance.",
 )
 @json_option
 @force_option
@@ -58,8 +58,8 @@ def init(
 ) -> None:
     """Set up a project whose CI searches for failures.
 
-    Runs the search that pull requests will run and stores what it finds as known failures; writes a
-    CI job that fails when a pull request brings another one; and adds your controller to
+    It runs the search that pull requests will run and stores the findings as known failures; writes
+    a CI job that fails when a pull request adds another one; and adds your controller to
     pyproject.toml, so that `worldgen fuzz --out failures/` needs no more options.
     """
     import contextlib
@@ -73,7 +73,7 @@ def init(
     from fuzz.ci.project import SEED, Project
     from worldgen.files.whole import write_bytes
 
-    # Refuse what the project cannot have before the search.
+    # Before the search, refuse anything that the project cannot have.
     project = Project(folder, controller, motion, families, units, ci or _service_of(folder))
     project.check(force=force)
     # The controller's path is relative to the project, whose folder CI starts in.
@@ -82,7 +82,7 @@ def init(
             CampaignOptions(controller=controller, motion=motion, families=families), SEED
         )
         # Search for today's failures in a temporary folder.
-        note(f"searching for the failures that {controller} has today")
+        note(f"searching for the current failures of {controller}")
         campaign_run = store.begin(config, Path(scratch) / "found", store.Budget(units=units))
         with contextlib.redirect_stdout(None):
             code = CampaignSession(
@@ -117,7 +117,7 @@ def _service_of(folder: Path) -> str:
 
 
 def _report(project: Project, failures: int, written: list[Path]) -> None:
-    """Print what was written, and what is left for the user to do."""
+    """Print what was written, and what the user still has to do."""
     from fuzz.ci.project import FIXED, KNOWN
     from worldgen.support.plain_text import counted
 
@@ -125,7 +125,7 @@ def _report(project: Project, failures: int, written: list[Path]) -> None:
     for path in written:
         click.echo(f"wrote {path}")
     if missing := project.must_be_told_where_worldgen_is:
-        click.echo(f"fill in {missing}: where CI gets worldgen from")
+        click.echo(f"fill in {missing}, from which CI gets worldgen")
     if project.ci == "gitlab" and (project.folder / ".gitlab-ci.yml") not in written:
         click.echo("add to .gitlab-ci.yml: include: [{local: .gitlab/worldgen.yml}]")
     if not project.runs_fixed_failures:

@@ -42,7 +42,7 @@ def replay(
     """Run saved failures again and report what has changed.
 
     A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and
-    certificate. Exit code 0 if every one is, 1 if one is not (also if the robot arrives now), 2 if
+    certificate. Exit code 0 if every one is, 1 if one is not (also if the robot now arrives), 2 if
     a file holds no failure.
     """
     from fuzz.ci import CiFinding, Outputs, Report, State
@@ -67,12 +67,12 @@ def replay(
     for path, world in read_worlds(paths):
         failure = Failure.found_in(world)
         if failure is None:
-            note(f"{shown(path)}: this world holds no failure; worldgen run simulates it")
+            note(f"{shown(path)}: this world has no failure; worldgen run simulates it")
             without += 1
             continue
         if transcript is not None and results:
             raise click.UsageError(
-                f"--transcript {transcript} holds one failure; give replay one file"
+                f"--transcript {transcript} records one failure; give replay one file"
             )
         with (
             working("replaying") as work,

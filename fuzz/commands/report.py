@@ -1,4 +1,4 @@
-"""``worldgen report``: failures as one HTML page."""
+"""``worldgen report``: show failures in one HTML page."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ FILE = click.Path(path_type=Path)
 
 @click.command(epilog="\b\n  worldgen report failures/ --out report.html")
 @click.argument("paths", nargs=-1, required=True, type=FILE, metavar="PATH|DIR|ARCHIVE...")
-@click.option("--out", type=FILE, required=True, help="The page, a .html file.")
+@click.option("--out", type=FILE, required=True, help="File to write the page to, .html.")
 @click.option(
-    "--title", default="", help="Heading of the page [default: controller and motion model]."
+    "--title", default="", help="Heading of the page.  [default: controller and motion model]"
 )
 @json_option
 @force_option
 def report(paths: tuple[Path, ...], out: Path, title: str, as_json: bool, force: bool) -> None:
     """Show failures and their campaign in one HTML page.
 
-    The page needs no network and no other file. Each failure is run again for it, so the
-    controllers that the files name are run. docs/howto/keep-failures.md describes it.
+    The page needs no network and no other file. Each failure is run again for the page, so this
+    runs the controllers that the files name. docs/howto/keep-failures.md describes it.
     """
     from fuzz.report import write_report
     from worldgen.support.plain_text import counted

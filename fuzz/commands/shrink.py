@@ -20,16 +20,16 @@ __all__ = ["shrink"]
 
 
 def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) -> None:
-    """Print what gets simpler, and how, and exit."""
+    """Print what shrinking simplifies, and how, and exit."""
     from fuzz.shrink import ORDER, PASSES
 
     if not wanted or context.resilient_parsing:
         return
-    click.echo("Passes, in the order in which they run until none makes the failure simpler:")
+    click.echo("Passes, in order; they run until none makes the failure simpler:")
     for one in PASSES:
         click.echo(f"  {one.name:15} {one.says}")
     click.echo(
-        "A failure is simpler than another if it has less of these, the first that differs decides:"
+        "A failure is simpler than another if it has less of these; the first that differs decides:"
     )
     for measure in ORDER:
         click.echo(f"  {measure.name:15} {measure.says}")
@@ -43,7 +43,7 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
 )
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="Where to write [default: NAME.shrunk.grid]."
+    "--out", type=click.Path(path_type=Path), help="File to write.  [default: NAME.shrunk.grid]"
 )
 @named_also(
     "--budget",
@@ -51,7 +51,7 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     also="--seconds",
     type=Duration(),
     metavar="TIME",
-    help="Stop after this time, such as 30s or 5m, with the best so far.",
+    help="Stop after this time, such as 30s or 5m, and keep the best so far.",
 )
 @click.option(
     "--keep",
@@ -83,8 +83,8 @@ def shrink(
 ) -> None:
     """Make the world of a failure as small as possible.
 
-    Frees cells, drops rows, columns and events, simplifies start, robot and numbers, until nothing
-    more can go, and checks that independently. Ctrl-C keeps the best so far.
+    It frees cells, drops rows, columns and events, and simplifies start, robot and numbers, until
+    nothing more can be removed; the result is checked independently. Ctrl-C keeps the best so far.
     """
     from fuzz.describe import describe
     from fuzz.failure import Failure
@@ -92,7 +92,7 @@ def shrink(
     from worldgen.files.whole import check_output
 
     if as_snippet and as_json:
-        raise click.UsageError("--snippet and --json both say what is printed; give one of them")
+        raise click.UsageError("--snippet and --json both choose what to print; give one of them")
     target = out or path.with_name(
         f"{path.name.removesuffix('.gz').removesuffix('.grid')}.shrunk.grid"
     )

@@ -22,19 +22,18 @@ EXAMPLES = (
     "--controller",
     "controllers",
     multiple=True,
-    help="A controller of your own that the page may run, such as ./mine.py:Robot; may be "
-    "repeated.",
+    help="Your own controller that the page may run, such as ./mine.py:Robot; may be repeated.",
 )
 @click.option(
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Address to listen at; any but this is a risk.",
+    help="Address to listen on; any other than this is a risk.",
 )
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
-    help="Port to listen at; 0 is any that is free.  [default: 8642, or one that is free]",
+    help="Port to listen on; 0 means any free one.  [default: 8642, or one that is free]",
 )
 @click.option("--browser/--no-browser", default=True, help="Open the page.  [default: open]")
 def studio(
@@ -42,9 +41,9 @@ def studio(
 ) -> None:
     """Draw worlds, run robots in them and watch, in your browser.
 
-    PATH is a world's file, or a folder; only that folder, or the file's, can be read and written
-    from the page. The server answers only this machine, and only the browser that opens the
-    printed address. docs/howto/studio.md describes the page.
+    PATH is a world's file, or a folder; the page can read and write only that folder, or the
+    file's. The server answers only this machine, and only the browser that opens the printed
+    address. docs/howto/studio.md describes the page.
     """
     import importlib.util
     import ipaddress
@@ -52,7 +51,7 @@ def studio(
     from worldgen.errors import FormatError, InvalidParameter
     from worldgen.plugins.installation import pip_install
 
-    # Refuse what cannot be served, with the command that helps.
+    # Refuse anything that cannot be served, and name the command that helps.
     missing = [
         name
         for name in ("msgspec", "starlette", "uvicorn", "websockets")
@@ -76,7 +75,7 @@ def studio(
         raise InvalidParameter(
             "not-a-world",
             "{path} is not a world",
-            "its robot NAME runs by worldgen studio --controller {place}:NAME",
+            "run its robot NAME with worldgen studio --controller {place}:NAME",
             at_terminal=True,
             path=path,
             place=place,
@@ -99,14 +98,14 @@ def studio(
     gate = Gate(called(host, listener), number)
     if not ipaddress.ip_address(address).is_loopback:
         warning = (
-            f"warning: whoever can reach {gate.host} and learns the address can read and "
-            f"write the folder"
+            f"warning: anyone who can reach {gate.host} and learns the address can read and write "
+            f"the folder"
         )
         note(warning, always=True)
     # Serve.
     folder, file = (path, None) if path.is_dir() else (path.parent, path.name)
     shared = Folder(folder)
-    # Without the address nobody finds the page.
+    # Without the address nobody can find the page.
     note(
         f"studio of {shared.root}: open {gate.address}",
         always=True,

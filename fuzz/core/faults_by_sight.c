@@ -8,7 +8,7 @@ static const double CELL = 0.1;  // m: cell size of the families' worlds
 
 typedef struct StaleTarget {
     WgThreeLayerMemory own;
-    double noted;           // 1 after the heading has been noted
+    double noted;           // 1 once the heading has been noted
     double target_heading;  // rad
 } StaleTarget;
 

@@ -73,7 +73,7 @@ static void measure(Feature *feature)
     }
 }
 
-// Returns whether row i, column j of a feature is solid.
+// Returns true if row i, column j of a feature is solid.
 static bool is_solid(const Feature *feature, int i, int j)
 {
     int length = feature->length;
@@ -175,7 +175,7 @@ int64_t wg_layout_fill(const uint64_t solid[WG_ROWS], WgArena *arena)
     return count;
 }
 
-// Corners of one row that can be reached in one more step.
+// Returns the corners of one row that can be reached in one more step.
 static uint64_t joined(uint64_t clear, uint64_t row, uint64_t below, uint64_t above, uint64_t seen)
 {
     return (row | row << 1 | row >> 1 | below | above) & clear & ~seen;
@@ -202,7 +202,7 @@ int64_t wg_layout_distance(const WgPlaces *places, const uint64_t solid[WG_ROWS]
     uint64_t goal = (uint64_t)3 << (places->target_x + WG_MARGIN);
     int64_t goal_row = places->target_y + WG_MARGIN;
 
-    // Flood all corners by one step at a time; only rows from `low` to `high` have changed last time.
+    // Flood all corners one step at a time; only rows `low` to `high` changed last time.
     for (int64_t steps = 0; low <= high; steps++) {
         if (((reached[goal_row] | reached[goal_row + 1]) & goal) != 0) {
             return steps;

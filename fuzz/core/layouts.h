@@ -1,4 +1,4 @@
-// Converts layout bytes to worlds for the simulator, and finds out whether a robot can surely reach the target.
+// Converts layout bytes to worlds for the simulator, and determines whether a robot can certainly reach the target.
 //
 // A row of cells is one word: bit ix + WG_MARGIN of row iy + WG_MARGIN is 1 if the cell is solid. Everything around a
 // world is solid. fuzz/search/features.py defines the meaning of the bytes; both agree bit for bit.
@@ -18,7 +18,7 @@ enum {
     WG_LAYOUT_BYTES = 56,  // head and features
     WG_SCENE_BYTES = 59,   // a layout, then radius, target's radius and finer heading
     WG_LAYOUT_HEADINGS = 16,
-    WG_FINER_HEADINGS = 16,  // headings of a scene for each one of a layout
+    WG_FINER_HEADINGS = 16,  // headings of a scene per heading of a layout
 
     WG_SMALLEST_SIDE = 8,  // cells
     WG_SIDES = 21,         // number of sizes: 8 to 28 cells
@@ -38,7 +38,7 @@ typedef struct WgPlaces {
     int64_t target_y;
 } WgPlaces;
 
-// Returns the size of a layout's world, and its start and target.
+// Returns the size of a layout's world and its start and target.
 WgPlaces wg_layout_places(const uint8_t *layout);
 
 // Draws a layout's cells as rows of bits.

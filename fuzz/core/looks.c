@@ -9,7 +9,7 @@ enum {
     NEXT = 0x39CE << (2 * WG_NEAR + 1), // bits of a mask: a cell and the eight cells around it
 };
 
-// Returns a number of lattice units that no step exceeds.
+// Returns an upper bound of a step's length, lattice units.
 static int64_t fastest(const WgSettings *settings)
 {
     return (int64_t)(settings->top_speed * settings->speed) + 1;
@@ -48,7 +48,7 @@ static int64_t own_budget(const WgPatience *patience, const WgSettings *settings
     return wg_least(wg_most(by_path, patience->fewest), patience->most);
 }
 
-// Draws a layout, and notes all facts about its world that do not need a run.
+// Draws a layout, and notes everything about its world that does not need a run.
 static WgPlaces note_world(const uint8_t *layout, uint64_t solid[WG_ROWS], WgLook *look)
 {
     WgPlaces places = wg_layout_places(layout);
@@ -106,7 +106,7 @@ bool wg_look_open(WgSeat *seat, int64_t run)
     return true;
 }
 
-// Notes how many cells the robot was in, and how close they are to solid ones.
+// Counts the cells that the robot was in, and notes how close they are to solid ones.
 static void note_path(const WgArena *arena, WgLook *look)
 {
     look->least_clearance = WG_FAR;
@@ -125,7 +125,7 @@ static void note_path(const WgArena *arena, WgLook *look)
     }
 }
 
-// Returns how many of the four cells that share an edge with a cell are solid.
+// Returns the number of solid cells among the four that share an edge with a cell.
 static int64_t solid_beside(WgGrid grid, int64_t ix, int64_t iy)
 {
     return (wg_cell_state(grid, ix + 1, iy) == WG_SOLID) + (wg_cell_state(grid, ix - 1, iy) == WG_SOLID) +

@@ -47,7 +47,7 @@ static size_t block_size(const WgLooks *looks)
     return sizeof(Block) + (size_t)most_beams(looks) * sizeof(int64_t);
 }
 
-// Returns whether the numbers of a batch are consistent.
+// Returns true if the numbers of a batch are consistent.
 static bool fits(const WgLooks *looks)
 {
     bool bytes = looks->layout_bytes == WG_LAYOUT_BYTES || looks->layout_bytes == WG_SCENE_BYTES;
@@ -167,7 +167,7 @@ WgStatus wg_seat_begin(WgSeat *seat)
     return wg_episode_begin(seat->episode);
 }
 
-// Notes a run that has ended; returns whether watching the robot further gives more information.
+// Notes a run that has ended; returns true if watching the robot further gives more information.
 static bool says_more(WgSeat *seat)
 {
     wg_look_close(seat);
@@ -219,7 +219,8 @@ int64_t wg_seat_stop(void *subject)
     return wg_seat_step(subject);
 }
 
-// Notes that a controller that is a C function has failed, during its run or while it was watched.
+// Notes that a controller written as a C function has failed, during its run or while it was
+// watched.
 static void note_crash(WgSeat *seat)
 {
     WgLook *look = &seat->looks->looks[seat->run];
@@ -236,7 +237,7 @@ static void note_crash(WgSeat *seat)
     look->closer = 0;
 }
 
-// Continues the robot of a controller that is a C function by at most this many steps; returns the number done.
+// Runs the robot of a C function's controller for at most this many more steps; returns the number done.
 static int64_t watch(WgSeat *seat, int64_t most_steps, bool *over)
 {
     WgEpisode *episode = seat->episode;
@@ -259,7 +260,7 @@ static int64_t watch(WgSeat *seat, int64_t most_steps, bool *over)
     return most_steps;
 }
 
-// Continues the run of a seat by at most this many steps; returns the number done.
+// Continues the run of a seat for at most this many steps; returns the number done.
 static int64_t run_on(WgSeat *seat, int64_t most_steps, bool *over)
 {
     WgEpisode *episode = seat->episode;
@@ -320,7 +321,8 @@ int64_t wg_looks_run(WgSeat *seat, int64_t most_steps)
     return WG_GOES_ON;
 }
 
-// Gives a seat worlds until its controller has to act in one; returns false if none is left.
+// Gives a seat one world after another until its controller must act; returns false if none is
+// left.
 static bool board(WgSeat *seat)
 {
     while (wg_seat_next(seat) >= 0) {

@@ -1,8 +1,8 @@
 // Screening: many worlds from layout bytes, each with one run of a controller.
 //
 // A seat holds one robot and its world. A controller that is a C function runs in one seat, in one world
-// after another (wg_looks_run). For others the core stops wherever the controller has to act: with one seat
-// for a controller that drives one robot (wg_seat_step), with many for one that drives many at the same time
+// after another (wg_looks_run). For others the core stops wherever the controller must act: with one seat for a
+// controller that drives one robot (wg_seat_step), with many for one that drives many at the same time
 // (wg_seats_act). Arrays belong to the caller and must outlive the seats.
 
 #ifndef WG_LOOKS_H
@@ -41,12 +41,12 @@ typedef struct WgLook {
     int64_t solid;           // solid cells
     int64_t straight_sq;     // squared distance between start and target, cells
     int64_t visited;         // cells that the centre was in
-    int64_t least_clearance; // least chessboard distance of such a cell to a solid one, at most WG_FAR
+    int64_t least_clearance; // smallest chessboard distance of such a cell to a solid one, at most WG_FAR
     int64_t clearances;      // sum of all these distances
     int64_t watched;         // further steps: one period of a loop
-    int64_t bumps;           // how often a contact with a wall began in these
+    int64_t bumps;           // number of contacts with a wall that began in these
     int64_t turned;          // net turn in these, heading units
-    int64_t left;            // least and greatest x of the centre in these, lattice units
+    int64_t left;            // smallest and largest x of the centre in these, lattice units
     int64_t right;
     int64_t low; // the same of y
     int64_t high;
@@ -55,7 +55,7 @@ typedef struct WgLook {
     int64_t around;  // solid cells that share an edge with the one that was hit; -1 if none was hit
 } WgLook;
 
-// The budget of runs that don't set one, and how long they are watched after that.
+// The budget of runs that don't set one, and the length of the watch after that.
 typedef struct WgPatience {
     int64_t multiple; // of the time that the path takes at top speed
     int64_t fewest;
@@ -71,7 +71,7 @@ typedef struct WgLooks {
     const uint64_t *seeds;      // (count,)
     const int64_t *kinds;       // (count,) index of the settings to use
     const int64_t *budgets;     // (count,) steps; 0 to derive them from the path to the target
-    const WgSettings *settings; // (setting_count,) one for each time step, for any start
+    const WgSettings *settings; // (setting_count,) one per time step, for any start
     int64_t setting_count;
     const WgDisc *discs; // (radius_count,) for each radius of a scene's robot
     const double *radii; // (radius_count,) the same in m
@@ -102,7 +102,7 @@ typedef struct WgSeat {
     int64_t touched; // 1 if it touched a wall then
 } WgSeat;
 
-// Returns the most steps that a run can have.
+// Returns the maximum number of steps of a run.
 int64_t wg_looks_longest(const WgLooks *looks);
 
 // Makes a seat without a world. The controller's memory at reset is read whenever a run begins.
@@ -113,11 +113,11 @@ void wg_seat_free(WgSeat *seat);
 // For memory of the caller: returns the sizes of three blocks in bytes; the first two must contain zeros.
 WgStatus wg_seat_sizes(const WgLooks *looks, const WgController *controller, int64_t sizes[3]);
 
-// Makes a seat in such blocks. Nothing of it must be freed.
+// Makes a seat in such blocks. Nothing in it needs to be freed.
 WgSeat *wg_seat_place(void *const blocks[3], WgLooks *looks, const WgController *controller);
 
-// Draws worlds from run `at` on, up to the next in which a robot can surely reach the target, and gives it to
-// the seat. Returns its number, which is then the value of `at`; -1 if none is left.
+// Draws worlds from run `at` on, up to the next in which a robot can certainly reach the target, and gives it to the
+// seat. Returns its number, which is then the value of `at`; -1 if none is left.
 int64_t wg_seat_next(WgSeat *seat);
 
 // Gives a run's world to the seat, without changing the next run. Returns false if no path was found.
@@ -126,26 +126,25 @@ bool wg_seat_open(WgSeat *seat, int64_t run);
 // Puts the robot at its start.
 WgStatus wg_seat_begin(WgSeat *seat);
 
-// Applies the command if the controller had to act, and continues until it has to act again (WG_ACTS) or the
-// run is noted (WG_OVER). seat->watch tells whether the robot is only watched.
+// Applies the command if the controller had to act, and continues until it must act again (WG_ACTS) or the run is
+// noted (WG_OVER). seat->watch tells whether the robot is only watched.
 int64_t wg_seat_step(WgSeat *seat);
 
-// The same as a WgStop; the subject is a WgSeat.
+// Is a WgStop; its subject is a WgSeat.
 int64_t wg_seat_stop(void *subject);
 
-// For a controller that is a C function: runs from `at` on, for this many steps or slightly more. Returns WG_OVER
-// when all runs are noted, else WG_GOES_ON.
+// For a controller that is a C function: starts at run `at` and takes this many steps or slightly more. Returns
+// WG_OVER when all runs are noted, else WG_GOES_ON.
 int64_t wg_looks_run(WgSeat *seat, int64_t most_steps);
 
-// The same as a call in another process, with a seat and the number of steps.
+// Does the same in another process; takes a seat and the number of steps.
 int64_t wg_call_looks(const WgCall *call);
 
 // Notes that the controller failed in the current run, after the process that ran it has ended. Returns false if there
 // is no current run.
 bool wg_looks_fail(WgSeat *seat);
 
-// Gives each seat the next world, in order, and moves those whose robot has to act to the front; returns
-// their number.
+// Gives each seat the next world, in order, and moves those whose robot must act to the front; returns their number.
 int64_t wg_seats_board(WgSeat **seats, int64_t count);
 
 // Copies the senses and memories of the first `count` seats.
@@ -157,8 +156,8 @@ int64_t wg_seats_board(WgSeat **seats, int64_t count);
 void wg_seats_sense(WgSeat **seats, int64_t count, double *observations, double *memories,
                     int64_t *numbers, uint8_t *fresh);
 
-// Continues the first `count` seats with commands and memories, each until its controller has to act again, in
-// the next world if its run has ended. Seats without a world move to the end; returns how many have one.
+// Continues the first `count` seats with commands and memories, each until its controller must act again (in the next
+// world if its run has ended). Seats without a world move to the end; returns the number of seats that have one.
 //
 // commands: (count, 3) speed, turn rate, and whether the random number was used.
 int64_t wg_seats_act(WgSeat **seats, int64_t count, const double *commands, const double *memories);

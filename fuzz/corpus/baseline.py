@@ -21,7 +21,7 @@ from worldgen.support.plain_text import shown
 __all__ = ["Baseline"]
 
 _Key = tuple[str, str, str]
-_SHOWN = 3  # most controllers that a message names
+_SHOWN = 3  # limit on the controllers that a message names
 _FIXED = "no longer fails"
 
 
@@ -32,7 +32,7 @@ class Baseline:
     Args:
         failures: By controller, motion model and class: the first file with that class, and the
             failure as it occurs today.
-        fixed: The failures of the same controller that do not fail any more, as stored.
+        fixed: The failures of the same controller that no longer fail, as stored.
     """
 
     failures: Mapping[_Key, tuple[Path, Failure]] = field(default_factory=dict)
@@ -81,8 +81,8 @@ class Baseline:
             if facts.kind != entry.facts.kind:
                 unknown = "" if known else ", which is not known"
                 say(
-                    f"{entry.path}: stored as {entry.facts.kind}, its class is {facts.kind} "
-                    f"now{unknown}"
+                    f"{entry.path}: stored as {entry.facts.kind}, its class is now "
+                    f"{facts.kind}{unknown}"
                 )
             if known:
                 failures.setdefault(_key(facts), (entry.path, now))
@@ -121,7 +121,7 @@ def _key(facts: Facts) -> _Key:
 def _is_known(stored: Failure, now: Failure) -> bool:
     """Return True if a failure with a new class is still the stored one.
 
-    That is so for a robot that loops in another manner. It is not for a controller that crashes,
+    This is true for a robot that loops in another manner, but not for a controller that crashes,
     hangs or sends invalid commands: that may be a separate fault, introduced by yesterday's edit.
     Files from before classes of crashes named a place are an exception: they are accepted if the
     run is the same up to the same crash.

@@ -30,7 +30,7 @@ class BucketDifference:
 
     @property
     def entry(self) -> CorpusEntry:
-        """The failure to look at: the new one, unless there is only the old one.
+        """The failure to look at: the new one, unless only the old one exists.
 
         Raises:
             ValueError: If there is neither.

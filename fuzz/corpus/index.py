@@ -63,7 +63,7 @@ class Index:
     def save(self) -> None:
         """Write all entries used since the start.
 
-        If writing fails there is no index, which only costs time.
+        If writing fails, there is no index, which only costs time.
         """
         if self._used == self._known:
             return

@@ -31,8 +31,7 @@ def merge(
 
     Args:
         entries: Entries of any number of corpora.
-        out: The folder; created if missing. Files that are already as they should be stay
-            untouched.
+        out: The folder; created if missing. Files that are already correct stay untouched.
         force: Replace files of the same name, and allow other files in the folder.
 
     Returns:

@@ -9,7 +9,7 @@ from fuzz.corpus.entry import Facts
 
 __all__ = ["name_of"]
 
-_MOST = 80  # characters of a name that are taken from the text itself
+_MOST = 80  # characters of a name that come from the text itself
 _DIGITS = 8  # hex digits of the digest that follows a shortened name
 
 

@@ -60,7 +60,7 @@ def _panel(entry: CorpusEntry) -> Panel:
 
 
 def _trail(failure: Failure) -> Trail | None:
-    """Return the robot's path as it is today; ``None`` if its controller cannot be run."""
+    """Return the robot's current path; ``None`` if its controller cannot be run."""
     try:
         return trail_of(failure.run(through_walls=failure.is_breach), failure.world)
     except WorldgenError:

@@ -22,7 +22,7 @@ class Judgement:
     Args:
         entry: The failure.
         keep: True if it stays.
-        reason: Why; empty for the simplest of its class that replays.
+        reason: The reason; empty for the simplest of its class that replays.
         judged: False if it could not be run, perhaps because its controller is missing; it then
             stays.
     """
@@ -36,7 +36,7 @@ class Judgement:
 def judge_all(entries: Iterable[CorpusEntry]) -> Iterator[Judgement]:
     """Replay the failures of each class, simplest first, until one is confirmed.
 
-    The remaining ones of the class can go.
+    The rest of the class can be deleted.
     """
     ordered = sorted(
         entries, key=lambda entry: (entry.facts.key, entry.facts.order, str(entry.path))

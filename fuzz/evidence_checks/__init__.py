@@ -9,7 +9,8 @@ Contents:
     check_fleet: The same for a run of several robots.
     check_breach: Finds errors in the claim that a walled-off target is reached.
     EVIDENCE_CHECKS: The checks by verdict.
-    burned, covered, loop, overlap, reached, stalled, timeout, tunnel: Modules, one for each verdict.
+    burned, covered, loop, overlap, reached, stalled, timeout, tunnel: Modules, one for each
+        verdict.
 """
 
 from __future__ import annotations
@@ -52,9 +53,9 @@ EVIDENCE_CHECKS: dict[Verdict, EvidenceCheck] = {
 def check_evidence(
     verdict: Verdict, world: World, trace: Trace, evidence: Evidence, motion: Motion
 ) -> str:
-    """Return why a verdict does not hold for a trace.
+    """Return the reason why a verdict does not hold for a trace.
 
-    Empty if it does hold, or if there is no check for that verdict.
+    Empty if it holds, or if there is no check for that verdict.
 
     Args:
         verdict: The claim.

@@ -79,7 +79,7 @@ def _depths(world: World, x: Floats, y: Floats, times: Floats) -> Floats:
     y = y / side
     reach = math.ceil(radius) + 1
 
-    # Walls that never change: compare all places with the cells around each of them.
+    # For walls that never change, compare all places with the cells around each of them.
     steady = np.pad(world.still_walls, reach, constant_values=True)
     columns = np.floor(x).astype(np.int64)
     rows = np.floor(y).astype(np.int64)
@@ -92,7 +92,7 @@ def _depths(world: World, x: Floats, y: Floats, times: Floats) -> Floats:
             inner_y = np.clip(iy + reach, 0, steady.shape[0] - 1)
             depth = radius - _gap(x, y, ix, iy)
             deepest = np.where(steady[inner_y, inner_x], np.maximum(deepest, depth), deepest)
-    # Cells of the timeline: only those that would be the deepest need their state at that time.
+    # For cells of the timeline, only those that would be the deepest need their state at that time.
     for cell in {(event.ix, event.iy) for event in world.timeline}:
         depth = radius - _gap(x, y, np.full(len(x), cell[0]), np.full(len(x), cell[1]))
         for k in np.flatnonzero(depth > deepest):
@@ -161,7 +161,7 @@ def _slides(
 
 
 def _at_the_edge(world: World, place: Floats) -> npt.NDArray[np.bool_]:
-    """Return, per axis, whether the place is where the motion keeps the disc off the grid's edge.
+    """Return, per axis, whether the place is at the limit that the motion keeps from the grid's edge.
 
     A move may be cut short there.
     """

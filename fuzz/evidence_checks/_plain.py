@@ -53,7 +53,8 @@ def step_path(trace: Trace, step: int, since: float = 0.0) -> shapely.LineString
     Args:
         trace: The recording.
         step: The step.
-        since: Share of the step to skip, 0 to 1; the path begins at the last point before its end.
+        since: Fraction of the step to skip, 0 to 1; the path begins at the last point before its
+            end.
     """
     first = int(np.searchsorted(trace.path_step, step, side="left"))
     last = int(np.searchsorted(trace.path_step, step, side="right"))
@@ -85,7 +86,7 @@ def first_new_cell_of_second_half(
 
 
 def check_budget(world: World, trace: Trace, evidence: BudgetEvidence) -> str:
-    """Check that the run took ``witness_multiple`` times as long as the witness, to thousandths."""
+    """Check that the run took ``witness_multiple`` times as long as the witness, to three decimals."""
     if not isinstance(world.certificate, Witness) or world.certificate.duration <= 0:
         return ""
     if trace.task == "cover":  # its budget follows from the cells, not from the witness

@@ -18,7 +18,7 @@ def check_breach(world: World, trace: Trace, whole: Trace, evidence: WallEvidenc
     Args:
         world: World of the run.
         trace: The run that ended in the wall.
-        whole: The same run with walls that end nothing.
+        whole: The same run with walls that do not end it.
         evidence: ``step`` and ``reached``.
     """
     step = evidence.step

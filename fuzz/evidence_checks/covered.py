@@ -19,11 +19,11 @@ _ROUNDING = 1e-9  # m
 
 
 def check_covered(world: World, trace: Trace, evidence: CoveredEvidence, motion: Motion) -> str:
-    """Check that the last step enters a new cell, and that none of the others is left.
+    """Check that the last step enters a new cell, and that no other cell is left.
 
-    The cells are counted again, from the start's on, each reached from its neighbour by a straight
-    line between their centres on which the disc is clear, by shapely. What can only be reached in
-    another way is not looked for.
+    The cells are counted again with shapely: beginning at the start's, each is reached from a
+    neighbour by a straight line between their centres on which the disc is clear. Cells that can
+    only be reached in another way are not searched for.
     """
     columns = lattice_cell(trace.x / world.cell_size).astype(np.int64)
     rows = lattice_cell(trace.y / world.cell_size).astype(np.int64)
@@ -40,7 +40,7 @@ def check_covered(world: World, trace: Trace, evidence: CoveredEvidence, motion:
 
 
 def _cells_from(world: World, first: tuple[int, int]) -> set[tuple[int, int]]:
-    """Return the cells that straight lines between centres lead to, the first not counted."""
+    """Return the cells that straight lines between centres lead to, not counting the first."""
     # The checker must not share code with the core, so shapely decides what is clear.
     side = world.cell_size
     height, width = world.walls.shape

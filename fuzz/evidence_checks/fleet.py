@@ -49,14 +49,14 @@ def check_fleet(
     evidence: Evidence,
     motion: Motion,
 ) -> str:
-    """Return why a verdict on several robots does not hold; empty if it does.
+    """Return the reason why a verdict on several robots does not hold; empty if it holds.
 
     Args:
         world: World of the run.
         traces: Each robot's recording; for a joint loop they include a second period.
         verdict: The claim.
         evidence: Its evidence.
-        motion: The motion model, which says how much overlap is tolerated.
+        motion: The motion model, which states how much overlap is tolerated.
     """
     if motion.name == "swept" and (wrong := _check_apart(world, traces)):
         return wrong
@@ -86,7 +86,7 @@ def _check_joint_loop(
 
     Args:
         world: World of the run.
-        traces: Each robot's recording; of one that waits, until two of its periods have passed.
+        traces: Each robot's recording; for a waiting robot, until two of its periods have passed.
         evidence: The claim.
         verdict: ``deadlock``, ``livelock`` or ``starved``.
         motion: The motion model.
@@ -116,7 +116,8 @@ def _check_joint_loop(
         if _gap(robots[number - 1], trace, step) > _LATTICE * world.cell_size:
             return f"robot {number} has not arrived in step {step}"
 
-    # Whoever is said to block another one comes as near to it as their last steps could bring it.
+    # A robot that is claimed to block another one must come as near to it as their last steps could
+    # bring it.
     for one, other in evidence.blocked:
         if one not in evidence.waiting or not 1 <= other <= len(robots) or one == other:
             return f"robot {one} cannot be blocked by robot {other}"
@@ -128,7 +129,7 @@ def _check_joint_loop(
         if apart > reach + _LATTICE * world.cell_size:
             return f"robots {one} and {other} stay {apart:g} m apart and cannot block each other"
 
-    # All others do the same in two periods, at the same times.
+    # All others must do the same in two periods, at the same times.
     moving = []
     for number in evidence.waiting:
         wrong = _check_period(world.alone(number), traces[number - 1], entry, own[number], motion)
@@ -152,13 +153,13 @@ def _check_separate(
 ) -> str:
     """Check that the robots whose periods differ can neither touch nor sense each other."""
     if sorted(own) != sorted(evidence.waiting) or min(own.values()) < 1:
-        return "the robots with a period are not those that wait"
+        return "the robots with a period are not the waiting ones"
     if math.lcm(*own.values()) != evidence.period:
         return f"the periods do not return together after {evidence.period} steps"
     for one, other in itertools.combinations(own, 2):
         if own[one] == own[other]:
             continue
-        # Compare all places of one with all places of the other, whenever they are there.
+        # Compare all places of one robot with all places of the other, at any time.
         first = traces[one - 1]
         second = traces[other - 1]
         apart = _places_of(first, evidence.entry).distance(_places_of(second, evidence.entry))
@@ -174,7 +175,7 @@ def _check_separate(
 
 
 def _places_of(trace: Trace, entry: int) -> shapely.MultiPoint:
-    """Return where a robot's steps end from a step on."""
+    """Return where a robot's steps end, beginning with a step."""
     return shapely.MultiPoint(np.stack([trace.x[entry:], trace.y[entry:]], axis=1))
 
 
@@ -224,7 +225,7 @@ def _check_collision(world: World, traces: Sequence[Trace], evidence: CollisionE
 def _check_fleet_budget(
     world: World, traces: Sequence[Trace], evidence: BudgetEvidence, verdict: Verdict
 ) -> str:
-    """Check whether a robot enters a new cell in the second half of the budget, and the budget."""
+    """Check the budget, and whether a robot enters a new cell in its second half."""
     longest = max(traces, key=lambda trace: trace.steps)
     half = longest.steps // 2
     fresh = [
@@ -254,14 +255,14 @@ def _check_apart(world: World, traces: Sequence[Trace]) -> str:
 
 
 def _least_apart(first: Trace, second: Trace, begin: int, end: int) -> float:
-    """Return the least distance, m, of two robots where steps end, from one step to another."""
+    """Return the smallest distance, m, of two robots at the ends of steps, from one step to another."""
     dx = _held(first.x, end)[begin : end + 1] - _held(second.x, end)[begin : end + 1]
     dy = _held(first.y, end)[begin : end + 1] - _held(second.y, end)[begin : end + 1]
     return float(np.hypot(dx, dy).min())
 
 
 def _held(places: Floats, steps: int) -> Floats:
-    """Return places for so many steps; the last one stays."""
+    """Return places for this many steps; the last one is repeated."""
     missing = max(steps + 1 - len(places), 0)
     return np.concatenate([places, np.repeat(places[-1:], missing)])
 
@@ -273,7 +274,7 @@ def _gap(robot: Robot, trace: Trace, step: int) -> float:
 
 
 def _nearest(first: Trace, second: Trace, step: int) -> float:
-    """Return the least distance, m, of two robots in a step, in which each drives straight."""
+    """Return the smallest distance, m, of two robots in a step in which each drives straight."""
     ends = []
     for trace in (first, second):
         begin = min(step - 1, trace.steps)

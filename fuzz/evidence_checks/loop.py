@@ -45,7 +45,7 @@ def check_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motio
     if evidence.state_digest != _digest(trace.states[entry].tolist()):
         return "the state at the entry differs from the evidence"
 
-    # A robot that is to cover its world may cross the target as often as it likes.
+    # A robot with a coverage task may cross the target any number of times.
     if trace.task == "cover":
         return ""
     # `swept` looks for the target along the path; other models look only where a step ends.

@@ -22,8 +22,8 @@ _PERIODS = 4  # periods that a drifting run must show
 def check_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
     """Check that the second half of the run enters no cell that the first half has not entered.
 
-    Also check that the budget is the stated multiple of the witness's time and, if the evidence
-    says so, how the run stalls:
+    Also check that the budget is the stated multiple of the witness's time and, if stated in the
+    evidence, how the run stalls:
 
     - ``drifting``: from ``entry`` to the end, poses recur after ``period`` steps at least four
       times, but not in every bit.
@@ -33,7 +33,7 @@ def check_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: 
     fresh = first_new_cell_of_second_half(world, trace)
     if fresh:
         return f"cell {fresh} is entered for the first time in the second half"
-    # Files written by older versions do not say how the run stalls.
+    # Files written by older versions do not state how the run stalls.
     kind = evidence.kind
     if kind is None:
         return check_budget(world, trace, evidence)
@@ -100,7 +100,7 @@ def _check_box(world: World, trace: Trace, half: int, box: tuple[int, int] | Non
         cells = places[half:] / world.cell_size
         low = float(cells.min())
         high = float(cells.max())
-        # The number of cells with both ends rounded outwards, and inwards.
+        # Count the cells with both ends rounded outwards, and inwards.
         most = np.floor(high + _ROUNDING) - np.floor(low - _ROUNDING) + 1
         least = np.floor(high - _ROUNDING) - np.floor(low + _ROUNDING) + 1
         if not least <= claimed <= most:

@@ -47,7 +47,7 @@ three_layer_columns_and_rows_swapped = planted(
     "three-layer-columns-and-rows-swapped",
     three_layer,
     Verdict.LOOP,
-    "Columns and rows are mixed up where the robot's cell is looked up.",
+    "Columns and rows are swapped when the robot's cell is looked up.",
 )
 three_layer_stale_target = planted(
     "three-layer-stale-target",
@@ -96,7 +96,7 @@ dynamic_window_brakes_for_the_target = planted(
     "dynamic-window-brakes-for-the-target",
     dynamic_window,
     Verdict.INVALID_COMMAND,
-    "Brakes for the target by the square root of the distance less 0.1 m, which may be negative.",
+    "Brakes for the target by the square root of the distance minus 0.1 m, which may be negative.",
 )
 dynamic_window_speed_in_km_h = planted(
     "dynamic-window-speed-in-km-h",

@@ -37,7 +37,7 @@ class Fault(CompiledController):
     Args:
         sentence: Description of the fault.
         base: The controller without the fault.
-        expected: The verdict that it leads to where the base arrives.
+        expected: The verdict that it leads to in worlds where the base arrives.
         variations: Variations of the run, as in a controller's name: ``+motion=endpoint``.
     """
 

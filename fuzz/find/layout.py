@@ -21,7 +21,7 @@ Walls = npt.NDArray[np.bool_]
 _MOST_BOXES = 12
 # Sides, cells, of a box that an edit adds.
 _LONGEST = 12
-# Most cells that an edit moves or stretches by.
+# Limit on the cells by which an edit moves or stretches.
 _FAR = 3
 
 
@@ -32,14 +32,13 @@ class Layout:
     Args:
         empty: The world without the boxes; its border stays unchanged.
         boxes: The boxes; with ``mirror``, those of one half.
-        mirror: Whether every box also stands mirrored along the diagonal from the upper left to the
-            lower right.
-        fixed_target: Whether the target stays where it is.
+        mirror: True to mirror every box in the diagonal from the upper left to the lower right.
+        fixed_target: True if the target does not move.
         leash: Cells that a box's side, or the target, may move from its place in ``home``; boxes
             are then neither added nor removed. -1 for no limit.
         home: The initial layout, for the leash.
-        together: Whether boxes that touch in ``home``, directly or by way of others, stay together,
-            and the others apart, so that the number and kind of obstacles stays.
+        together: True if boxes that touch in ``home``, directly or through others, stay together,
+            and the others stay apart, so that the number and kind of obstacles does not change.
     """
 
     empty: World
@@ -217,7 +216,7 @@ class Layout:
 
 
 def _obstacles(boxes: tuple[Box, ...]) -> list[int]:
-    """Return for each box the first box of its obstacle: of those that touch, corners included."""
+    """Return the first box of the obstacle of each box; boxes that touch, also at corners, form one."""
     first = list(range(len(boxes)))
     for k, (x0, y0, x1, y1) in enumerate(boxes):
         for j, (left, low, right, high) in enumerate(boxes[:k]):
@@ -255,7 +254,7 @@ def _boxes(walls: Walls) -> list[Box]:
     """
     left = walls.copy()
     boxes = []
-    # Grow a box from the lowest left cell that is left.
+    # Grow a box from the lowest left cell that remains.
     while left.any():
         y0, x0 = (int(k) for k in np.argwhere(left)[0])
         x1 = x0

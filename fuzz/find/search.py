@@ -1,4 +1,4 @@
-"""The search: sample many layouts, climb from the best by small edits, and prove what is kept.
+"""The search: sample many layouts, climb from the best by small edits, and prove the results that are kept.
 
 It prints nothing.
 """
@@ -33,7 +33,7 @@ VERSION = 1
 _SAMPLES = 200
 # Edits tried in a unit.
 _CLIMBS = 1500
-# Number of steps back that an edit may be compared with, instead of with the last.
+# Number of earlier steps that an edit may be compared with, instead of with the last one.
 _MEMORY = 40
 
 
@@ -46,13 +46,14 @@ class FindConfig:
         seed: Seed of the search.
         families: Families to draw from; none means feature layouts.
         params: Fixed parameters of the family.
-        begin: A world to begin from instead.
+        begin: A world to start from instead.
         start: Start pose of every world.
-        mirror: Whether worlds are symmetric across the diagonal through the upper left.
-        fixed_target: Whether edits leave the target in place.
+        mirror: True if worlds are symmetric about the diagonal through the upper left.
+        fixed_target: True if edits leave the target in place.
         leash: Cells that edits may move a wall's side, or the target, from its place; -1 for any.
-        edit: Whether to edit sampled worlds at all.
-        together: Whether edits on a leash keep obstacles in one piece, and apart from each other.
+        edit: True to edit sampled worlds.
+        together: True if edits on a leash keep obstacles in one piece, and separate from each
+            other.
     """
 
     wishes: tuple[OutcomeTarget, ...]
@@ -103,7 +104,7 @@ class _UnitResult:
     Args:
         nearest: Its best world, if any was proved.
         tried: Worlds tried.
-        interrupted: Whether Ctrl-C interrupted the unit; the search must then end.
+        interrupted: True if Ctrl-C interrupted the unit; the search must then end.
     """
 
     nearest: NearestWorld | None
@@ -135,8 +136,8 @@ class _Unit:
     Args:
         config: The goal.
         number: Number of the unit, which together with the seed determines all randomness.
-        stopped: Called before each world; once it returns True, the unit ends with the worlds that it
-            has made, at least one.
+        stopped: Called before each world; once it returns True, the unit ends with the worlds made
+            so far, at least one.
     """
 
     def __init__(
@@ -187,8 +188,8 @@ class _Unit:
     def run(self) -> _UnitResult:
         """Sample, climb and simplify.
 
-        A slow controller's run in progress is abandoned when the time is over. So is a run that
-        Ctrl-C interrupts because it did not end in time; the best result until then is kept.
+        A slow controller's run in progress is abandoned when time is up, as is a run that Ctrl-C
+        interrupts because it did not end in time; the best result so far is kept.
         """
         interrupted = False
         try:
@@ -240,7 +241,7 @@ class _Unit:
             past[step % _MEMORY] = held.distance
 
     def _simplify(self) -> None:
-        """Remove what the outcome does not need."""
+        """Remove everything that the outcome does not need."""
         before = None
         # Take any simpler layout that has the outcome, and start over from it.
         while self.best is not None and self.best.distance == 0.0 and self.best is not before:
@@ -384,8 +385,8 @@ class OutcomeSearch:
         """Search until a world has every outcome exactly, or the budget is spent.
 
         Raises:
-            KeyboardInterrupt: After Ctrl-C, when ``best`` holds what the units in progress had
-                found.
+            KeyboardInterrupt: After Ctrl-C; ``best`` then has the findings of the units in
+                progress.
             WorkersLost: If a worker process died.
         """
         deadline = Deadline(begin=now() + self._seconds)
@@ -399,7 +400,8 @@ class OutcomeSearch:
                         number += 1
                     if not waiting:
                         return
-                    # In order of unit numbers, so that the result does not depend on the workers.
+                    # Process units in order of their numbers, so that the result does not depend on
+                    # the workers.
                     while wait([waiting[0]], LISTEN).not_done:
                         executor.listen()
                     unit = waiting.popleft()
@@ -417,11 +419,11 @@ class OutcomeSearch:
                         list(self._take(unit))
                 raise
             finally:
-                # Units whose world is no longer needed are not awaited.
+                # Do not wait for units whose world is no longer needed.
                 executor.stop()
 
     def _take(self, unit: Future[_UnitResult]) -> Iterator[NearestWorld]:
-        """Keep what a unit found, and yield it if it is better than all before."""
+        """Keep the result of a unit, and yield it if it is better than all earlier ones."""
         result = unit.result()
         found = result.nearest
         self.done += 1

@@ -22,9 +22,9 @@ from worldgen.world import World
 
 __all__ = ["SEEDS", "OutcomeTarget", "Result", "parse_targets"]
 
-# Runs of a controller with chance.
+# Number of runs of a random controller.
 SEEDS = 20
-# Seeds that may do otherwise: one in twenty.
+# Seeds that may have another outcome: one in twenty.
 _SHARE = 0.05
 # Distance of a run that ends in a completely different way.
 _OTHERWISE = 2.0
@@ -33,9 +33,9 @@ _BROKEN = (
     3.0
 )
 _UNTIMED_STEPS = 20_000
-# Least budget if a latest arrival is wanted.
+# Minimum budget if a latest arrival is requested.
 _TIMED_STEPS = 1_000
-# A run may take this many times the wanted steps.
+# A run may take this many times the requested steps.
 _LATE = 3
 
 _GROUPS = {
@@ -52,12 +52,12 @@ _RANGE = re.compile(
 
 @dataclass(frozen=True)
 class Result:
-    """The result of a controller: of one run, or over the seeds of one with chance.
+    """The result of a controller: of one run, or over the seeds of a random controller.
 
     Args:
         verdict: Verdict of the run; of several runs, the most frequent.
         steps: Steps until the run's end, or the period of a ``loop``; over seeds, the median until
-            the target, ``inf`` if most do not arrive.
+            arrival, ``inf`` if most do not arrive.
         share: Share of runs that arrived.
         distance: Distance from the target; 0 if it is met.
         seeds: Number of runs.
@@ -82,7 +82,7 @@ class _Run:
 
 @dataclass(frozen=True)
 class OutcomeTarget:
-    """The wanted outcome of one controller.
+    """The requested outcome of one controller.
 
     Args:
         scenario: The controller and how it runs.
@@ -136,8 +136,8 @@ class OutcomeTarget:
 
         Args:
             world: The world.
-            prove: Whether to prove a loop that the kernel claims. Only a controller that hides
-                memory can disagree, but the proof records the run.
+            prove: True to prove a loop that the kernel claims. Only a controller that hides memory
+                can disprove it, but the proof records the run.
 
         Raises:
             InvalidWorld: If the robot cannot stand at the start.
@@ -183,8 +183,8 @@ class OutcomeTarget:
     def _over_seeds(self, runs: list[_Run]) -> Result:
         """Return the combined outcome of many runs.
 
-        It is met if nearly all runs are as requested and none passes through walls, or the median time
-        is as requested.
+        It is met if nearly all runs are as requested and none passes through walls, or the median
+        time is as requested.
         """
         # Summarise the runs.
         verdicts = [run.verdict for run in runs]
@@ -193,7 +193,7 @@ class OutcomeTarget:
         steps = statistics.median(
             run.steps if run.verdict == Verdict.REACHED else math.inf for run in runs
         )
-        # The distance is about the median time, or about the share of fitting runs.
+        # The distance is that of the median time, or of the share of fitting runs.
         if self._timed:
             distance = self._off(steps) if math.isfinite(steps) else _OTHERWISE - share
         else:
@@ -205,7 +205,7 @@ class OutcomeTarget:
     def _distance(self, verdict: str, number: int, chance: bool) -> float:
         """Return the distance of one run from the target.
 
-        With chance, no state needs to recur, so ``never`` only means not within the budget.
+        With randomness, no state needs to recur, so ``never`` only means not within the budget.
         """
         if verdict in self.verdicts or (
             chance and verdict == Verdict.TIMEOUT and self.verdicts == _GROUPS["never"]
@@ -219,7 +219,7 @@ class OutcomeTarget:
         return _OTHERWISE
 
     def _off(self, number: float) -> float:
-        """Return how far a number of steps is from the range, as a share of its nearer end."""
+        """Return the distance of a number of steps from the range, as a fraction of its nearer end."""
         if self.low is not None and number < self.low:
             return (self.low - number) / self.low
         if self.high is not None and number > self.high:
@@ -233,10 +233,10 @@ def parse_targets(
     """Read ``CONTROLLER=OUTCOME, ...``.
 
     Args:
-        text: Each outcome is a verdict, ``never`` (loop or stalled; with chance also timeout) or
-            ``fails`` (anything but reached); after ``reached`` or ``loop`` may come an ``@`` and
-            steps (for a loop, its period): ``330``, ``300..400``, ``<400``, ``>400``; an ``s``
-            after a number means seconds.
+        text: Each outcome is a verdict, ``never`` (loop or stalled; for random controllers also
+            timeout) or ``fails`` (anything but reached); after ``reached`` or ``loop`` may come an
+            ``@`` and steps (for a loop, its period): ``330``, ``300..400``, ``<400``, ``>400``; an
+            ``s`` after a number means seconds.
         motion: Motion model of controllers that don't set one.
         time_step: Time step of such controllers, s.
 
@@ -277,7 +277,7 @@ def _parse_wish(part: str, motion: str, time_step: float) -> OutcomeTarget:
     if match["word"] not in (Verdict.REACHED, Verdict.LOOP):
         raise InvalidParameter(
             "takes-no-steps",
-            "outcome {outcome!r}: only reached and loop take steps behind @",
+            "outcome {outcome!r}: only reached and loop take steps after @",
             _EXAMPLE,
             outcome=outcome[:80],
         )
@@ -309,8 +309,8 @@ def _parse_range(text: str, time_step: float) -> tuple[float | None, float | Non
     ):
         raise InvalidParameter(
             "no-steps-left",
-            "steps {steps!r} leave none that could be",
-            "give at least 1, the smaller one first",
+            "no number of steps fits {steps!r}",
+            "give at least 1, and the smaller number first",
             steps=text[:40],
         )
     return low, high

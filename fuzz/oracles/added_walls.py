@@ -40,7 +40,7 @@ def walled_where_unnoticed(trial: Trial) -> World | None:
 
     A cell stays free if the witness's disc passes through it, or if it is so near the run that a
     step, the disc and the signal sensor could reach it. Beams, and a signal that walls block, can
-    reach further. For these, each state of the run is sensed again among the new walls; if any
+    reach farther. For these, each state of the run is sensed again among the new walls; if any
     reading changes, the nearer half of the new walls is dropped and the rest is tried again.
 
     Returns:
@@ -129,7 +129,7 @@ def _distance(world: World, x: Floats, y: Floats) -> Ints:
 
 
 def _reach(trial: Trial) -> int:
-    """Return how many cells from its own the robot can be affected by a wall in its next step."""
+    """Return the distance, in cells, at which a wall can affect the robot in its next step."""
     world = trial.world
     options = trial.options
     touch = math.ceil(

@@ -54,7 +54,7 @@ class BreachOracle(Oracle):
             return None
         if trial.options.motion_model().kernel != THESIS:
             return None
-        # Run it again with walls that end nothing, to see whether the robot gets to the target.
+        # Run it again with walls that do not end the run, to see if the robot gets to the target.
         whole = trial.again(record=True, thesis=replace(trial.options.thesis, keep_going=True))
         if whole.verdict != Verdict.REACHED or whole.trace is None:
             return None

@@ -110,9 +110,9 @@ def _objection(
 
     Args:
         trial: The run.
-        factor: Greatest acceptable ratio between the two step counts, at least 1.
+        factor: Largest acceptable ratio between the two step counts, at least 1.
         world: World of the other run.
-        each: How many steps of this run one step of the other run counts for.
+        each: Number of steps of this run that one step of the other run counts for.
         **changes: Options of the other run that differ.
     """
     if factor < 1.0:

@@ -27,7 +27,7 @@ def detour(trial: Trial, bound: float) -> dict[str, Value] | None:
 
     Args:
         trial: The run.
-        bound: Greatest acceptable ratio of the two lengths, at least 1.
+        bound: Largest acceptable ratio of the two lengths, at least 1.
 
     Returns:
         ``path`` and ``witness``, m, and ``ratio``; measured on the recorded path.

@@ -74,7 +74,7 @@ class NamedOracle(Oracle):
 
     Args:
         text: The option as written: ``detour=5``.
-        function: Called with the trial and the numbers; returns what it finds, or ``None``.
+        function: Called with the trial and the numbers; returns its finding, or ``None``.
         numbers: Empty, or one number.
     """
 
@@ -148,7 +148,7 @@ class NamedOracle(Oracle):
         return "-".join(plain for plain in map(_plain, words) if plain)
 
     def check(self, trial: Trial) -> Violation | None:
-        """Return what the function finds in a run; ``None`` if nothing.
+        """Return the function's finding in a run; ``None`` if it finds nothing.
 
         Raises:
             InvalidParameter: If the function fails, or returns something other than ``None`` or a
@@ -164,7 +164,7 @@ class NamedOracle(Oracle):
             with user_code(f"oracle {self.text!r}"):
                 answer = self.function(trial, *self.numbers)
         except InvalidParameter as error:
-            # If the oracle itself refuses, for example its number, its code has not failed.
+            # If the oracle itself refuses its number, for example, its code has not failed.
             if isinstance(error.__cause__, WorldgenError):
                 raise error.__cause__ from None
             raise

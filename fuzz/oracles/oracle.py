@@ -14,7 +14,7 @@ __all__ = ["Oracle"]
 
 
 class Oracle(ABC):
-    """Judges runs and returns what it finds.
+    """Judges runs and returns its finding.
 
     It raises only if it is misused or fails itself.
     """

@@ -21,7 +21,7 @@ def repeat(trial: Trial, times: float = 3) -> dict[str, Value] | None:
 
     Args:
         trial: The run.
-        times: Most repetitions, 1 to 1,000.
+        times: Limit on repetitions, 1 to 1,000.
 
     Returns:
         ``step``: the first that ends in another pose. ``poses``: x m, y m and heading rad after it
@@ -31,7 +31,7 @@ def repeat(trial: Trial, times: float = 3) -> dict[str, Value] | None:
         raise InvalidParameter(
             "out-of-range",
             "repeat={times:g} is not an integer from 1 to {most}",
-            "choose one in that range",
+            "choose a number in that range",
             times=times,
             most=_MOST,
         )

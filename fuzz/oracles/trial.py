@@ -72,7 +72,7 @@ class Trial:
 
     @cached_property
     def recorded_run(self) -> Episode:
-        """The run with its recordings: one, or one of each robot if there are several."""
+        """The run with its recordings: one, or one for each robot if there are several."""
         if not isinstance(self.episode, FleetEpisode):
             return replace(self.episode, trace=self.trace)
         is_recorded = all(one.trace is not None for one in self.episode.robots)
@@ -85,7 +85,7 @@ class Trial:
 
     @cached_property
     def flaw(self) -> str:
-        """Why the recorded run does not support the evidence for its verdict.
+        """The reason why the recorded run does not support the evidence for its verdict.
 
         Empty if it does.
         """

@@ -2,7 +2,7 @@
 
 Contents:
     causes_of: Groups the buckets of a campaign into causes.
-    CauseTotals: A cause, and what was met of it.
+    CauseTotals: A cause, and its occurrences.
     Cause: The causes.
     Severity: How bad a cause is.
     cause_of: The cause of one failure.

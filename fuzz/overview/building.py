@@ -30,29 +30,29 @@ _NATURAL_SHARE = 10
 _MOST_NATURAL = 900
 _FEWEST_NATURAL = 9
 
-# Causes whose clearest world is explained. The terminal and the first screen show no more.
+# Causes whose clearest world is explained. The terminal and the first screen show only these.
 _MOST_EXPLAINED = 5
 
-# Share of the usual effort that one explanation of a campaign may take.
+# Fraction of the usual effort that one explanation in a campaign may take.
 _EFFORT = 0.15
 
-# Cells that the proofs of one explanation may look at: about a second. A map of 200,000 cells gets
-# ten changes, a shrunk world all of them.
+# Limit on the cells that the proofs of one explanation examine: about a second. A map of 200,000
+# cells gets ten changes, a shrunk world all of them.
 _MOST_CELLS = 2_000_000
 
-# Share of the time that goes to natural worlds; the rest explains.
+# Share of the time for natural worlds; the rest is for explanations.
 _NATURAL_TIME = 0.6
 
 
 @dataclass(frozen=True)
 class Conclusion:
-    """What a campaign is to be concluded with.
+    """The inputs for concluding a campaign.
 
     Args:
         known: Failures that the user knows, as a baseline.
         last: Failures of the last campaign in the same folder.
-        seconds: Time that the conclusion may take; ``None`` for a fixed amount of work, so that
-            the result depends on the seed alone.
+        seconds: Time that the conclusion may take; ``None`` for a fixed amount of work, so that the
+            result depends only on the seed.
     """
 
     known: Baseline = field(default_factory=Baseline)
@@ -70,21 +70,21 @@ def build_overview(
     """Return the overview of a campaign.
 
     Args:
-        config: What it looked for.
-        state: What it did.
+        config: Its definition.
+        state: Its results.
         conclusion: Known failures, and the time.
-        natural: Whether to run natural worlds. An interrupted campaign does not.
+        natural: True to run natural worlds. An interrupted campaign does not.
     """
     began = time.monotonic()
     seconds = conclusion.seconds
 
-    # Group first: it takes no runs.
+    # Group first, because it takes no runs.
     found = {**state.best, **state.memory.failures}
     causes = causes_of(found, {kind: state.met[kind] for kind in found})
 
-    # Natural worlds say how often each cause matters, and so which to explain first.
+    # Natural worlds show how often each cause matters, and so which to explain first.
     runs = None
-    # On a map of the user's, and for several robots, nothing says what would be natural.
+    # For a user's own map, and for several robots, "natural" is not defined.
     is_usual = config.fixed_map is None and config.robots == 1
     families = natural_families(config.families) if is_usual else []
     if natural and families:
@@ -97,7 +97,7 @@ def build_overview(
         )
         causes = with_natural(causes, runs.causes)
 
-    # The clearest world of each cause, and what it depends on.
+    # Find the clearest world of each cause, and its dependencies.
     is_over = None if seconds is None else _after(began, seconds, 1.0)
     candidates = _candidates(state)
     shown = [
@@ -139,7 +139,7 @@ def _shown(
     is_explained: bool,
     is_over: Callable[[], bool] | None,
 ) -> CauseTotals:
-    """Return a cause with its clearest and its smallest world, and what the clearest depends on."""
+    """Return a cause with its clearest and its smallest world, and the clearest one's dependencies."""
     with stopping_when(is_over or (lambda: False)):
         own = {name: one for name, one in candidates.items() if cause_of(one) == cause.cause}
         best = clearest(own.values(), cause.cause)
@@ -153,19 +153,19 @@ def _shown(
 def explained(
     failure: Failure, is_over: Callable[[], bool] | None = None
 ) -> Counterfactuals | None:
-    """Return after which single changes a failure's robot arrives, at little cost.
+    """Return the single changes after which a failure's robot arrives, at little cost.
 
     Args:
         failure: The failure.
         is_over: Returns True once there is no more time; a fixed amount of work if omitted.
 
     Returns:
-        The changes, ``None`` if nothing could be learned: there is no time, or no change can
+        The changes; ``None`` if nothing could be learned because there is no time, or no change can
         explain such a failure.
     """
     is_bounded = is_over is not None
     is_over = is_over or (lambda: False)
-    # What never depends on a wall, a number or an option is explained by its own sentence.
+    # Causes that never depend on a wall, a number or an option are explained by their own sentence.
     if cause_of(failure).severity in (Severity.CONTROLLER_ERROR, Severity.UNSENSED) or is_over():
         return None
     try:
@@ -177,12 +177,12 @@ def explained(
             )
     except (WorldgenError, OutOfTime):
         return None
-    # That some changes do not help says nothing about the others.
+    # If some changes do not help, the others still might.
     return found if found.changes or found.is_complete else None
 
 
 def _name_of(failure: Failure, files: Mapping[str, Failure]) -> str:
-    """Return the file of a failure; a file that the user sees rather than a hidden one."""
+    """Return the file of a failure, preferably one that the user sees rather than a hidden one."""
     names = [name for name, other in files.items() if other is failure or other.id == failure.id]
     return min(names, key=lambda name: (name.startswith(MEMORY), name))
 
@@ -209,7 +209,7 @@ def _causes(failures: Iterable[Failure]) -> dict[str, Cause]:
 
 
 def causes_in(failures: Sequence[Failure]) -> list[CauseTotals]:
-    """Return the causes of failures that no campaign tells anything about."""
+    """Return the causes of failures that belong to no campaign."""
     found: dict[str, Failure] = {}
     for failure in failures:
         found.setdefault(failure.bucket, failure)

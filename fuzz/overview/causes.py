@@ -17,17 +17,17 @@ __all__ = ["CauseTotals", "causes_of", "in_order", "with_natural"]
 
 @dataclass(frozen=True)
 class CauseTotals:
-    """A cause, and what a campaign met of it.
+    """A cause, and its occurrences in a campaign.
 
     Args:
         cause: The cause.
         classes: Its buckets, by name.
-        verdicts: How often each verdict was met, of the failures that were classified.
-        natural: In how many natural worlds it was met; ``None`` if none were tried.
+        verdicts: Counts of each verdict among the classified failures.
+        natural: Number of natural worlds in which it occurred; ``None`` if none were tried.
         file: File of the world to look at, relative to the campaign's folder; empty if there is
             none.
         smallest: File of the simplest world; empty if there is none.
-        why: After which single changes the robot of ``file`` arrives; ``None`` if not tried.
+        why: The single changes after which the robot of ``file`` arrives; ``None`` if not tried.
         state: ``new`` or ``still`` compared with the known failures; empty if there were none.
     """
 
@@ -42,7 +42,7 @@ class CauseTotals:
 
     @property
     def met(self) -> int:
-        """How many failures of this cause were classified."""
+        """Number of classified failures of this cause."""
         return sum(self.verdicts.values())
 
     def table(self) -> dict[str, Any]:
@@ -70,7 +70,7 @@ def causes_of(failures: Mapping[str, Failure], met: Mapping[str, int]) -> list[C
     Args:
         failures: By bucket, one of its failures. Only those whose record names no cause, as older
             versions wrote them, are run.
-        met: By bucket, how often it was met; 1 if it is not listed.
+        met: Number of occurrences by bucket; 1 if it is not listed.
     """
     classes: dict[Cause, list[str]] = {}
     verdicts: dict[Cause, Counter[str]] = {}
@@ -87,8 +87,8 @@ def causes_of(failures: Mapping[str, Failure], met: Mapping[str, int]) -> list[C
 def in_order(causes: Iterable[CauseTotals]) -> list[CauseTotals]:
     """Sort causes: by severity, then by frequency in natural worlds, then in all worlds.
 
-    Natural worlds come first because a search goes where failures are: how often it meets one says
-    more about the search than about the controller.
+    Natural worlds come first because a search goes where failures are: its counts say more about
+    the search than about the controller.
     """
     order = list(Cause)
     return sorted(
@@ -103,7 +103,7 @@ def in_order(causes: Iterable[CauseTotals]) -> list[CauseTotals]:
 
 
 def with_natural(causes: Iterable[CauseTotals], natural: Mapping[Cause, int]) -> list[CauseTotals]:
-    """Return causes with their frequency in natural worlds, and those only met there."""
+    """Return causes with their frequency in natural worlds, and those found only there."""
     found = {one.cause: one for one in causes}
     for cause in natural.keys() - found.keys():
         found[cause] = CauseTotals(cause, ())

@@ -1,7 +1,7 @@
 """Choose the failure of a cause that a person understands at a glance.
 
 The smallest world of a bucket is often a room of three cells in which the robot covers its target.
-It is kept, because small worlds make good tests. But the one to look at first is the clearest.
+It is kept because small worlds make good tests, but the one to look at first is the clearest.
 """
 
 from __future__ import annotations
@@ -18,17 +18,18 @@ from worldgen.errors import WorldgenError
 
 __all__ = ["Clarity", "clarity", "clearest"]
 
-# Cells between the edges of robot and target at the start: less looks like a robot that is there.
+# Cells between the edges of robot and target at the start; with less, the robot seems to be there
+# already.
 _APART = 1.0
 
-# Cells. A narrower room shows no walls to speak of, a wider one shows no single one of them.
+# Cells. In a narrower room hardly any walls are visible; in a wider one no single wall is.
 _NARROWEST = 4
 _WIDEST = 30
 
 # Times the longer side of the world. A longer period fills the picture with lines.
 _TANGLE = 30.0
 
-# Candidates of one cause that are looked at, the simplest first.
+# Limit on the candidates examined per cause, the simplest first.
 _MOST = 12
 
 
@@ -38,8 +39,9 @@ class Clarity:
 
     Args:
         flaws: Number of the reasons against it.
-        is_unshrunk: True if walls are in it that do not matter.
-        windings: How much longer the period's path is than a way around its box, in doublings.
+        is_unshrunk: True if it has walls that do not matter.
+        windings: Number of doublings by which the period's path is longer than a path around its
+            box.
         size: Cells of the grid.
         name: Digest of its file, so that the order is the same everywhere.
     """
@@ -52,7 +54,7 @@ class Clarity:
 
 
 def clarity(failure: Failure, cause: Cause) -> Clarity:
-    """Return how clear a failure's picture is. Its controller is run.
+    """Return how clear a failure's picture is. This runs its controller.
 
     Args:
         failure: The failure.
@@ -67,13 +69,13 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
     robot = world.robot_radius / side
     target = world.target.radius / side
 
-    # What can be told from the world alone.
+    # Look at the flaws that the world alone shows.
     apart = math.dist((world.start.x, world.start.y), (world.target.x, world.target.y)) / side
     flaws = int(apart < robot + target + _APART)
     flaws += min(world.width, world.height) < _NARROWEST
     flaws += max(world.width, world.height) > _WIDEST
 
-    # What only the run shows: a robot drawn over its target, and a period that is a tangle.
+    # Look at those that only the run shows: a robot drawn over its target, and a tangled period.
     episode = failure.run(through_walls=failure.is_breach)
     behaviour = behaviour_of(world, episode)
     windings = 0
@@ -89,11 +91,11 @@ def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:
     """Return the clearest of several failures of one cause; ``None`` if there are none.
 
     Args:
-        failures: The candidates. The simplest dozen are looked at.
+        failures: The candidates. The simplest dozen are examined.
         cause: Their cause.
     """
     candidates = sorted(failures, key=lambda failure: (failure.size, failure.id))
-    # Shrunk and unshrunk ones are both looked at: the simplest of each.
+    # Examine both shrunk and unshrunk ones, the simplest of each.
     shrunk = [failure for failure in candidates if failure.is_shrunk][:_MOST]
     others = [failure for failure in candidates if not failure.is_shrunk][:_MOST]
     best: tuple[Clarity, Failure] | None = None

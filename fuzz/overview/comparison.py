@@ -1,4 +1,4 @@
-"""Compare a campaign with what was known before: what is new, what is fixed, what is still there."""
+"""Compare a campaign with earlier knowledge: what is new, what is fixed, what is still there."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ class RegressionView:
         against: ``baseline`` or ``last campaign``.
         new: Classes met now that were not known.
         still: Known classes that still fail.
-        fixed: Known classes whose known failure does not fail any more.
+        fixed: Known classes whose known failure no longer fails.
         new_causes: Causes met now of which no failure was known.
         still_causes: Causes known before that still occur.
-        fixed_causes: Causes known before that do not occur any more.
+        fixed_causes: Causes known before that no longer occur.
     """
 
     against: str
@@ -75,10 +75,10 @@ def compare(
     """Return what changed.
 
     Args:
-        against: What it is compared with.
-        now: By class, the cause of what was met now.
+        against: Name of the reference.
+        now: The cause of current failures, by class.
         still: By class, the cause of known failures that still fail.
-        fixed: By class, the cause of known failures that do not fail any more.
+        fixed: By class, the cause of known failures that no longer fail.
     """
     known = still.keys() | fixed.keys()
     causes_before = set(still.values()) | set(fixed.values())
@@ -96,7 +96,7 @@ def compare(
 
 
 def with_states(causes: Iterable[CauseTotals], comparison: RegressionView) -> list[CauseTotals]:
-    """Return causes that say whether they are new."""
+    """Return causes, each marked as new or known."""
     new = set(comparison.new_causes)
     return [replace(one, state="new" if one.cause in new else "still") for one in causes]
 

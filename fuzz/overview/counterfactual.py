@@ -1,9 +1,9 @@
-"""Why a failure fails, by counterfactual: the least changes after which the robot arrives.
+"""Explain a failure by counterfactuals: the smallest changes after which the robot arrives.
 
 A failure shows that a controller does not arrive. A developer wants to know what it depends
 on: one wall, a radius that is a millimetre too large, a heading, an option. So each of these is
 changed alone, and the changed scenario runs again with the budget of a fresh proof. A change counts
-only if the target is still provably reachable, so it never makes the world easier by cheating.
+only if the target is still provably reachable, so no change makes the world easier by cheating.
 """
 
 from __future__ import annotations
@@ -35,28 +35,29 @@ from worldgen.world import Value
 
 __all__ = ["Change", "Counterfactuals", "counterfactuals"]
 
-# Numbers that every scenario has. A failure that starts a degree off teaches more than one that
-# begins at another time step, so this is also the order in which they are reported.
+# Numbers that every scenario has. A different start heading explains more than a different time
+# step, so this is also the order in which they are reported.
 _AXES = ("heading", "radius", "speed", "time-step")
 
-# Indices of an axis that are searched on either side: half a turn, and a factor of about four.
+# Number of indices of an axis to search on either side: half a turn, and a factor of about four.
 _REACH = {"heading": 180}
 _REACH_OF_NUMBERS = 512
 
-# Solid cells that are freed one by one, those nearest to the repeated part of the path first. A
-# shrunk failure has a dozen; in a world of thousands the wall that matters is close to the path.
+# Limit on the solid cells that are freed one by one, those nearest to the repeated part of the path
+# first. A shrunk failure has a dozen; in a world of thousands the wall that matters is close to the
+# path.
 _MOST_CELLS = 256
 
-# Events that are dropped one by one.
+# Limit on the events that are dropped one by one.
 _MOST_EVENTS = 64
 
-# Simulated steps that one explanation may take: a second or so of the C core, and of Python code.
+# Limit on the simulated steps of one explanation: about a second of the C core, and of Python code.
 _MOST_STEPS = 30_000_000
 _MOST_STEPS_IN_PYTHON = 300_000
 
 _MOST_NAMED = 3
 
-# Changes that are reported as slight: a share of the number, and degrees.
+# Largest changes that are reported as slight: a fraction of the number, and degrees.
 _SLIGHT = 0.03
 _SLIGHT_TURN = 3.0
 
@@ -68,9 +69,11 @@ class Change:
     Args:
         what: ``cell`` (a solid cell is free), ``event`` (a cell does not change), ``option`` (an
             option of the run is at its default), or the name of one of :data:`fuzz.boundary.AXES`.
-        value: With what the robot arrives: the cell ``[ix, iy]``, the option's name, or a number.
-        was: In the failure: the time of the event in s, the option's value, or the number.
-        unit: Of a number, such as ``m``.
+        value: The value with which the robot arrives: the cell ``[ix, iy]``, the option's name, or
+            a number.
+        was: The value in the failure: the time of the event in s, the option's value, or the
+            number.
+        unit: Unit of a number, such as ``m``.
     """
 
     what: str
@@ -80,7 +83,7 @@ class Change:
 
     @property
     def is_slight(self) -> bool:
-        """True for a number that is hardly changed: a heading by 3 degrees, others by 3 %."""
+        """True for a number that hardly changes: a heading by 3 degrees, others by 3 %."""
         if not isinstance(self.value, int | float) or not isinstance(self.was, int | float):
             return False
         if self.what == "option":
@@ -108,7 +111,7 @@ class Counterfactuals:
     Args:
         changes: Cells first, nearest to the repeated part of the path first; then events, options
             and numbers.
-        runs: How many changed scenarios ran.
+        runs: Number of changed scenarios that ran.
         is_complete: False if the runs took too many steps for all changes to be tried.
     """
 
@@ -131,7 +134,7 @@ class Counterfactuals:
         slight = [change.what.replace("-", " ") for change in others if change.is_slight]
         conditions = [self._describe_cells()]
         conditions += [change.describe() for change in others if not change.is_slight]
-        # Where the slightest change helps, its exact size says nothing.
+        # If the slightest change helps, its exact size does not matter.
         if slight:
             names = " or ".join(filter(None, (", ".join(slight[:-1]), slight[-1])))
             conditions.append(f"with a slightly different {names}")
@@ -163,19 +166,19 @@ def counterfactuals(
 
     Args:
         failure: A robot that does not arrive.
-        effort: Share of the usual number of steps that it may take.
-        most_runs: How many changes may be run. In a large world the proof takes longer than a run.
+        effort: Fraction of the usual number of steps that it may take.
+        most_runs: Limit on the changes to run. In a large world the proof takes longer than a run.
 
     Raises:
         InvalidParameter: If no single change can explain the failure: its outcome depends on
-            chance, an oracle reported it, or its target is walled off.
+            randomness, an oracle reported it, or its target is walled off.
         WorldgenError: If the controller is unknown here.
     """
     subject = subject_of(failure)
     if subject is None:
         raise InvalidParameter(
             "no-counterfactual",
-            "{who} fails by chance, by an oracle, or by getting to a walled-off target",
+            "{who} fails by chance, according to an oracle, or by getting to a walled-off target",
             "explain a failure of a robot that never arrives",
             who=failure.who,
         )
@@ -190,7 +193,7 @@ def counterfactuals(
 
 
 class _OutOfStepsError(Exception):
-    """The runs of one explanation took too many steps."""
+    """Raised if the runs of one explanation took too many steps."""
 
 
 class _ChangedRuns:
@@ -284,11 +287,11 @@ def _solid_cells(subject: Subject, episode: Episode) -> list[tuple[int, int]]:
     trace = episode.trace
     if trace is None or len(rows) == 0:
         return []
-    # The states of one period, or of the second half of a run that repeats nothing.
+    # Take the states of one period, or of the second half of a run that does not repeat.
     loop = episode.evidence
     first = loop.entry if isinstance(loop, LoopEvidence) else trace.steps // 2
     last = loop.entry + loop.period if isinstance(loop, LoopEvidence) else trace.steps
-    # A few hundred places are enough to tell which walls are near.
+    # A few hundred places are enough to find the nearby walls.
     every = max(1, math.ceil((last - first) / _MOST_CELLS))
     x = trace.x[first : last + 1 : every] / world.cell_size
     y = trace.y[first : last + 1 : every] / world.cell_size

@@ -1,4 +1,4 @@
-"""Run a controller in natural worlds: how often does it arrive where nobody looked for trouble?
+"""Run a controller in natural worlds, to find how often it arrives where nobody looked for trouble.
 
 A search goes where failures are, so its counts say nothing about a controller's quality. Natural
 worlds are those of families at default settings, drawn by a seed that no search strategy uses. What
@@ -36,7 +36,7 @@ from worldgen.world import Witness, World
 
 __all__ = ["CLEARANCES", "TURNS", "NaturalRuns", "natural_families", "natural_runs"]
 
-# The seeds of natural worlds are their own: no unit of a search draws from this stream.
+# Natural worlds have their own seeds: no unit of a search draws from this stream.
 _STREAM = "natural"
 
 CLEARANCES = ("less than 1.1", "1.1 to 1.5", "1.5 to 2", "2 to 3", "more than 3")
@@ -55,16 +55,16 @@ class NaturalRuns:
     """What a controller did in natural worlds.
 
     Args:
-        worlds: How many were run, without those in which a hazard that the controller cannot sense
-            harmed the robot: there it could not have known better.
-        arrived: In how many the robot arrived.
-        unsensed: In how many such a hazard harmed it.
-        verdicts: How often each verdict came up.
-        causes: How often each cause did.
+        worlds: Number of worlds run, except those in which a hazard that the controller cannot
+            sense harmed the robot, because it could not have avoided it.
+        arrived: Number of these in which the robot arrived.
+        unsensed: Number of worlds in which such a hazard harmed it.
+        verdicts: Counts of each verdict.
+        causes: Counts of each cause.
         families: By family, the worlds run and those in which the robot arrived.
         clearances: By name in :data:`CLEARANCES`, the same.
         turns: By name in :data:`TURNS`, the same.
-        is_complete: False if the time ended before all worlds were run.
+        is_complete: False if time ran out before all worlds were run.
     """
 
     worlds: int = 0
@@ -101,7 +101,7 @@ class NaturalRuns:
         if cause is not None:
             self.causes[cause] += 1
         _count(self.families, family, arrived)
-        # How wide and how winding the path is, in the world as it is at first.
+        # Find how wide and how winding the path is, in the world's initial state.
         witness = world.certificate
         if isinstance(witness, Witness):
             share = bottleneck(world, world.walls) / world.robot_radius
@@ -131,7 +131,7 @@ def natural_families(chosen: Sequence[str]) -> list[str]:
     """Return the families whose worlds count as natural for a campaign.
 
     Args:
-        chosen: Families and other strategies that the user asked for; empty for all families.
+        chosen: Families and other strategies that the user requested; empty for all families.
 
     Returns:
         The chosen families, or all for one robot that come with worldgen or are installed. Empty
@@ -152,14 +152,14 @@ def natural_runs(
 ) -> NaturalRuns:
     """Run a scenario in natural worlds, each family in turn.
 
-    Without ``is_over`` the result depends on the other arguments alone.
+    Without ``is_over``, the result depends only on the other arguments.
 
     Args:
         scenario: Controller and options.
         families: Names of families.
-        count: How many worlds.
+        count: Number of worlds.
         seed: Seed of the campaign.
-        is_over: Returns True once no more worlds are to be run.
+        is_over: Returns True once no more worlds should be run.
     """
     runs = NaturalRuns()
     stream = RandomStream(seed).child(_STREAM)
@@ -176,7 +176,7 @@ def natural_runs(
             runs.is_complete = False
             break
         except WorldgenError:
-            # A world that cannot be made says nothing about the controller.
+            # A world that cannot be made tells nothing about the controller.
             continue
         runs.count(world, family, episode, cause)
     return runs
@@ -194,7 +194,7 @@ def _run(world: World, scenario: Scenario) -> tuple[Episode, Cause | None]:
     except InvalidParameter:
         # The run is too long to be recorded, but it did not arrive, so it counts.
         return episode, Cause.UNKNOWN
-    # A controller that does not do the same twice may arrive this time. Then its first run counts.
+    # A controller that is not repeatable may arrive this time. In that case its first run counts.
     if recorded.verdict in ARRIVALS:
         return episode, Cause.UNKNOWN
     episode = recorded
@@ -208,7 +208,7 @@ def _run(world: World, scenario: Scenario) -> tuple[Episode, Cause | None]:
 
 
 def _quarter_turns(witness: Witness) -> float:
-    """Return by how many quarter turns a path changes its direction, in all."""
+    """Return the total number of quarter turns by which a path changes its direction."""
     bearing = np.arctan2(np.diff(witness.y), np.diff(witness.x))
     moves = (np.diff(witness.x) != 0.0) | (np.diff(witness.y) != 0.0)
     change = (np.diff(bearing[moves]) + math.pi) % (2 * math.pi) - math.pi

@@ -24,11 +24,11 @@ _VERSION = 1
 
 @dataclass(frozen=True)
 class Overview:
-    """Does it work, how bad is it, and why.
+    """The answer: does it work, how bad is it, and why.
 
     Args:
         causes: The causes, the worst first.
-        natural: What the controller did in natural worlds; ``None`` if none were run.
+        natural: The results in natural worlds; ``None`` if none were run.
         comparison: What changed since an earlier campaign; ``None`` if there is none.
     """
 
@@ -62,7 +62,7 @@ def read_overview(folder: Path) -> dict[str, Any] | None:
     The form is checked, so that pages can rely on it wherever the file comes from.
 
     Raises:
-        FormatError: If the file cannot be read, or is no overview of version 1.
+        FormatError: If the file cannot be read, or is not an overview of version 1.
     """
     path = folder / MEMORY / OVERVIEW_FILE
     if not path.is_file():
@@ -80,7 +80,7 @@ def read_overview(folder: Path) -> dict[str, Any] | None:
     except (_FormError, ValueError, RecursionError) as error:
         raise FormatError(
             "invalid-overview",
-            "no overview of a campaign: {reason}",
+            "not an overview of a campaign: {reason}",
             "run the campaign again, or delete the file to do without",
             reason=str(error),
             source=str(path),
@@ -88,7 +88,7 @@ def read_overview(folder: Path) -> dict[str, Any] | None:
 
 
 class _FormError(Exception):
-    """A part of the file is not of the form that it must have."""
+    """Raised if a part of the file does not have the required form."""
 
 
 # Forms of objects: a type, a list of one form, or the form of every value behind "*".
@@ -126,7 +126,7 @@ _NATURAL = {
 _COMPARISON = {"against": str, "causes": _LISTS, "classes": _LISTS, "sentence": str}
 
 
-# A failure of the campaign, or one as it was found; nothing outside of its folder.
+# A failure of the campaign, or its original before shrinking; nothing outside its folder.
 _FILE = re.compile(rf"({re.escape(MEMORY)}/failures/)?[^/\\]+\.grid")
 
 
@@ -145,7 +145,7 @@ def _checked_or_none(value: object, form: Mapping[str, Any]) -> Any:
 
 
 def _checked(value: object, form: Any) -> Any:
-    """Return the part of a value that its form describes; other names are left out."""
+    """Return the part of a value that its form describes; other names are dropped."""
     if isinstance(form, list):
         return [_checked(item, form[0]) for item in _list(value)]
     if isinstance(form, dict):
@@ -159,7 +159,7 @@ def _checked(value: object, form: Any) -> Any:
         return {name: _checked(value[name], part) for name, part in form.items()}
     # bool is an int in Python, but not in JSON.
     if not isinstance(value, form) or (isinstance(value, bool) and form is not bool):
-        raise _FormError(f"{value!r} is of the wrong type")
+        raise _FormError(f"{value!r} has the wrong type")
     return value
 
 

@@ -1,4 +1,4 @@
-"""Say what a campaign found in at most fifteen lines: does it work, how bad is it, why, what now."""
+"""Summarise a campaign in at most fifteen lines: does it work, how bad is it, why, what now."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from worldgen.support.plain_text import counted, shown
 __all__ = ["Headline", "describe_coverage", "describe_rate", "overview_lines"]
 
 # The first cause has four lines, the next ones two; others are counted. With the lines about the
-# whole campaign these are fifteen.
+# whole campaign, this makes fifteen.
 _MOST_IN_SHORT = 2
 
 _COLOURS = {
@@ -41,9 +41,9 @@ class Headline:
         who: Controller and motion model: ``bug2 under swept``.
         folder: The campaign's folder.
         worlds: Worlds that the search tried.
-        classes: Classes of failures that it met.
+        classes: Classes of failures that it found.
         is_failing: True if failures were found that make the exit code 1.
-        is_known: True if known failures were met.
+        is_known: True if known failures were found.
         lasts: False if the folder is gone after the command, so that no command can use it.
     """
 
@@ -57,7 +57,7 @@ class Headline:
 
 
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
-    """Return the summary for the terminal, in colour; ``click.echo`` takes colours away again."""
+    """Return the summary for the terminal, in colour; ``click.echo`` removes the colours if necessary."""
     causes = overview.causes
     lines = [_verdict_line(overview, headline)]
     if overview.natural is not None and overview.natural.worlds:
@@ -72,7 +72,7 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
         lines.append(f"and {counted(more, 'more cause')}: {names}")
     if overview.comparison is not None:
         lines.append(shown(overview.comparison.describe()))
-    # Known classes have a line of their own, and the report says what was tried.
+    # Known classes have their own line, and the report lists what was tried.
     if overview.natural is not None and overview.natural.worlds and not headline.is_known:
         lines.append(describe_coverage(overview.natural))
     if causes and headline.lasts:
@@ -82,7 +82,7 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
 
 
 def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> str:
-    """Return how often the robot arrives, with its interval, and what it does where it does not.
+    """Return how often the robot arrives, with its interval, and what it does otherwise.
 
     ``arrives in 72 % of 900 natural worlds (95 %: 69 to 75 %); goes through walls in 6; ...``
 
@@ -107,7 +107,7 @@ def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> s
 
 
 def describe_coverage(natural: NaturalRuns) -> str:
-    """Return which natural worlds were tried, and which never."""
+    """Return which natural worlds were tried, and which were not."""
     tried = [name for name, (worlds, _) in natural.families.items() if worlds]
     table = natural.table()
     clearances = [name for name, row in table["clearances"].items() if not row["worlds"]]
@@ -122,7 +122,7 @@ def describe_coverage(natural: NaturalRuns) -> str:
 
 
 def _verdict_line(overview: Overview, headline: Headline) -> str:
-    """Return whether it works, in a few words."""
+    """Return in a few words whether it works."""
     own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
     searched = f"{counted(headline.worlds, 'world')} searched"
     if not headline.is_failing:
@@ -130,12 +130,12 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         pushed = any(one.cause == Cause.PUSHED_TOO_HARD for one in overview.causes)
         beyond = "sense or withstand" if pushed else "sense"
         others = len(own) < len(overview.causes)
-        hazards = f", but for hazards that it cannot {beyond}" if others else ""
+        hazards = f", except for hazards that it cannot {beyond}" if others else ""
         found = f"no {what} of {shown(headline.who)} found{hazards}"
         return f"{click.style(found, fg='green', bold=True)}; {searched}"
     who = click.style(shown(headline.who), bold=True)
     worst = overview.causes[0].cause.severity
-    # It never arrives in the failures, but that is not what it does in general.
+    # It never arrives in the failures, but that does not hold in general.
     words = "does not always arrive" if worst == Severity.NEVER_ARRIVES else worst.phrase
     failed = click.style(words, fg=_COLOURS[worst], bold=True)
     classes = counted(headline.classes, "class", "classes")
@@ -156,13 +156,13 @@ def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
     if cause.classes:
         met = ", ".join(f"{count} {verdict}" for verdict, count in cause.verdicts.items() if count)
         classes = counted(len(cause.classes), "class", "classes")
-        # A class that only shrinking led to was met by no world of the search.
+        # A class that only shrinking led to has no world of the search.
         parts.append(f"{met} in {classes}" if met else f"{classes}, met while shrinking")
     return "; ".join(filter(None, parts))
 
 
 def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline) -> list[str]:
-    """Return four lines: what and how often, why, what it depends on, the command."""
+    """Return four lines: what and how often, why, its dependencies, the command."""
     lines = [f"1. {_title(cause, natural)}", f"   {cause.cause.sentence} {cause.cause.advice}"]
     if cause.why is not None:
         lines.append(f"   It {shown(cause.why.describe())}.")

@@ -1,7 +1,7 @@
 """A controller's memory as the page draws it: named numbers by row, and a map that changes.
 
-The map is a list of shapes, each with the steps from which and until which it exists. A map that
-grows is therefore stored only once, and drawing a step only takes one comparison per shape.
+The map is a list of shapes, each with the first and last step of its existence. A map that grows is
+therefore stored only once, and drawing a step only takes one comparison per shape.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def drawn_memory(
         kept: The steps that the page includes.
         rows: The step of each of the page's rows.
         cell_size: Size of a cell, m.
-        most: Most shapes; a map that needs more is stored with fewer changes.
+        most: Limit on shapes; a map that needs more is stored with fewer changes.
 
     Returns:
         ``fields``: each with ``name``, ``words``, ``least``, and ``values`` by row, in thousandths.
@@ -81,7 +81,7 @@ def drawn_memory(
 
 
 class _Watched:
-    """A memory during a run: its named numbers, and all of it at some changes of the map."""
+    """A memory during a run: its named numbers, and its full contents at some changes of the map."""
 
     def __init__(
         self, trace: Trace, controller: Controller, fields: Sequence[MemoryField], rows: int
@@ -124,7 +124,7 @@ class _Watched:
         self._changes += 1
 
     def _keep(self, step: int, memory: Floats) -> None:
-        """Keep a memory; when there are too many, keep only every second, now and from now on."""
+        """Keep a memory; when there are too many, keep only every second one, both past and future."""
         self.at.append(step)
         self.memories.append(memory)
         if len(self.at) == _MOST_MAPS:
@@ -213,7 +213,7 @@ def _units(lengths: npt.ArrayLike, columns: int, cell_size: float) -> Ints:
 
 
 def _lives(seen: list[set[Shape]], at: Ints, end: int) -> list[tuple[int, ...]]:
-    """Return each shape with the steps from which and until which it exists, earliest first."""
+    """Return each shape with the first and last step of its existence, earliest first."""
     alive: dict[Shape, int] = {}
     lives: list[tuple[int, ...]] = []
     for step, shapes in zip(at.tolist(), seen, strict=True):

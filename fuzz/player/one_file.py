@@ -1,4 +1,4 @@
-"""Build a page in one file: text, style, scripts and data, without anything to load.
+"""Build a page in one file: text, style, scripts and data, with nothing else to load.
 
 The scripts are ES modules. Each is a ``data:`` URL, and an import map gives it the name by which
 the others import it. A module under a ``data:`` URL has no folder, so imports name modules as

@@ -28,20 +28,20 @@ __all__ = ["COLOURS", "MOST_STEPS", "SHARE", "drawn_robots", "drawn_run"]
 
 Ints = npt.NDArray[np.int64]
 
-# Steps of a run that the page includes, 10 to 25 kB. Of a longer run it has every second step, or
-# every third, and so on.
+# Steps of a run that the page includes, 10 to 25 kB. A longer run is reduced to every second step,
+# or every third, and so on.
 MOST_STEPS = 4_000
 SHARE = 256  # parts of a step, for the time at which a corner is reached
 
 COLOURS = 6  # robot colours of the page; more robots begin again with the first
-_FEWEST_STEPS = 400  # of each robot's run, however many there are
+_FEWEST_STEPS = 400  # per robot's run, however many robots there are
 
 _BREACHES = {
     Verdict.TUNNEL: ("Breach", "goes through this wall"),
     Verdict.OVERLAP: ("Overlap", "cuts into this wall"),
     Verdict.BURNED: ("Caught", "is caught"),
 }
-_LEAD_UP = 300  # steps around a breach that are included in preference to others
+_LEAD_UP = 300  # steps around a breach that take precedence over others
 
 
 def drawn_run(
@@ -58,16 +58,16 @@ def drawn_run(
         episode: The run.
         cell_size: Size of a cell, m.
         judged: The run with the evidence, if it is another one: a breach's ends at the wall.
-        most: About how many steps to include of a longer run.
+        most: Approximate number of steps to include of a longer run.
         controller: The controller, if its memory should be shown.
 
     Returns:
         ``steps`` and ``dt`` (s). The columns ``at`` (step times ``SHARE``), ``x``, ``y`` (lattice
         units of the world), ``heading`` (units of a turn, without jumps), ``bump`` (bits) and, for
         a robot with behaviours, ``active`` (index into ``behaviours`` of the one that acted, -1 for
-        none), with one row per state or corner. ``thinned`` (one step in how many is included, at
-        the coarsest), ``loop`` (entry and period), ``marks``, ``memory`` (see ``drawn_memory``),
-        and ``breached``: whether it has entered a wall.
+        none), with one row per state or corner. ``thinned`` (at the coarsest, one step in this many
+        is included), ``loop`` (entry and period), ``marks``, ``memory`` (see ``drawn_memory``), and
+        ``breached``: true if it has entered a wall.
     """
     trace = episode.trace
     if trace is None:
@@ -100,7 +100,7 @@ def drawn_robots(
     most: int = MOST_STEPS,
     controller: Controller | None = None,
 ) -> dict[str, Any]:
-    """Return what the player draws of a run: one robot, or the first one with others next to it.
+    """Return what the player draws of a run: one robot, or the first robot and the others.
 
     Args:
         shown: The run, of one robot or of several.
@@ -130,7 +130,7 @@ def _columns(
     trace: Trace, kept: npt.NDArray[np.int64], cell_size: float
 ) -> tuple[dict[str, Any], npt.NDArray[np.int64]]:
     """Return the included states with the corners in between, and the step of each row."""
-    # Corners inside of the included steps; a corner at the end of a step is its state.
+    # Take the corners inside the included steps; a corner at the end of a step is its state.
     step = trace.path_step
     share = np.rint(trace.path_share * SHARE).astype(np.int64)
     corner = np.isin(step, kept) & (step > 0) & (share < SHARE)
@@ -139,7 +139,7 @@ def _columns(
     x = np.concatenate([trace.x[kept], trace.path_x[corner]])[order]
     y = np.concatenate([trace.y[kept], trace.path_y[corner]])[order]
     whose = np.concatenate([kept, step[corner]])[order]
-    # Without jumps at pi, so that the player can interpolate.
+    # Unwrap the headings at pi, so that the player can interpolate.
     turns = np.unwrap(trace.heading[whose]) / (2.0 * math.pi)
     columns = {
         "at": numbers(at[order]),
@@ -179,7 +179,7 @@ def _stride(count: int, most: int) -> int:
 def _span_of_interest(
     steps: int, loop: list[int] | None, marks: list[dict[str, Any]]
 ) -> tuple[int, int]:
-    """Return the first and last step of the part that a reader looks at most closely."""
+    """Return the first and last step of the part that a reader examines most closely."""
     if loop is not None:
         return min(loop[0], steps), min(loop[0] + loop[1], steps)
     centre = next((mark["step"] for mark in marks if "cell" in mark), steps)
@@ -201,7 +201,7 @@ def _marks(episode: Episode) -> list[dict[str, Any]]:
         case LoopEvidence(entry=entry):
             return [_mark(entry, "entry", "Entry", "the loop is entered")]
         case JointLoopEvidence(entry=entry):
-            return [_mark(entry, "entry", "Entry", "the joint state comes back from here on")]
+            return [_mark(entry, "entry", "Entry", "the joint state recurs from here on")]
         case WallEvidence() as wall:
             found = []
             # The move that let the robot into the wall comes before the breach itself.

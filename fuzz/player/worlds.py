@@ -12,7 +12,7 @@ from worldgen.world import Cut, JointWitness, Witness, World
 
 __all__ = ["MOST_CELLS", "drawn_certificate", "drawn_world"]
 
-MOST_CELLS = 1 << 22  # of a world that can be drawn; 700 kB in the page
+MOST_CELLS = 1 << 22  # limit on a world that can be drawn; 700 kB in the page
 
 
 def drawn_world(world: World) -> dict[str, Any] | None:
@@ -80,7 +80,7 @@ def _columns(path: Witness, side: float) -> dict[str, Any]:
 
 
 def drawn_certificate(world: World) -> dict[str, Any]:
-    """Return a world's witness in columns, ms and lattice units, or its cut, or nothing."""
+    """Return a world's witness in columns, ms and lattice units, or its cut, or None."""
     proof = world.certificate
     if isinstance(proof, JointWitness):
         return {"witness": _columns(proof.paths[0], world.cell_size)}

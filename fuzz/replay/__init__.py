@@ -1,1 +1,1 @@
-"""Run stored failures again: does each still fail, and how, or does the robot arrive now?"""
+"""Run stored failures again: does each still fail, and how, or does the robot now arrive?"""

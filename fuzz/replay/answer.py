@@ -63,7 +63,7 @@ def answer(failure: Failure, controller: str | None = None) -> ReplayAnswer:
     Raises:
         InvalidParameter: If its record has options that this version does not know.
     """
-    # First the exact comparison.
+    # Make the exact comparison first.
     outcome = replay(failure, controller)
     record = failure.record
     if outcome.episode is None:
@@ -77,7 +77,7 @@ def answer(failure: Failure, controller: str | None = None) -> ReplayAnswer:
         )
         return ReplayAnswer(State.SAME, f"{same}: {was}", outcome, outcome.episode)
 
-    # Without a valid certificate nothing can be concluded; otherwise see whether it is fixed.
+    # Without a valid certificate nothing can be concluded; otherwise check if it is fixed.
     fault = certificate_fault(failure.world)
     if fault:
         return ReplayAnswer(
@@ -124,7 +124,7 @@ def _mended(failure: Failure, episode: Episode) -> str:
 
 
 def _how(failure: Failure, episode: Episode, was: str, wrong: str, outcome: Replay) -> str:
-    """Describe how a failure fails now and how it failed before."""
+    """Describe how a failure fails now, and how it failed before."""
     if episode.verdict in ARRIVALS:  # the oracle still finds a violation
         return wrong
     now = _in_short(episode.verdict, episode.evidence)

@@ -1,4 +1,4 @@
-"""Check whether a stored failure is fixed: the robot arrives now, or stays out as it should."""
+"""Check whether a stored failure is fixed: the robot now arrives, or stays out as it should."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Checked:
 
 
 def is_fixed(failure: Failure, controller: str | None = None) -> Checked:
-    """Run a stored failure's world again and report why it is not fixed, if it isn't.
+    """Run a stored failure's world again; if it is not fixed, report why.
 
     Args:
         failure: The stored failure.
@@ -71,7 +71,7 @@ def is_fixed(failure: Failure, controller: str | None = None) -> Checked:
 
 
 def arrives(world: World, controller: str) -> Checked:
-    """Run a controller in a world without a failure and report why it does not arrive, if so.
+    """Run a controller in a world without a failure; if it does not arrive, report why.
 
     Raises:
         InvalidParameter: If a name is unknown.
@@ -102,7 +102,7 @@ def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Orac
     seen = RegressionRun(world, scenario, options, episode)
     ended = f"{who_drives(scenario)}: {episode.verdict}{describe_evidence(episode)}"
 
-    # Where the target is walled off, the robot only has to stay out.
+    # If the target is walled off, the robot only has to stay out.
     if isinstance(world.certificate, Cut):
         stays_out = episode.verdict in UNENDED
         return Checked("" if stays_out else f"{ended}, but the target is walled off", seen)

@@ -89,7 +89,7 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
 
 
 def fixed(world: World, controller: str | None = None) -> Checked:
-    """Run a world, or a stored failure's world, and report why it is not fixed, if it isn't.
+    """Run a world, or a stored failure's world; if it is not fixed, report why.
 
     Args:
         world: The world, with or without a failure's record.
@@ -107,7 +107,7 @@ def fixed(world: World, controller: str | None = None) -> Checked:
     if controller is None:
         raise InvalidParameter(
             "no-failure",
-            "this world holds no failure, so it does not name a controller",
+            "this world has no failure, so it does not name a controller",
             "give --worldgen-controller",
             at_terminal=True,
         )
@@ -147,7 +147,7 @@ def tell(seen: RegressionRun, path: Path | None) -> FailingWorld:
         seen: The run that was checked.
         path: The file to save the world to, overwriting it; ``None`` to save nothing.
     """
-    # What happened, and the picture.
+    # Describe what happened, with the picture.
     lines = []
     properties = {}
     if seen.scenario is not None and seen.episode is not None:
@@ -156,7 +156,8 @@ def tell(seen: RegressionRun, path: Path | None) -> FailingWorld:
         )
     trail = None if seen.episode is None else trail_of(seen.episode, seen.world)
     lines.append(draw_terminal(seen.world, trail=trail, color=False).rstrip("\n"))
-    # The command to replay it: the stored file's if that shows the same, else a newly saved one's.
+    # Add the command to replay it: the stored file's if that shows the same, otherwise that of a
+    # newly saved file.
     replayed_by = seen.stored
     if not replayed_by and path is not None:
         try:
@@ -180,7 +181,7 @@ def _keep(seen: RegressionRun, path: Path) -> str:
         return f"worldgen show {file}"
     try:
         failure = failure_of(seen.world, seen.scenario, steps=seen.options.steps)
-    except WorldgenError:  # such as a run too long to be recorded
+    except WorldgenError:  # such as for a run too long to be recorded
         failure = None
     write_world(seen.world if failure is None else failure.stored, path, force=True)
     if failure is not None:

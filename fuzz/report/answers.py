@@ -1,4 +1,4 @@
-"""Collect what the report's first screen says: does it work, how bad is it, why, and what to do."""
+"""Collect the contents of the report's first screen: does it work, how bad is it, why, what to do."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from worldgen.errors import WorldgenError
 
 __all__ = ["Answer", "answers_for", "entry_of"]
 
-# Causes that are explained where no campaign did: each takes a second or so.
+# Limit on the causes explained here if no campaign did so: each takes about a second.
 _MOST_EXPLAINED = 5
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What is known of one controller under one motion model.
+    """The facts known about one controller under one motion model.
 
     Args:
         controller: With its options.
         motion: Name of the motion model.
         causes: Causes in JSON's types, the worst first; ``file`` is a path.
-        natural: What it did in natural worlds, if a campaign ran some.
+        natural: Its results in natural worlds, if a campaign ran some.
         comparison: What changed since an earlier campaign, if one was compared.
         campaign: Index of the campaign on the page; -1 for none.
     """
@@ -46,7 +46,7 @@ class Answer:
     campaign: int = -1
 
     def table(self) -> dict[str, Any]:
-        """Return what the page shows."""
+        """Return the contents of the page."""
         return {
             "controller": self.controller,
             "motion": self.motion,
@@ -58,7 +58,7 @@ class Answer:
 
 
 def answers_for(entries: Sequence[CorpusEntry], campaigns: Sequence[Summary]) -> list[Answer]:
-    """Return an answer for each campaign, and one for each controller that no campaign tells of.
+    """Return an answer for each campaign, and for each controller without a campaign.
 
     Args:
         entries: The failures of the report.
@@ -102,7 +102,7 @@ def _worst(answer: Answer) -> int:
 
 
 def entry_of(path: Path) -> CorpusEntry | None:
-    """Return the entry of a failure's file; ``None`` if it is not there or cannot be read."""
+    """Return the entry of a failure's file; ``None`` if it does not exist or cannot be read."""
     try:
         return CorpusEntry(path, Facts.of(Failure.read(path), str(path)))
     except WorldgenError:
@@ -115,7 +115,7 @@ def _placed(cause: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) -> Answer:
-    """Return the answer for failures of which no campaign is known: their causes."""
+    """Return the answer for failures without a known campaign: their causes."""
     failures = {entry.path: Failure.read(entry.path) for entry in entries if entry.path.is_file()}
     found: dict[str, Failure] = {}
     for failure in failures.values():

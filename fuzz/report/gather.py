@@ -19,7 +19,7 @@ from worldgen.files.grid.schema import MAX_FILE_BYTES
 
 __all__ = ["MOST_FAILURES", "ReplayedFailure", "ReportSubject", "Reported", "gather", "look_at"]
 
-# More would make a page of over 10 to 50 MB, about the limit of what browsers open without trouble.
+# More would make a page of over 10 to 50 MB, about the limit that browsers open without trouble.
 MOST_FAILURES = 1_000
 
 
@@ -95,7 +95,7 @@ def gather(paths: Sequence[Path]) -> ReportSubject:
     if not entries and not campaigns:
         raise InvalidParameter(
             "no-failure",
-            "{path} holds no failure",
+            "{path} has no failure",
             "name a folder, archive or file that worldgen fuzz or worldgen shrink wrote",
             at_terminal=True,
             path=paths[0],

@@ -34,7 +34,7 @@ _SAID = (
     "kept",
     "shrunk_from",
 )
-_KEPT = {"verdict": "kept verdict and cause", "class": "kept the class"}
+_KEPT = {"verdict": "verdict and cause kept", "class": "kept the class"}
 
 
 def groups(reported: Reported, campaigns: list[Summary]) -> list[Group]:

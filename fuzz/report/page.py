@@ -60,11 +60,11 @@ def write_report(
     answers = answers_for(subject.entries, subject.campaigns)
     why = {cause["file"]: cause["why"] for answer in answers for cause in answer.causes}
     failures = []
-    # Each entry is replayed, because the corpus stores no trajectories.
+    # Replay each entry, because the corpus stores no trajectories.
     for done, entry in enumerate(subject.entries):
         progress(done, len(subject.entries))
         failures.append(_failure(entry, subject.campaigns, why))
-    # The clearest world of a cause may be one as it was found, which is not among the failures.
+    # A cause's clearest world may be an original before shrinking, which is not among the failures.
     shown = {failure["path"] for failure in failures}
     others = [entry_of(Path(name)) for name in why if name and name not in shown]
     extras = [_failure(entry, subject.campaigns, why) for entry in others if entry is not None]

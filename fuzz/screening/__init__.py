@@ -1,4 +1,4 @@
-"""Native search: the C core draws, simulates and judges thousands of worlds a second in one call.
+"""Native search: the C core draws, simulates and judges thousands of worlds per second in one call.
 
 Contents:
     evaluate: run a compiled controller in the worlds of many layouts.

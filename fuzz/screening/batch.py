@@ -81,8 +81,8 @@ class Patience(NamedTuple):
 
     Args:
         multiple: Multiple of the time that the path takes at top speed.
-        fewest: Least number of steps.
-        most: Most steps.
+        fewest: Minimum number of steps.
+        most: Maximum number of steps.
         watched: Steps for which a run is watched after it has spent its budget.
     """
 
@@ -106,7 +106,7 @@ class Batch:
         memory: Where the core finds the inputs and writes the results.
 
     Attributes:
-        deaths: Runs that ended their process.
+        deaths: Number of runs that ended their process.
     """
 
     def __init__(
@@ -197,8 +197,8 @@ class Seat:
         memory: The controller's memory at reset; write into :attr:`memory` before a run begins to
             change it.
         driver: A controller that is a function of a core; without one the core stops whenever the
-            controller is to act.
-        number: For the owner of many seats.
+            controller must act.
+        number: Number of the seat, for an owner of many.
     """
 
     def __init__(

@@ -42,16 +42,16 @@ Flags = npt.NDArray[np.bool_]
 
 _KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
 _FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
-# More than the key of a run without a crash can be.
+# Exceeds the key of any run without a crash.
 _MOST_KEYS = 1 << 16
-# Steps of a compiled controller, about 0.1 s; Ctrl-C is checked between two portions.
+# Steps of a compiled controller, about 0.1 s; Ctrl-C is checked between portions.
 _PORTION = 1 << 20
 
-# Patience of screening runs: as long as a witness's budget, so that a run that spends it has
-# failed, except on the longest paths.
+# Patience of screening runs. It equals a witness's budget, so a run that spends it has failed,
+# except on the longest paths.
 _PATIENT = Patience(50, 4_000, 8_000, 600)
 # If each step takes microseconds, failing runs take most of the time, so they are shorter. They are
-# proved all the same.
+# proved with the full budget anyway.
 _BRISK = Patience(15, 800, 2_400, 150)
 
 
@@ -130,7 +130,7 @@ class Screening:
 
     @property
     def collisions(self) -> Ints:
-        """How often the robot began to touch a wall."""
+        """Number of times that the robot began to touch a wall."""
         return self.raw["collisions"]
 
     @property
@@ -177,7 +177,7 @@ class Screening:
     def revisits(self) -> Floats:
         """Driven cells per visited cell.
 
-        It is about 1 for a robot that visits no place twice.
+        About 1 for a robot that visits no place twice.
         """
         return self.driven / np.maximum(self.visited, 1)
 
@@ -185,7 +185,7 @@ class Screening:
     def least_clearance(self) -> Ints:
         """Distance to the nearest wall among the cells that the centre visited.
 
-        It is 1, 2, or 3 for more.
+        1 or 2; 3 for any larger distance.
         """
         return self.raw["least_clearance"]
 
@@ -242,8 +242,7 @@ class Screening:
 def can_screen(scenario: Scenario) -> bool:
     """Return True if native search can run a scenario.
 
-    It can run any controller that is to reach its target, under a motion model on the pose
-    lattice.
+    It can run any controller with a target to reach, under a motion model on the pose lattice.
     """
     reaches = scenario.run.task == TARGET
     return reaches and MOTIONS.get(scenario.run.motion).kernel == LATTICE
@@ -257,7 +256,7 @@ def evaluate(
     budget: int | npt.ArrayLike | None = None,
     **robot: float,
 ) -> Screening:
-    """Run a controller once in the world of each layout and describe the result; prove nothing.
+    """Run a controller once in the world of each layout and describe the result without proving it.
 
     Each run equals, bit for bit, that of :func:`sim.simulate` in ``decode_scene(layout)`` with the
     scenario's options, the run's seed and time step, and the same budget. If no path is certainly
@@ -284,7 +283,7 @@ def evaluate(
     steps = _spread(np.asarray(time_steps, np.float64), count, "time_steps")
     numbers = _spread(np.asarray(seeds, np.uint64), count, "seeds")
     limits = _spread(np.asarray(0 if budget is None else budget, np.int64), count, "budget")
-    # Layouts with the same time step share one packed scenario.
+    # Layouts with the same time step share a packed scenario.
     values, kinds = np.unique(steps, return_inverse=True)
     packed = _Packed.of(scenario, tuple(values.tolist()), robot)
     batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
@@ -299,7 +298,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
         raise InvalidParameter(
             "wrong-shape",
             "layouts of shape {shape} and type {dtype}",
-            "give uint8, {narrow} or {wide} a row",
+            "give uint8 with {narrow} or {wide} bytes per row",
             shape=layouts.shape,
             dtype=layouts.dtype,
             narrow=widths[0],
@@ -309,7 +308,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
         raise InvalidParameter(
             "not-native",
             "{controller} under {motion} does not run natively",
-            "take --motion swept or endpoint",
+            "use --motion swept or endpoint",
             at_terminal=True,
             controller=scenario.label(),
             motion=scenario.run.motion,
@@ -329,9 +328,9 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
     if robot.get("robot_radius", 0.0) > DEFAULT_CELL_SIZE:
         raise InvalidParameter(
             "robot-larger-than-cell",
-            "robot_radius={robot_radius:g} m is more than a cell of {cell_size:g} m, and "
-            "native search finds no ways for such robots",
-            "give a smaller one, or take another strategy",
+            "robot_radius={robot_radius:g} m is more than a cell of {cell_size:g} m, and native "
+            "search finds no paths for such robots",
+            "give a smaller one, or use another strategy",
             robot_radius=robot["robot_radius"],
             cell_size=DEFAULT_CELL_SIZE,
         )
@@ -342,12 +341,12 @@ def _world_of(layouts: Bytes, n: int, robot: Mapping[str, float]) -> World:
 
 
 def _spread(values: Any, count: int, name: str) -> Any:
-    """Return one value for each run."""
+    """Return one value per run."""
     if values.shape not in ((), (count,)):
         raise InvalidParameter(
             "wrong-shape",
             "{name} of shape {shape} for {count} layouts",
-            "give one for each, or one for all",
+            "give one per layout, or one for all",
             name=name,
             shape=values.shape,
             count=count,
@@ -381,7 +380,7 @@ class _Packed:
         self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints
     ) -> Batch:
         """Return the runs of one call."""
-        # Its memory is not visible.
+        # The memory of such a controller is not visible.
         finds = not isinstance(self.controller, ProcessController)
         for run in self.runs:
             run.settings.find_loop = lib.WG_SEEK_LOOP if finds and run.can_loop else lib.WG_NO_LOOP
@@ -406,7 +405,7 @@ class _Packed:
             while lib.wg_looks_run(seat.c, _PORTION) == lib.WG_GOES_ON:
                 pass
             return
-        # Programs and vector classes act for many robots at a time, unless they break a rule.
+        # Programs and vector classes act for many robots at once, unless they break a rule.
         alone = OneByOne(self.controller, batch, world)
         if isinstance(self.controller, ProcessController):
             if self.controller.offer is None:

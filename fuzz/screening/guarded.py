@@ -20,7 +20,7 @@ CRASH_NUMBERS = (1 << 24) - 1
 """Numbers that identify crashes."""
 
 MOST_HANGS = 2
-"""Most hangs of a batch: each takes a whole deadline, and no unit proves more of them."""
+"""Limit on the hangs of a batch: each takes a whole deadline, and no unit proves more of them."""
 
 # Steps of a call, about a second.
 _PORTION = 1 << 24
@@ -39,7 +39,7 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
     work = ffi.addressof(lib, "wg_call_looks")
     report = ffi.addressof(seat.c.episode.robot.report)
     hangs = 0
-    # Each hang costs seconds, so after a few of them the rest of the batch is left.
+    # Each hang costs seconds, so after a few of them the rest of the batch is skipped.
     while hangs < MOST_HANGS:
         try:
             if (
@@ -52,7 +52,7 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
             if not lib.wg_looks_fail(seat.c):
                 raise WorldgenError(
                     "ended-between-runs",
-                    "the process that runs the controller ended between two runs: {how}",
+                    "the process that runs the controller ended between runs: {how}",
                     "run the controller alone, under a debugger",
                     how=death.error,
                 ) from None
@@ -65,7 +65,7 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
 def _note(batch: Batch, n: int, death: ControllerDied) -> None:
     """Record how a run ended; equal crashes share a number.
 
-    So a frequent crash does not hide the others.
+    That way a frequent crash does not hide the others.
     """
     ended = batch.looks[n : n + 1]
     if death.is_hang:

@@ -28,7 +28,7 @@ __all__ = ["screen_in_batch", "screen_in_lockstep"]
 Floats = npt.NDArray[np.float64]
 
 PLACES = 1_024
-"""Most robots of a vector class that act together.
+"""Maximum number of robots of a vector class that act together.
 
 With 512, a NumPy call took 10 % more for each robot, and the worlds of 2,048 do not fit into a
 cache.
@@ -36,7 +36,7 @@ cache.
 
 
 class _Seats:
-    """Robots that act together; those whose controller is to act come first in every array.
+    """Robots that act together; those whose controller must act come first in every array.
 
     Args:
         batch: The runs.
@@ -69,7 +69,7 @@ class _Seats:
         self.command[:] = 0.0
 
     def act(self) -> None:
-        """Let the robots continue, each up to where its controller is to act again."""
+        """Let each robot continue until its controller must act again."""
         commands = writable(ffi, self.command, np.float64)
         self.taken = int(
             lib.wg_seats_act(
@@ -94,8 +94,8 @@ def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
         batch: The runs; their results are filled in.
 
     Returns:
-        False if the controller raised, or changed something outside its memory: then no run can be
-            trusted, and each must be run alone.
+        False if the controller raised, or changed something outside its memory; then no run can be
+        trusted, and each must be run alone.
     """
     # If state outside the memory can't be compared, it might differ between robots.
     before = hidden_state(controller)
@@ -126,7 +126,7 @@ def screen_in_batch(controller: ProcessController, batch: Batch) -> bool:
         batch: The runs from ``at`` on; their results are filled in.
 
     Returns:
-        False if the program does not support it, or does anything wrong: then it must be run alone
+        False if the program does not support it, or does anything wrong; then it must be run alone
             in each world.
     """
     offer = controller.offer
@@ -153,7 +153,7 @@ def screen_in_batch(controller: ProcessController, batch: Batch) -> bool:
 
 
 def _run(asker: Callable[[_Seats], Ask], memory: Floats, batch: Batch, most: int) -> None:
-    """Run all while there is time; a slot whose robot is done takes the next world."""
+    """Run everything while there is time; a slot whose robot is done takes the next world."""
     places = _Seats(batch, memory, min(most, len(batch)))
     ask = asker(places)
     while places.taken:

@@ -61,7 +61,7 @@ class OneByOne:
         is over (:mod:`sim.runners.stopping`), the remaining worlds are not run.
 
         Args:
-            worlds: Most worlds to run; the rest of the batch is marked as not run.
+            worlds: Maximum number of worlds to run; the rest of the batch is marked as not run.
         """
         with contextlib.redirect_stdout(sys.stderr), contextlib.suppress(OutOfTime):
             for _ in range(worlds):

@@ -72,7 +72,7 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
         robot_radius: Radius of the robot, m.
 
     Returns:
-        An arena of 8 to 28 cells a side inside a border of solid cells, without certificate.
+        An arena of 8 to 28 cells per side inside a border of solid cells, without certificate.
     """
     width = SMALLEST_SIDE + data[0] % SPREAD_OF_SIDES
     height = SMALLEST_SIDE + data[1] % SPREAD_OF_SIDES
@@ -117,7 +117,7 @@ def decode_scene(data: bytes) -> World:
         raise InvalidParameter(
             "wrong-size",
             "{count} bytes are not a scene",
-            "give {scene_bytes}, or {layout_bytes} of a layout",
+            "give {scene_bytes}, or {layout_bytes} for a layout",
             count=len(data),
             scene_bytes=SCENE_BYTES,
             layout_bytes=LAYOUT_BYTES,
@@ -136,7 +136,7 @@ def _centre(index: int) -> float:
 
 
 def _draw(walls: Walls, feature: bytes) -> None:
-    """Draw one feature; what falls outside the arena is cut off."""
+    """Draw one feature; any part outside the arena is cut off."""
     kind, x, y, length, depth, form = feature
     height, width = walls.shape
     x = 1 + x % (width - 2)

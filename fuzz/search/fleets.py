@@ -14,14 +14,14 @@ from worldgen.world import Pose, Robot, Target, World
 
 __all__ = ["fleet_worlds"]
 
-_HEADINGS = 8  # headings to draw from, evenly around
+_HEADINGS = 8  # headings to draw from, evenly spaced
 
 
 def fleet_worlds(where: st.SearchStrategy[World], robots: int) -> st.SearchStrategy[World]:
-    """Draw worlds with more robots; the worlds themselves if only one is wanted.
+    """Draw worlds with more robots; the worlds themselves for a single robot.
 
-    Half of the robots want to change places with an earlier one, because robots that meet in a
-    narrow place are what fleets fail at. The others start and end in any two free cells.
+    Half of the robots have to change places with an earlier one, because robots that meet in a
+    narrow place are what fleets fail at. The others start and end in arbitrary free cells.
 
     Args:
         where: Worlds for one robot.

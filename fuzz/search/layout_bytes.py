@@ -1,4 +1,4 @@
-"""Positions of the bytes of a layout; ``fuzz/core/wg_looks.h`` has the same for the core."""
+"""Positions of the bytes of a layout; ``fuzz/core/wg_looks.h`` defines the same for the core."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SCENE_BYTES = LAYOUT_BYTES + 3
 
 # Headings of a layout per turn.
 HEADINGS = 16
-# Headings of a scene for each of these.
+# Headings of a scene per heading of a layout.
 FINER = 16
 
 # Arena sides, cells: 8 to 28.

@@ -8,13 +8,13 @@ from sim.scenario import Scenario
 __all__ = ["DATABASE", "LAYOUT_STRATEGIES", "SEALED", "TIME_STEPS", "can_breach"]
 
 DATABASE = "database"
-"""Runs again what failed before, from a Hypothesis database."""
+"""Runs earlier failures again, from a Hypothesis database."""
 
 SEALED = "sealed"
 """Layouts with a walled-off target, for motion models in which a robot can pass a wall."""
 
 LAYOUT_STRATEGIES = ("features", SEALED)
-"""Strategies that ``--family`` takes as well."""
+"""Strategies that ``--family`` also accepts."""
 
 # Time steps, s: the range of the thesis's spinner.
 TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)

@@ -1,6 +1,6 @@
 """The native strategy: screen random scenes by the thousand in the C core.
 
-Of each behaviour key, only the few smallest failures are proved.
+For each behaviour key, only the smallest few failures are proved.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ _SCENE_WORDS = -(-SCENE_BYTES // 8)  # words of 8 bytes
 
 @dataclass(frozen=True)
 class Pace:
-    """How much work a unit does, so that it takes a second or two whatever a step costs.
+    """The amount of work in a unit, chosen so that it takes a second or two whatever a step costs.
 
     Args:
         at_once: Scenes that are drawn and screened together.
@@ -67,9 +67,9 @@ class Pace:
         scene: Cost of a scene, relative to a compiled controller's.
         step: Cost of a step; 1 is 0.1 us.
         beam: Cost that a range beam adds to a step.
-        proved: Most runs of a unit that are proved.
-        undecided: Most of these that only spent their budget. Their proofs take ten times the steps
-            of a screening run, and record them.
+        proved: Maximum number of runs of a unit that are proved.
+        undecided: Maximum number of these that only spent their budget. Their proofs take ten times
+            the steps of a screening run, and record them.
         asked: Arriving runs of each batch that the oracles judge, if there are any oracles. Each
             takes as long as hundreds of screening runs.
     """
@@ -112,7 +112,7 @@ def fits(config: CampaignConfig) -> bool:
 
 
 def search(task: Task) -> None:
-    """Screen random scenes, and hand the smallest failures of each key to triage."""
+    """Screen random scenes, and pass the smallest failures of each key to triage."""
     count = pace_of(task.config).at_once
     look_through(task, lambda stream: scenes(stream, count))
 
@@ -173,7 +173,7 @@ def _look(
 
 
 def _prove(task: Task, failed: deque[tuple[Screening, int]]) -> None:
-    """Hand failures to triage, removing each from the queue first."""
+    """Pass failures to triage, removing each from the queue first."""
     while failed:
         looks, n = failed.popleft()
         task.triage.enter(
@@ -189,7 +189,7 @@ def _most_winding(looks: Screening, most: int) -> list[int]:
 
 
 class Few:
-    """Keep the failures with the fewest solid cells of each key."""
+    """Keeps, for each key, the failures with the fewest solid cells."""
 
     def __init__(self) -> None:
         self._of_key: dict[int, list[tuple[int, Screening, int]]] = {}

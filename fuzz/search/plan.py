@@ -34,10 +34,10 @@ _DRAWN = (
     "rubble",
     "shift",
 )
-# Where several robots meet: in any layout, and in the families that are made for it.
+# Strategies with several robots: any layout, and the families that are made for them.
 _FLEETS = ("features", "doorway", "alley", "junction", "crossing", "warehouse")
 _PRIOR = {NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 3.0}
-"""Estimate of the new classes a strategy finds at first, per unit of cost; 1 if not listed."""
+"""First estimate of the new classes that a strategy finds per unit of cost; 1 if not listed."""
 
 _FLOOR = 0.3  # share of the budget that is split evenly
 _FAILURE = 0.01  # weight of a failure, relative to a new class
@@ -101,12 +101,12 @@ def planned_strategy(config: CampaignConfig, unit: int, memory: SearchState) -> 
     """Return the strategy of a unit.
 
     Among consecutive units with the same search state, each strategy gets its share to within one
-    or two units. With a database, the first unit runs what failed before.
+    or two units. With a database, the first unit runs earlier failures.
     """
     if config.database and unit == 0:
         return DATABASE
     names = strategies_for(config, memory)
-    # Walk along the shares, laid end to end from 0 to 1, up to the unit's point.
+    # Walk along the shares, laid end to end from 0 to 1, to the unit's point.
     point = unit * _GOLDEN % 2**64 / 2**64
     for name, share in zip(names, strategy_shares(names, memory, prices_of(config)), strict=True):
         point -= share
@@ -120,7 +120,7 @@ def strategy_shares(names: Sequence[str], memory: SearchState, prices: Prices) -
 
     Args:
         names: Names of the strategies.
-        memory: State of the search, with what each strategy found so far.
+        memory: State of the search, with each strategy's finds so far.
         prices: Cost of the campaign's work.
     """
     yields = [_worth(name, memory.strategies.get(name, StrategyYield()), prices) for name in names]

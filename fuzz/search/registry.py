@@ -1,11 +1,11 @@
 """Search strategies: where a campaign's scenarios come from.
 
-Each looks for runs that fail and hands them to triage.
+Each looks for runs that fail and passes them to triage.
 
 Contents:
-    strategy_of: Looks a strategy up by name.
+    strategy_of: Looks up a strategy by name.
     check_strategy: Refuses an unknown name, or a strategy that does not fit a scenario.
-    Task: The work of one unit, which a strategy is called with.
+    Task: The work of one unit, the argument of a strategy.
     OWN_STRATEGIES: Names of the strategies that are not families.
 """
 
@@ -27,7 +27,7 @@ from worldgen.family import FAMILIES
 __all__ = ["OWN_STRATEGIES", "Strategy", "Task", "check_strategy", "strategy_of"]
 
 Strategy = Callable[[Task], None]
-"""Does the work of one unit: counts its runs and hands those that fail to the task's triage."""
+"""Does the work of one unit: counts its runs and passes those that fail to the task's triage."""
 
 
 # Importing Hypothesis takes a third of the time that a campaign needs to start, so it waits for the
@@ -60,7 +60,7 @@ OWN_STRATEGIES = (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, *LAYOUT_STR
 
 
 def strategy_of(name: str) -> Strategy:
-    """Return the strategy of a name.
+    """Return the strategy with a name.
 
     Families, ``features``, ``sealed`` and ``map`` share one, in which Hypothesis draws.
     """
@@ -72,7 +72,7 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
 
     Args:
         name: Name of the strategy or family.
-        scenario: The scenario of the campaign.
+        scenario: Scenario of the campaign.
         robots: Number of robots in its worlds.
 
     Raises:
@@ -96,8 +96,8 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
     if robots > 1 and name in (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, SEALED):
         raise InvalidParameter(
             "strategy-for-one-robot",
-            "strategy {strategy!r} runs one robot, and the campaign has {robots}",
-            "take features or a family",
+            "strategy {strategy!r} runs one robot, but the campaign has {robots}",
+            "use features or a family",
             strategy=name,
             robots=robots,
         )
@@ -106,7 +106,7 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
             "strategy-needs-keep-going",
             "family {name!r} has walled-off targets, which only a robot that continues past "
             "a wall can reach",
-            "take --motion stepped without +keep_going, or another family",
+            "use --motion stepped without +keep_going, or another family",
             at_terminal=True,
             name=name,
         )
@@ -114,7 +114,7 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
         raise InvalidParameter(
             "strategy-needs-other-motion",
             "strategy {strategy!r} runs under swept or endpoint",
-            "take another strategy for {label} under {motion}",
+            "use another strategy for {label} under {motion}",
             strategy=name,
             label=scenario.label(),
             motion=scenario.run.motion,
@@ -122,9 +122,9 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
     if name == boundary.BOUNDARY and not is_bounded(scenario):
         raise InvalidParameter(
             "strategy-needs-no-chance",
-            "strategy {strategy!r} looks for where failures begin, and with chance they begin "
-            "anywhere",
-            "take another strategy for {label}",
+            "strategy {strategy!r} looks for the point where failures begin, and with chance that "
+            "is anywhere",
+            "use another strategy for {label}",
             strategy=name,
             label=scenario.label(),
         )

@@ -1,4 +1,4 @@
-"""Worlds from a few bytes whose target is walled off.
+"""Worlds with a walled-off target, described by a few bytes.
 
 Only a robot that passes through a wall gets there.
 """
@@ -16,16 +16,17 @@ __all__ = ["SEALED_BYTES", "decode_sealed"]
 # Width, height, form, wall, bend; start and target across and along the wall; heading; number of
 # features.
 _HEAD_BYTES = 11
-# More of them keep the robot away from the wall.
+# More features would keep the robot away from the wall.
 _MOST_FEATURES = 3
 SEALED_BYTES = _HEAD_BYTES + _MOST_FEATURES * FEATURE_BYTES
 
 # Arena sides, cells: 10 to 20; in smaller ones the robot hits the wall more often.
 _SMALLEST = 10
 _SPREAD = 11
-# Side, cells, that `decode_world` makes of a byte 0.
+# Side, cells, that `decode_world` makes from a zero byte.
 _ARENA = 8
-# First cell on an axis, and last but this, where the default disc has room next to the border.
+# Smallest distance, cells, from either end of an axis at which the default disc has room next to
+# the border.
 _INNER = 2
 # Cells from start or target to the wall.
 _ROOM = 2
@@ -42,7 +43,7 @@ def decode_sealed(data: bytes) -> World:
     scattered around.
 
     Returns:
-        An arena of 10 to 20 cells a side inside a border of solid cells, without certificate.
+        An arena of 10 to 20 cells per side inside a border of solid cells, without certificate.
     """
     # Lay the wall, bent or straight, in a frame in which it blocks the first axis.
     size = [_SMALLEST + data[k] % _SPREAD for k in (0, 1)]
@@ -91,7 +92,7 @@ def _build(
     for ix, iy in solid:
         walls[iy, ix] = True
     # With headings in eighths of a turn the thesis's robot hits walls at few angles: in 4,000 draws
-    # each, rules 1 and 2 never came through to the target; with these headings they did in 5 and 4.
+    # each, rules 1 and 2 never got through to the target; with these headings they did in 5 and 4.
     return replace(
         world, walls=walls, start=replace(world.start, heading=data[9] * (math.pi / 128))
     )

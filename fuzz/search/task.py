@@ -1,4 +1,4 @@
-"""The work of one unit, which a search strategy is called with."""
+"""The work of one unit: the argument of a search strategy."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Task:
         config: Configuration of the campaign.
         unit: Number of the unit.
         memory: State of the search after earlier units.
-        triage: Counts runs and takes failures.
+        triage: Counts runs and collects failures.
     """
 
     strategy: str
@@ -40,7 +40,7 @@ class Task:
 
     @property
     def stream(self) -> RandomStream:
-        """A new random stream of the unit; always starts at the beginning."""
+        """A new random stream of the unit, at its beginning."""
         return RandomStream(self.config.seed).child("unit", self.unit)
 
     def scenario(self, seed: int, time_step: float) -> Scenario:

@@ -8,7 +8,7 @@ Contents:
     KEEP: The properties that a shrunk failure may have in common with the original.
     PASSES: The list of simplifications.
     ORDER: The measures that define "simpler".
-    removable: Lists what could still be removed; empty for a 1-minimal world.
+    removable: Lists the parts that could still be removed; empty for a 1-minimal world.
 """
 
 from fuzz.shrink.minimal import removable

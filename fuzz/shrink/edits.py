@@ -123,12 +123,12 @@ def changed(world: World, **parts: Any) -> World | None:
 
 
 def with_robots(world: World, robots: Sequence[Robot], **parts: Any) -> World | None:
-    """Return the world with other robots and parts; ``None`` if that is invalid or no change."""
+    """Return the world with other robots and parts; ``None`` if that is invalid or unchanged."""
     if not parts and tuple(robots) == world.robots:
         return None
     try:
         return world.with_robots(robots, **parts)
-    except InvalidWorld:  # a robot is off the grid, or where another one is
+    except InvalidWorld:  # a robot is off the grid, or where another one stands
         return None
 
 

@@ -65,9 +65,10 @@ def _drop_columns(case: Case) -> Iterator[Edit]:
 
 
 def _runs(world: World, places: Sequence[float], size: int) -> Iterator[tuple[int, int]]:
-    """Yield runs of rows or columns: first everything beyond or between starts and targets.
+    """Yield runs of rows or columns, from the longest to single ones.
 
-    Then halves of the grid, quarters, and so on down to single ones.
+    First comes everything beyond or between starts and targets, then halves of the grid, quarters,
+    and so on.
     """
     cells = [math.floor(in_cells(place, world.cell_size)) for place in places]
     low = min(cells)
@@ -137,7 +138,7 @@ def _approach(case: Case) -> Iterator[Edit]:
             math.floor(in_cells(b, side)) - math.floor(in_cells(a, side))
             for a, b in ((start.x, robot.target.x), (start.y, robot.target.y))
         )
-        # Bold moves first: half of the way, then all along one axis, then a single cell.
+        # Try large moves first: half of the way, then all along one axis, then a single cell.
         moves = [(across // 2, up // 2), (across, 0), (0, up), (_one(across), 0), (0, _one(up))]
         for dx, dy in dict.fromkeys(move for move in moves if move != (0, 0)):
             x = _shifted(start.x, dx, side)
@@ -205,18 +206,18 @@ PASSES: tuple[Pass, ...] = (
     Pass("approach", "move the start nearer to the target", _approach),
     Pass(
         "simplify-robot",
-        "give the robot the usual radius and speed, or ones with few digits",
+        "give the robot the usual radius and speed, or values with few digits",
         _simplify_robot,
     ),
     Pass(
         "simplify-target",
-        "give the target a radius of half a cell, or one with few digits",
+        "give the target a radius of half a cell, or a value with few digits",
         _simplify_target,
     ),
     Pass(
-        "simplify-run", "give the time step and the options numbers with few digits", _simplify_run
+        "simplify-run", "give the time step and the options values with few digits", _simplify_run
     ),
-    Pass("round-times", "move events to earlier times with few digits, at best to 0", _round_times),
+    Pass("round-times", "move events to earlier times with few digits, ideally 0", _round_times),
 )
 """The passes in order; all are repeated until a whole round changes nothing."""
 
@@ -259,7 +260,7 @@ def _robots(case: Case, robots: Sequence[Robot]) -> Case | None:
 
 
 def _robot(case: Case, index: int, **parts: Any) -> Case | None:
-    """Return the case in which one robot has other parts."""
+    """Return the case with some parts of one robot replaced."""
     robots = list(case.world.robots)
     robots[index] = replace(robots[index], **parts)
     return _robots(case, robots)

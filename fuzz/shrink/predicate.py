@@ -1,4 +1,4 @@
-"""Decide whether a simpler world still fails in the same manner and still has a certificate."""
+"""Decide whether a simpler world still fails in the same way and still has a certificate."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _SHOWN_BY_ITS_END = tuple(verdict for verdict in FAILURES if verdict not in UNEN
 
 
 def _manner_of(evidence: Evidence | None) -> str:
-    """Return what a shrunk failure keeps in addition to its verdict; empty if anything will do."""
+    """Return the property that a shrunk failure keeps besides its verdict; empty if none."""
     match evidence:
         case WallEvidence(cause=cause):
             return cause or ""
@@ -57,7 +57,7 @@ def _manner_of(evidence: Evidence | None) -> str:
 
 @dataclass
 class StillFails:
-    """Judges candidates, and counts the simulations that this takes.
+    """Judges candidates, and counts the simulations needed for that.
 
     Args:
         scenario: The scenario to run.
@@ -65,8 +65,8 @@ class StillFails:
         budget: Steps for verdicts that the run itself proves; others get the budget of their
             candidate's witness.
         oracle: The oracle that must still find a violation.
-        manner: What to keep in addition to the verdict: the cause of a tunnel or overlap, the kind
-            of a stalled run, the bucket of a crash; empty for any.
+        manner: Property to keep in addition to the verdict: the cause of a tunnel or overlap, the
+            kind of a stalled run, the bucket of a crash; empty for any.
         bucket: The bucket to keep as well; empty for any. A violation of a user's oracle always
             keeps its bucket.
     """
@@ -248,7 +248,7 @@ class StillFails:
         return self.manner in ("", manner)
 
     def _arrives(self, world: World, options: RunOptions) -> bool:
-        """Return True if the robot of a breach arrives when walls are ignored; True otherwise."""
+        """Return True unless this is a breach whose robot fails to arrive with walls ignored."""
         return (
             not self.breach
             or self._run(world, regardless_of_walls(options)).ending == Verdict.REACHED

@@ -57,8 +57,8 @@ class Shrunk:
         failure: The shrunk failure, with new certificate, evidence and digest.
         before: Solid cells before.
         after: Solid cells now.
-        simulations: Number of runs that it took.
-        left: What could still be removed; empty if the world is 1-minimal.
+        simulations: Number of runs that shrinking took.
+        left: Parts that could still be removed; empty if the world is 1-minimal.
         complete: True if every pass finished before the time was up.
         kept: The property shared with the original, one of :data:`KEEP`.
         interrupted: True if Ctrl-C ended it.
@@ -192,7 +192,7 @@ class _Reducer:
         self._complete = False
 
     def run(self) -> None:
-        """Run the passes, then check what they left.
+        """Run the passes, then check their result.
 
         If the quick judgement turns out to be wrong in the end, run once more with exact judgement.
         """
@@ -301,7 +301,7 @@ class _Reducer:
     def _holds(self) -> bool:
         """Return True if the exact judge and the oracle confirm the simplest case so far.
 
-        Its failure is then kept.
+        If they do, keep its failure.
         """
         if self._made is not None and self._made[0] is self._best:
             return True

@@ -48,7 +48,7 @@ def test_{name}_arrives(world):
     assert episode.verdict == "reached"
 """
 _RELATIVE = "# {controller} is relative to the folder in which pytest is started.\n"
-_WIDTH = 88  # columns, the default of formatters; they leave lines of this width unchanged
+_WIDTH = 88  # columns; the default of formatters, which leave lines of this width unchanged
 _LONGEST = 40  # characters of a test's name that are taken from the controller's name
 
 
@@ -103,10 +103,10 @@ def _is_relative(controller: str) -> bool:
 def _call(record: FailureRecord, options: RunOptions) -> str:
     """Return the call of ``simulate`` as formatters write it.
 
-    It takes one line, or one line for each argument.
+    It takes one line, or one line per argument.
     """
     settings = {"motion": record.motion, "seed": record.seed, **options.parameters()}
-    del settings["steps"]  # each world has its own
+    del settings["steps"]  # each world has its own budget
     if settings["time_step"] == RunOptions.time_step:
         del settings["time_step"]
     arguments = [

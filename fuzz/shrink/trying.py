@@ -60,7 +60,7 @@ class Trying:
         whole = still_fails.oracle == VERDICT and not still_fails.bucket
         self._quick_is_enough = whole and still_fails.is_proved_by_the_run
         run = still_fails.scenario.run
-        # The core can't compute the cells to cover of an edited world.
+        # The core can't compute the cells to cover in an edited world.
         self._on_lattice = run.task == TARGET and MOTIONS.get(run.motion).kernel != THESIS
 
     def first(self, case: Case, edits: Sequence[Edit], begin: int) -> tuple[int, Case] | None:

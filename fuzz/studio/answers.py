@@ -55,7 +55,7 @@ __all__ = ["Answers"]
 
 _TRIES = 500  # most worlds that a search generates, as on the command line
 _KEPT_STEPS = 30_000  # steps of a run that the page receives: more than a window has pixels
-_PREVIEW_SIDE = 24  # cells of a side in a preview of a family: enough to recognise it
+_PREVIEW_SIDE = 24  # cells per side in a preview of a family: enough to recognise it
 _PREVIEW_SEED = 1
 _PICTURES = ("gif", "svg", "html")
 
@@ -79,11 +79,11 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
     def open(self, message: Message, part: Part) -> dict[str, Any]:
         """Return a world of the folder."""
         place = self.folder.place(field(message, "name", str))
-        world = read_world(place)  # first, because it reports what is wrong with the file
+        world = read_world(place)  # first, because it reports any fault in the file
         return {"file": _digest(place) if place.is_file() else None, **opened_message(world)}
 
     def before(self, message: Message, part: Part) -> dict[str, Any]:
-        """Return a failure of the folder as it was found, before shrinking.
+        """Return the original of a failure in the folder, before shrinking.
 
         Null if its campaign has not kept that.
         """
@@ -96,7 +96,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         )
         if found is None:
             return {"before": None}
-        # Without permission to run the controller there is nothing to show.
+        # Without permission to run the controller, there is nothing to show.
         try:
             check_record(found.record, self.named)
         except InvalidParameter:
@@ -137,7 +137,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         return {"name": name, "file": _digest(place), **opened_message(world)}
 
     def decide(self, message: Message, part: Part) -> dict[str, Any]:
-        """Return whether the target can be reached, with the witness or the cut."""
+        """Decide if the target can be reached, and return the witness or the cut."""
         return _decided(world := world_of(field(message, "world", dict)), decide(world))
 
     def widest(self, message: Message, part: Part) -> dict[str, Any]:
@@ -159,7 +159,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         seed = seed_of(message)
         check_registered("family", family, FAMILIES.names())
         parameters: dict[str, Value] = field(message, "parameters", dict)
-        # Refuse anything else: it would be taken for an argument of the search.
+        # Refuse anything else: the search would take it as an argument.
         FAMILIES.find(family, parameters).complete(parameters)
         hard = None if message.get("difficulty") is None else field(message, "difficulty", float)
         where = None if message.get("where") is None else field(message, "where", str)
@@ -178,7 +178,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         return opened_message(world)
 
     def preview(self, message: Message, part: Part) -> dict[str, Any]:
-        """Return a small world of a registered family, to show what it makes."""
+        """Return a small world of a registered family, as an example of its worlds."""
         family = field(message, "family", str)
         check_registered("family", family, FAMILIES.names())
         known = {parameter.name for parameter in FAMILIES.get(family).parameters}
@@ -192,7 +192,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         }
 
     def measure(self, message: Message, part: Part) -> dict[str, Any]:
-        """Return the difficulty of a world by every metric that applies to it."""
+        """Return the difficulty of a world by every applicable metric."""
         found = measure(restored(field(message, "world", dict))).as_dict()
         return {
             "metrics": [
@@ -214,7 +214,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         return {}
 
     def check(self, message: Message, part: Part) -> dict[str, Any]:
-        """Check that a controller may run under this name with its options, or raise."""
+        """Check that a controller may run under this name with its options."""
         CONTROLLERS.get(
             scenario_of(field(message, "controller", str), message, self.named).controller
         )
@@ -230,7 +230,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
             raise InvalidParameter(
                 "unknown-name",
                 "robot {robot} as {kind!r}",
-                "choose one that ran, as {known!l}",
+                "choose one that ran, and one of {known!l}",
                 robot=looked,
                 kind=kind[:20],
                 known=list(_PICTURES),
@@ -272,7 +272,7 @@ class _Driven:
 
     @property
     def frames(self) -> list[dict[str, Any]]:
-        """Where the controller has crashed; empty if it has not."""
+        """The place where the controller crashed; empty if it did not."""
         evidence = self.episode.evidence
         found = evidence.frames if isinstance(evidence, FaultEvidence) else None
         return [dict(frame) for frame in found or ()]
@@ -311,7 +311,7 @@ def _to_run(message: Message) -> tuple[World, list[Any]]:
 
 
 def _seen(driven: _Driven) -> dict[str, Any]:
-    """Return a run as the player takes it."""
+    """Return a run in the form that the player takes."""
     episode = driven.episode
     side = driven.world.cell_size
     drawn = drawn_robots(episode, side, most=_KEPT_STEPS, controller=driven.controller)
@@ -346,7 +346,7 @@ def _as_file(kind: str, title: str, world: World, drives: Sequence[_Driven]) -> 
 
 
 def _digest(place: Path) -> str:
-    """Return the digest of a file, which shows whether it has changed since it was opened."""
+    """Return the digest of a file, which reveals changes since it was opened."""
     return hashlib.sha256(place.read_bytes()).hexdigest()
 
 

@@ -26,7 +26,7 @@ from fuzz.studio.workers import WORKER_OF, Worker
 
 __all__ = ["FULL", "MOST_PAGES", "Studio", "make_app"]
 
-MOST_PAGES = 64  # connected at the same time; more would be a program out of control
+MOST_PAGES = 64  # connected at the same time; more would mean a program out of control
 FULL = 4000  # WebSocket code that closes one more; its reason is a sentence for the page
 _KINDS = {
     ".html": "text/html",
@@ -39,7 +39,7 @@ _KINDS = {
 def _parts() -> dict[str, bytes]:
     """Return the page's files by address.
 
-    No other file is ever read for an address, so an address cannot lead anywhere else.
+    Addresses never lead to any other file.
     """
     found: dict[str, bytes] = {}
     for address, package in (("studio", "fuzz.studio"), ("player", "fuzz.player")):

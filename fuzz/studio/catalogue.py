@@ -32,7 +32,8 @@ from worldgen.parameters import Bounds, Parameter
 
 __all__ = ["IDLE", "catalogue"]
 
-# s: a controller that took longer to fail is not tried again, because each new page would wait.
+# s: a controller that took longer to fail is not tried again, because each new page would have to
+# wait.
 _SLOW = 3.0
 _FAILED: dict[tuple[str, int], dict[str, Any]] = {}
 
@@ -61,7 +62,7 @@ IDLE: Mapping[str, Mapping[str, tuple[str, tuple[str, ...]]]] = {
         "turns": ("shape", ("U", "L", "V", "comb", "nested", "pair")),
     },
 }
-"""By family and parameter: the parameter that decides, and its values with which this one has no effect.
+"""By family and parameter: the parameter that decides, and its values for which this one has no effect.
 
 The families refuse such a parameter with the code ``no-effect``; the page does not show it.
 """
@@ -72,7 +73,7 @@ def catalogue(named: Sequence[str], part: Callable[[dict[str, Any]], None]) -> d
 
     Args:
         named: Controllers that were named when the studio was started.
-        part: Called with each of them before it is loaded, which may take long.
+        part: Called with each of them before it is loaded, which may take a long time.
     """
     controllers = []
     for label in dict.fromkeys((*named, *CONTROLLERS.names())):
@@ -173,9 +174,7 @@ def _controller(label: str) -> dict[str, Any]:
         scenario = Scenario.parse(label)
         found = CONTROLLERS.get(scenario.controller)
     except InvalidParameter as error:
-        with contextlib.suppress(
-            InvalidParameter
-        ):  # its options may be those of the thesis's robot
+        with contextlib.suppress(InvalidParameter):  # its options may belong to the thesis's robot
             found = CONTROLLERS.get(Scenario.parse(label, motion="stepped").controller)
             return entry | {"thesis": True, "lattice": False, "motion": "stepped"}
         return entry | {"fault": refusal(error)}

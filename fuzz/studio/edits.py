@@ -1,7 +1,7 @@
-"""Notice that a file has been edited whose code the studio runs.
+"""Notice edits of files whose code the studio runs.
 
-Python keeps the code of a module that it has loaded. So a process that has loaded a user's file is
-replaced by a new one once the file's contents differ, and the page learns which file it was.
+Python keeps the code of a module that it has loaded. So once the contents of a user's file differ,
+the process that has loaded it is replaced by a new one, and the page is told which file it was.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from worldgen.plugins.user_modules import digest_of_source, sources_read
 __all__ = ["UNKNOWN", "Edits", "digest_of_file", "edited_files", "loaded_files"]
 
 UNKNOWN = "?"
-"""Digest of code that was read at some time during an edit; no file's contents equal it."""
+"""Digest of code that was read at an unknown time during an edit; no file's contents equal it."""
 
-_EVERY = 0.25  # s between two looks at the files
+_EVERY = 0.25  # s between checks of the files
 # A larger file, such as a library with everything in it, is recognised by its time and size.
 _LARGEST = 16 << 20  # bytes
 _FILE_TIMES = 1.0  # s: coarsest step of a file system's times
-# What the file system said of each file when its contents were last read, and their digest.
+# What the file system reported about each file when its contents were last read, and their digest.
 _read: dict[str, tuple[tuple[int, ...], str]] = {}
 
 
@@ -41,7 +41,7 @@ def digest_of_file(path: str) -> str:
         facts = Path(path).stat()
         if facts.st_size > _LARGEST:
             return f"{facts.st_mtime_ns}-{facts.st_size}"
-        # The time of the last change of any kind cannot be set, so it also tells of an edit that
+        # The time of the last change of any kind cannot be set, so it also reveals an edit that
         # keeps time and size.
         seen = (facts.st_mtime_ns, facts.st_ctime_ns, facts.st_size, facts.st_ino)
         known = _read.get(path)
@@ -57,7 +57,7 @@ def digest_of_file(path: str) -> str:
 
 
 def loaded_files(since: float) -> dict[str, str]:
-    """Return the user's files whose code this process has, with the digest of each.
+    """Return the user's files whose code this process has loaded, with the digest of each.
 
     Args:
         since: When the process began with its current request, s since 1970. A file that Python
@@ -79,7 +79,7 @@ def loaded_files(since: float) -> dict[str, str]:
 
 
 def edited_files(loaded: Mapping[str, str]) -> list[str]:
-    """Return the files that are not as they were when their code was loaded.
+    """Return the files that have changed since their code was loaded.
 
     Args:
         loaded: Files with their digests, as ``loaded_files`` returns them.
@@ -104,8 +104,8 @@ class Edits:
         """Report the files of the named controllers now, and whenever they have changed.
 
         Yields:
-            ``("turn", {})`` while nothing is new, and ``("part", {"files": files})`` at first and
-            after each change; see ``fuzz/studio/protocol.md``. There is no answer.
+            ``("turn", {})`` while nothing is new, and ``("part", {"files": files})`` at the
+            beginning and after each change; see ``fuzz/studio/protocol.md``. There is no answer.
         """
         shown: dict[str, str] = {}
         before: dict[str, str] = {}
@@ -126,14 +126,14 @@ class Edits:
         """Do nothing: there is no process to start."""
 
     def end(self) -> None:
-        """Do nothing: the generator ends when nobody asks for more."""
+        """Do nothing: the generator ends when nobody reads on."""
 
     def _digests(self) -> dict[str, str]:
         files = {file for label in self._named for file in _own_files(label)}
         return {file: digest_of_file(file) for file in sorted(files | set(self._loaded()))}
 
     def _entry(self, file: str, digest: str) -> dict[str, Any]:
-        """Return a file for the page, with the controllers that may run its code."""
+        """Return the page's entry of a file, with the controllers that may run its code."""
         own = [label for label in self._named if file in _own_files(label)]
         beside = [
             label
@@ -160,7 +160,7 @@ def _own_files(label: str) -> tuple[str, ...]:
             # A program starts again with each run. Its script is watched only to report changes.
             try:
                 words = shlex.split(name.partition(":")[2])
-            except ValueError:  # a quote that is not closed, which the run reports
+            except ValueError:  # an unclosed quote, which the run reports
                 return ()
             return tuple(os.path.realpath(word) for word in words if Path(word).is_file())
         if is_library_name(name):

@@ -1,4 +1,4 @@
-"""Import and export maps of other programs for the page, as the command line does."""
+"""Import and export maps of other programs for the page, as on the command line."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from worldgen.interop.formats.movingai import scenario_contents
 
 __all__ = ["ExchangeAnswers"]
 
-_MOST_FILES = 20  # files that can be dropped on the page together
+_MOST_FILES = 20  # files that can be dropped on the page at once
 # Suffixes of files that accompany a map but are not maps themselves.
 _BESIDE = (".worldgen.toml", ".scen", ".tsx", ".inc")
 # Pictures are maps only if no other file refers to them.
@@ -53,7 +53,7 @@ class ExchangeAnswers(Opened):
     """Answers that concern files of other programs."""
 
     def bring(self, message: Message, part: Part) -> dict[str, Any]:
-        """Return a foreign map from the folder or the page; missing places are chosen."""
+        """Return a foreign map from the folder or the page; choose missing places."""
         wanted = _wanted(message)
         # A map in the folder, with the scenario next to it.
         if "data" not in message and "files" not in message:
@@ -96,7 +96,7 @@ class ExchangeAnswers(Opened):
             for name in ("lost", "notes")
         }
         if sent.keep:
-            # A link with the name of an accompanying file would lead out of the folder.
+            # A link with the name of an accompanying file would lead outside the folder.
             for other in export.files:
                 self.folder.place((place.parent / other).relative_to(self.folder.root).as_posix())
             written = write_export(export, place.parent, force=sent.overwrite)
@@ -153,7 +153,7 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
                 bytes=total,
                 most=MOST_DROPPED,
             )
-        # A hidden name would be refused, although the file is fine.
+        # A hidden name would be refused although the file is fine.
         place = folder.place(name.lstrip(".") or "map")
         if place in places:
             raise InvalidParameter(
@@ -168,7 +168,7 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
 
 
 def _main_of(places: Sequence[Path]) -> Path:
-    """Return the map among dropped files; it refers to the others, or they accompany it.
+    """Return the map among dropped files; it refers to the others, or the others accompany it.
 
     Raises:
         InvalidParameter: If several of them could be the map.
@@ -196,14 +196,14 @@ def _format_name(message: Message) -> str | None:
 
 
 class _Wanted(msgspec.Struct):
-    """How to read a map; the file or the default gives the rest.
+    """Settings for reading a map; the file or the defaults provide the rest.
 
     Attributes:
         format: Name of the format.
         options: Options of that format, by name.
         radius: Radius of the robot, m.
-        row: Which problem of its scenario, from 1; 0 for no problem.
-        seed: Where the search for far places begins, as digits.
+        row: Number of the problem in its scenario, from 1; 0 for no problem.
+        seed: Seed of the search for distant places, as digits.
     """
 
     format: str | None = None
@@ -214,7 +214,7 @@ class _Wanted(msgspec.Struct):
 
 
 def _wanted(message: Message) -> _Wanted:
-    """Return how the page wants a map to be read."""
+    """Return the page's settings for reading a map."""
     wanted = converted(message, _Wanted)
     _format_name(message)
     if wanted.seed is not None:
@@ -249,7 +249,7 @@ def _imported(
         seed=None if wanted.seed is None else int(wanted.seed),
     )
     imported = import_world(place, robot, name=wanted.format, options=wanted.options or {})
-    # Never open a map of which a part was not understood: it may be a wall.
+    # Never open a map if a part of it was not understood: that part may be a wall.
     if imported.withheld:
         raise FormatError(
             "part-not-read",
@@ -259,7 +259,7 @@ def _imported(
             reason=imported.decision.reason,
             source=str(place),
         )
-    # Report how the map was read, so that the user can choose otherwise.
+    # Report how the map was read, so that the user can choose differently.
     known = imported.world.provenance.params.get("format") if imported.world.provenance else None
     rows = _rows_of(scenario) if scenario is not None and known == "movingai" else 0
     scenario_note = (f"Row {row} of the {rows} of its scenario.",) if used is not None else ()

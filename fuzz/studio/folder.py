@@ -26,7 +26,7 @@ It is the baseline of campaigns that are begun in the studio.
 """
 
 _MEMORY = ".campaign"  # name of the campaign store in a campaign's folder
-MOST_FILES = 2_000  # listed files; more than anybody scrolls through
+MOST_FILES = 2_000  # listed files; more than anyone scrolls through
 MOST_FAILURES = 20_000  # failures in the gallery, which has filters
 _DEEPEST = 4  # levels of folders below the opened one
 _LONGEST = 400  # characters of a name
@@ -66,7 +66,7 @@ class Folder:
             raise InvalidParameter(
                 "not-a-file-name",
                 "{name!r} is not the name of a file in the opened folder",
-                "choose one like w.grid",
+                "choose a name such as w.grid",
                 name=shown(name[:60]),
             )
         if any(part in ("", ".", "..") or part.startswith(".") for part in parts):
@@ -134,14 +134,14 @@ class Folder:
     def files(
         self, endings: tuple[str, ...] = (), below: str = "", most: int = MOST_FILES
     ) -> list[dict[str, Any]]:
-        """Return what can be opened: worlds, and files with these suffixes, none of them hidden.
+        """Return the worlds and the files with these suffixes that can be opened; no hidden ones.
 
         Files found by campaigns come last.
 
         Args:
             endings: Suffixes of files other than worlds.
-            below: A folder inside; the whole folder if omitted.
-            most: Most files to return.
+            below: A subfolder; the whole folder if omitted.
+            most: Maximum number of files to return.
         """
         walked = self._walk(self.place(below) if below else self.root, 0, 2 * most, False)
         known = (
@@ -158,7 +158,7 @@ class Folder:
         return sorted(packed, key=lambda name: (name.count("/"), name))[:MOST_FILES]
 
     def folders(self) -> list[str]:
-        """Return the names of the folders inside, without hidden ones and links."""
+        """Return the names of the subfolders, without hidden ones and links."""
         found: list[str] = []
         for top, inner, _ in os.walk(self.root):
             inner[:] = sorted(one for one in inner if not one.startswith(".") and one.isprintable())
@@ -182,7 +182,7 @@ class Folder:
                 continue
             try:
                 facts = entry.stat(follow_symlinks=False)
-            except OSError:  # deleted meanwhile, as a running campaign does with its files
+            except OSError:  # deleted in the meantime, as a running campaign does with its files
                 continue
             if stat.S_ISDIR(facts.st_mode) and depth < _DEEPEST:
                 yield from self._walk(Path(entry.path), depth + 1, most, found)

@@ -37,9 +37,9 @@ from worldgen.files.worlds import is_world_file
 
 __all__ = ["WallAnswers"]
 
-_MOST_STEPS = 200_000  # of a run in a picture; the page Play shows longer ones
+_MOST_STEPS = 200_000  # of a run in a picture; the Play page shows longer ones
 
-_TOLD = 500  # files between two reports of progress
+_TOLD = 500  # files between progress reports
 
 Message = Mapping[str, Any]
 Part = Callable[[dict[str, Any]], None]
@@ -106,7 +106,7 @@ class WallAnswers(Opened):
         return self._causes[key]
 
     def look(self, message: Message, part: object) -> dict[str, Any]:
-        """Return a failure's world and run, to be drawn, and what happened in words."""
+        """Return a failure's world and run, to be drawn, and a description of what happened."""
         path = self.folder.place(part_of(message, "name", str))
         world = read_world(path)
         failure = Failure.of(world)
@@ -128,7 +128,7 @@ class WallAnswers(Opened):
             return answer | {"words": "", "error": self.folder.refusal(error)}
 
     def snippet(self, message: Message, part: object) -> dict[str, Any]:
-        """Return a failure as the text of a test."""
+        """Return a failure as the source of a test."""
         failure = Failure.read(self.folder.place(part_of(message, "name", str)))
         check_registered("motion", failure.record.motion, MOTIONS.names())
         return {"text": snippet(failure)}
@@ -139,7 +139,7 @@ class WallAnswers(Opened):
         failure = Failure.found_in(read_world(path))
         if failure is None:
             raise InvalidParameter(
-                "no-failure", "{name} holds no failure", "mark one that does", name=path.name
+                "no-failure", "{name} has no failure", "mark a file that has one", name=path.name
             )
         facts = Facts.of(failure, path.name)
         # The copy keeps the failure known even if a campaign replaces the original.
@@ -163,7 +163,7 @@ class WallAnswers(Opened):
         judged = shown = simulate(world, who, options, record=True)
         controller = CONTROLLERS.get(who)
         words = f"{judged.verdict}{describe_evidence(judged)}"
-        # Draw a breach up to its target; the evidence is that of the run that ends at the wall.
+        # Draw a breach up to its target; the evidence comes from the run that ends at the wall.
         if failure.is_breach:
             shown = simulate(world, who, regardless_of_walls(options), record=True)
             words += f": reached a walled-off target in step {shown.steps}"
@@ -203,7 +203,7 @@ class WallAnswers(Opened):
 
         Those whose names are not valid are reported.
         """
-        # Only world files count, and hidden ones do not.
+        # Only world files count, except hidden ones.
         found: list[CorpusEntry] = []
         there = archive.relative_to(self.folder.root).as_posix()
         packed = (
@@ -218,7 +218,7 @@ class WallAnswers(Opened):
                 if number % _TOLD == _TOLD - 1:
                     part({"read": number + 1, "of": None})
                 try:
-                    # The name may be any text, even one that begins with a slash.
+                    # The name may be any text, and may even begin with a slash.
                     name = PurePosixPath(member.name).as_posix()
                     place = self.folder.place(f"{there}/{name}")
                     facts = Facts.in_world(unpack_world(member, str(place)), str(place))
@@ -249,6 +249,6 @@ def _too_many(remedy: str, archive: str = "") -> errors.Message:
 def _is_hidden(name: str) -> bool:
     """Return True if a file is not one of the user's own.
 
-    It may be in a campaign store, or be one that macOS adds to archives.
+    Such a file is in a campaign store, or was added to an archive by macOS.
     """
     return any(part.startswith(".") and part != ".." for part in PurePosixPath(name).parts)

@@ -1,11 +1,11 @@
 """Access control: only the browser that was given the token, on this server's own page, gets in.
 
-A page of another site can make a browser send requests here, and can make its own name point to
-this machine (DNS rebinding). So every request must name a host that is this server's, a page's
+A page of another site can make a browser send requests here, and can make its own host name point
+to this machine (DNS rebinding). So every request must name a host that is this server's, a page's
 request must come from this server's own page, and all requests but the first must carry the cookie
-that only the token gives. Cookies ignore ports: a browser also sends ours to other servers on this
-machine. So the cookie only opens the page's files, which are not secret. The connection needs the
-token itself, which the page keeps where only pages of this port can read it.
+that only the token provides. Cookies ignore ports: a browser also sends ours to other servers on
+this machine. So the cookie only opens the page's files, which are not secret. The connection needs
+the token itself, which the page keeps where only pages of this port can read it.
 """
 
 from __future__ import annotations
@@ -34,9 +34,8 @@ _IMPORTS_SOURCE = policy_source(IMPORTS)
 _ANY = ("0.0.0.0", "::")
 _UNSAID = 80  # the port that browsers omit
 _REFUSED = (
-    "This is a worldgen studio, but your browser has no access.\n\nOpen the whole address that "
-    "`worldgen studio` "
-    "has printed, including its token. A restarted studio has a new token.\n"
+    "This is a worldgen studio, but your browser has no access.\n\nOpen the complete address that "
+    "`worldgen studio` printed, including its token. A restarted studio has a new token.\n"
 )
 
 
@@ -57,7 +56,7 @@ class Gate:
 
     @property
     def cookie(self) -> str:
-        """Name of the cookie; servers on other ports have their own."""
+        """Name of the cookie; servers on other ports use their own."""
         return f"worldgen-studio-{self.port}"
 
     @property
@@ -73,7 +72,7 @@ class Gate:
     def address_for_once(self) -> str:
         """Return an address that works once and leads to the one with the token.
 
-        Everybody on the machine can read the arguments of a browser's process.
+        Everyone on the machine can read the arguments of a browser's process.
         """
         ticket = secrets.token_urlsafe(32)
         self._tickets.add(ticket)
@@ -98,13 +97,13 @@ class Gate:
         return f"http://{host}:{self.port}"
 
     def knows_host(self, host: str) -> bool:
-        """Return True if a Host header names this server, rather than a name pointed at it."""
+        """Return True if a Host header names this server, not another name pointed to it."""
         name = host.removesuffix(f":{self.port}")
         if name == host and self.port != _UNSAID:
             return False
         if name in (self.host, f"[{self.host}]"):
             return True
-        # Bound to all addresses: any address will do, because addresses cannot be rebound.
+        # Bound to all addresses: accept any address, because addresses cannot be rebound.
         if self.host in _ANY:
             return name in (*LOOPBACK, socket.gethostname()) or _is_address(name)
         return name in LOOPBACK and self.host in ("127.0.0.1", "localhost", "::1")
@@ -117,7 +116,7 @@ class Gate:
         return headers.get("sec-fetch-site", "none") in ("none", "same-origin")
 
     def has_cookie(self, headers: Headers) -> bool:
-        """Return True if a request has the cookie that the token gives."""
+        """Return True if a request has the cookie that the token provides."""
         jar: SimpleCookie = SimpleCookie()
         try:
             jar.load(headers.get("cookie", ""))
@@ -210,7 +209,7 @@ class Guarded:
             await PlainTextResponse(_REFUSED, status)(scope, receive, sent)
 
     def _judge(self, scope: Scope, headers: Headers) -> tuple[int, bool]:
-        """Return the status of the answer, and whether it sets the cookie."""
+        """Return the status of the answer, and True if it sets the cookie."""
         gate = self.gate
         if len(headers.getlist("host")) != 1 or not gate.knows_host(headers["host"]):
             return 421, False

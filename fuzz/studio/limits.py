@@ -36,7 +36,7 @@ MOST_DROPPED = 16 << 20
 LENGTHS = (0.0001, 10_000)
 """Smallest and largest side of a cell, m: the page writes lengths with nine decimals."""
 MOST_ROBOTS = 6
-"""Robots at the same time: more colours could not be told apart."""
+"""Robots at the same time: nobody could distinguish more colours."""
 MOST_COMPARED = 12
 """Controllers in a comparison: more columns would not fit on a screen."""
 MOST_WORLDS = 500

@@ -35,7 +35,7 @@ __all__ = [
 
 T = TypeVar("T")
 
-# A column or row, which may be outside of the grid but not absurdly far.
+# A column or row, which may be outside the grid but not absurdly far.
 _Cell = Annotated[int, msgspec.Meta(ge=-(1 << 20), le=1 << 20)]
 _MOST_EVENTS = 1_000_000
 _SOURCE_LIMIT = 8 << 20  # characters of a file's text, which the page keeps and sends back
@@ -83,8 +83,8 @@ def message_of(world: World) -> WorldMessage:
     if not least <= world.cell_size <= largest:
         raise InvalidWorld(
             "out-of-range",
-            "cell_size={cell_size:g} m: the studio draws cells of {least} to {largest} m; worldgen "
-            "show draws others",
+            "cell_size={cell_size:g} m: the studio draws cells of {least} to {largest} m; "
+            "worldgen show draws other sizes",
             cell_size=world.cell_size,
             least=least,
             largest=largest,
@@ -184,7 +184,7 @@ class _World(msgspec.Struct):
             raise InvalidParameter(
                 "wrong-count",
                 "the message's cells have {count} bytes",
-                "send one bit for each cell",
+                "send one bit per cell",
                 count=len(self.cells),
             )
         found = np.unpackbits(np.frombuffer(self.cells, np.uint8), count=count, bitorder="little")
@@ -192,11 +192,11 @@ class _World(msgspec.Struct):
 
 
 def world_of(message: Mapping[str, Any]) -> World:
-    """Return the world that a message holds, without proof.
+    """Return the world that a message contains, without proof.
 
     Raises:
-        InvalidParameter: If a part of the message is missing or of another kind.
-        InvalidWorld: If the parts make no world.
+        InvalidParameter: If a part of the message is missing or of another type.
+        InvalidWorld: If the parts do not form a valid world.
     """
     sent = converted(message, _World)
     if min(sent.width, sent.height) < 1 or sent.width * sent.height > MOST_CELLS:
@@ -250,7 +250,7 @@ def converted(message: object, kind: type[T]) -> T:
     """Return a message as a checked value of a type that msgspec knows.
 
     Raises:
-        InvalidParameter: If a part of it is missing, of another kind, or out of its range.
+        InvalidParameter: If a part of it is missing, of another type, or out of range.
     """
     try:
         return msgspec.convert(message, kind)
@@ -295,7 +295,7 @@ def seed_of(message: Mapping[str, Any]) -> int:
         raise InvalidParameter(
             "not-a-seed",
             "seed={seed!r} is not an integer from 0 to 2**64 - 1",
-            "choose one in that range",
+            "choose a seed in that range",
             seed=seed[:40],
         )
     return int(seed)

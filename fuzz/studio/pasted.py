@@ -15,7 +15,7 @@ def from_anywhere(line: str, code: str, registered: list[str]) -> str:
 
     Args:
         line: The command, quoted for a shell.
-        code: The controller that it needs, possibly with variations; empty for none.
+        code: The controller that it needs, possibly with variations; empty if there is none.
         registered: Names that mean the same everywhere.
     """
     if code in ("", *registered) or any(code.startswith(f"{name}+") for name in registered):

@@ -24,7 +24,7 @@ def start_beside(target: Callable[..., None], *args: Any, nice: int) -> BaseProc
     Args:
         target: The function to run, from a module.
         *args: Its arguments.
-        nice: How much priority everything else gets, from 0 to 19.
+        nice: Niceness, the priority of everything else over it, from 0 to 19.
     """
     process = get_context("spawn").Process(target=_begin, args=(nice, target, *args), daemon=True)
     with sigint_blocked():

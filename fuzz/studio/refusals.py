@@ -54,10 +54,11 @@ REMEDIES: Mapping[str, str] = {
     "not-native": "choose the motion model swept or endpoint",
     "only-written": "open the file that it was made from, or choose another format in Options of "
     "the import",
-    "option-without-effect": "choose the motion model {where}, or leave the option out",
+    "option-without-effect": "choose the motion model {where}, or omit the option",
     "run-too-long": "give fewer steps",
     "scenario-beside-used": "use Seed of places to get other places",
-    "signal-unknown": "walls and target are kept, and export as thesis will write the plain map",
+    "signal-unknown": "the walls and target are kept, and an export as thesis will write the "
+    "plain map",
     "signal-everywhere": "run it without that signal, or with the motion model swept",
     "step-too-long": "give a shorter time step",
     "step-too-short": "give a longer time step",
@@ -79,7 +80,7 @@ IMPORT_OPTIONS = frozenset(
 )
 """Codes whose remedy is in the options of the import, which the page then opens."""
 
-_FIELDS = {"--vary": "Vary"}  # options that facts may name, and the names of their fields
+_FIELDS = {"--vary": "Vary"}  # options that facts may name, with the names of their fields
 _LONGEST = 2_000  # characters of a fact; a longer one quotes a file
 
 
@@ -110,7 +111,7 @@ def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[
 
 
 def frames_of(error: BaseException) -> list[dict[str, Value]]:
-    """Return where the user's code has failed, if an error is about that.
+    """Return the place where the user's code failed, if that caused an error.
 
     Args:
         error: An error that was raised from the exception of the user's code.
@@ -156,7 +157,7 @@ def our_fault(error: Exception) -> Message:
 
 
 def hide(message: Message, folder: Path | None) -> Message:
-    """Return a message whose facts contain no paths outside of the opened folder.
+    """Return a message whose facts contain no paths outside the opened folder.
 
     Paths inside become relative to it.
     """

@@ -74,14 +74,14 @@ def check_record(record: FailureRecord, named: Sequence[str]) -> None:
     if not may_run(record.controller, named):
         raise InvalidParameter(
             "not-named",
-            "{verdict}; {controller} is not run here: it was not named when the studio started",
+            "{verdict}; {controller} does not run here: it was not named when the studio started",
             verdict=record.verdict,
             controller=shown(record.controller[:60]),
         )
     if record.motion not in MOTIONS.names():
         raise InvalidParameter(
             "not-registered",
-            "{verdict}; it is not run here: its motion model {motion} is from a file",
+            "{verdict}; it does not run here: its motion model {motion} is from a file",
             "replay it at a terminal",
             verdict=record.verdict,
             motion=shown(record.motion[:60]),
@@ -133,11 +133,11 @@ def check_registered(what: str, name: str, offered: Iterable[str]) -> None:
 def names_of(labels: tuple[str, ...]) -> frozenset[str]:
     """Return the controllers' names in labels, without variations.
 
-    Of a composition, the user's own behaviours are among them.
+    For a composition, these include the user's own behaviours.
     """
     found = set()
     for label in labels:
-        for motion in ("swept", "stepped"):  # variations may be for either kind of robot
+        for motion in ("swept", "stepped"):  # the variations may suit either kind of robot
             try:
                 name = Scenario.parse(label, motion=motion).controller
                 own = listed_names(name) if is_composition_name(name) else []

@@ -50,12 +50,12 @@ def bind(host: str, port: int | None) -> socket.socket:
 
 
 def _fault(host: str, port: int, error: OSError) -> Message:
-    """Return why it is not possible to listen there, and the remedy."""
+    """Return the reason that the server cannot listen there, and the remedy."""
     if error.errno == errno.EADDRINUSE:
         return Message(
             "port-taken",
             "port {port} of {host} is taken, perhaps by another studio",
-            "stop that one, or choose another --port; --port 0 takes any free port",
+            "stop it, or choose another --port; --port 0 selects any free port",
             at_terminal=True,
             host=host,
             port=port,
@@ -63,8 +63,8 @@ def _fault(host: str, port: int, error: OSError) -> Message:
     if error.errno in (errno.EACCES, errno.EPERM):
         return Message(
             "port-not-allowed",
-            "port {port} of {host} needs special rights",
-            "choose a --port from 1024 on, or 0 for any free port",
+            "port {port} of {host} requires special privileges",
+            "choose a --port of at least 1024, or 0 for any free port",
             at_terminal=True,
             host=host,
             port=port,
@@ -73,7 +73,7 @@ def _fault(host: str, port: int, error: OSError) -> Message:
         return Message(
             "not-our-address",
             "{host} is not an address of this machine",
-            "choose another --host, or none for this machine alone",
+            "choose another --host, or omit it to serve only this machine",
             at_terminal=True,
             host=host,
         )
@@ -110,7 +110,7 @@ def serve(
         studio: The studio.
         listener: A bound socket.
         browse: Open the address in the browser.
-        said: Called with messages for the user at the terminal.
+        said: Called with each message for the user at the terminal.
     """
     config = uvicorn.Config(
         make_app(studio),
@@ -127,5 +127,5 @@ def serve(
     if browse:
         with contextlib.suppress(webbrowser.Error):
             webbrowser.open(studio.gate.address_for_once())
-    with contextlib.suppress(KeyboardInterrupt):  # the regular end
+    with contextlib.suppress(KeyboardInterrupt):  # the normal end
         uvicorn.Server(config).run(sockets=[listener])

@@ -36,7 +36,8 @@ _WARM = {"campaigns": ("walls", "looks")}  # workers that the campaign page will
 _MOST_WAITING = 64
 _DIED = Message(
     "process-died",
-    "the process that did this has died: the controller ended or crashed Python, or memory ran out",
+    "the process that handled this has died: the controller ended or crashed Python, or memory "
+    "ran out",
     "see its output in the studio's terminal; try again with another controller or a smaller world",
 )
 _NO_JSON = Message("not-json", "this is not JSON", "send one object")
@@ -125,7 +126,7 @@ class Session:
         self._jobs[job.number] = self._newest[job.kind] = job
         job.task = asyncio.create_task(self._do(job, old, message))
         for name in _WARM.get(job.kind, ()):
-            # If no process can start now, a later request to it reports that.
+            # If a process cannot start now, a later request to it reports that.
             with contextlib.suppress(OSError):
                 self.workers[name].warm()
 

@@ -37,7 +37,7 @@ _MAKES_NAMES = {
 def check_controller(label: str) -> None:
     """Refuse a name that does not belong to a controller.
 
-    Its code is read but not run; processes that may hang will do that.
+    Its code is read but not run; that is left to processes that may hang.
 
     Args:
         label: A controller's name, with variations.
@@ -49,7 +49,7 @@ def check_controller(label: str) -> None:
         name = Scenario.parse(label).controller
     except InvalidParameter as error:
         try:
-            # Perhaps its options are those of the thesis's robot.
+            # Its options may belong to the thesis's robot.
             name = Scenario.parse(label, motion="stepped").controller
         except InvalidParameter:
             raise error from None
@@ -140,7 +140,7 @@ def _names_in(tree: ast.Module) -> set[str]:
 
 
 def check_world(path: Path) -> None:
-    """Refuse a file that holds no world; the page asks for options that a map needs.
+    """Refuse a file without a world; the page asks for the options that a map needs.
 
     Raises:
         WorldgenError: If it cannot be read.

@@ -58,7 +58,7 @@ WORKER_OF = {
 """The process for each kind of request.
 
 Saving is never ended, a long search for a proof does not delay a run, and anything that takes long
-to begin can be stopped meanwhile.
+to begin can be stopped in the meantime.
 """
 
 
@@ -85,7 +85,7 @@ class Worker:
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
         self.loaded: dict[str, str] = {}
-        """The user's files whose code the process has, with the digest of each."""
+        """The user's files whose code the process has loaded, with the digest of each."""
 
     async def ask(self, kind: str, message: dict[str, Any]) -> AsyncGenerator[tuple[str, Any]]:
         """Have one request answered.
@@ -95,7 +95,7 @@ class Worker:
             ``("answer", table)`` or ``("error", refusal)``.
 
         Raises:
-            Ended: If the process was ended meanwhile.
+            Ended: If the process was ended in the meantime.
         """
         async with self._turn:
             yield "turn", {}

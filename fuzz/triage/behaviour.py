@@ -36,14 +36,14 @@ class RepeatedPart:
         steps: Its length in steps.
         extent: Longer side of the box around its path, cells.
         length: Length of its path, cells.
-        turning: Mean size of the turn in a step, in whole turns.
+        turning: Mean absolute turn per step, in whole turns.
         sharpest: Largest turn in one step, in whole turns.
         touching: Share of its steps that touch a wall.
-        around_island: How often the path goes around an island of walls, at most.
-        around_target: How often it goes around the target.
+        around_island: Largest number of times that the path goes around an island of walls.
+        around_target: Number of times that it goes around the target.
         off_wall: Longest path between two touches, cells; infinite if it touches nothing.
-        nearest: Least distance from the target's centre, cells.
-        farthest: Greatest distance from the target's centre, cells.
+        nearest: Smallest distance from the target's centre, cells.
+        farthest: Largest distance from the target's centre, cells.
         is_blocked: True if a wall is between the target and the place nearest to it.
         reach: The robot's radius plus the target's, cells.
     """
@@ -89,11 +89,11 @@ def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart
     target = (world.target.x / side, world.target.y / side)
     walls = _SolidCells(world)
 
-    # What each step does.
+    # Describe each step.
     turn = np.abs(_wrapped(np.diff(heading)))
     stride = np.hypot(np.diff(x), np.diff(y))
 
-    # The path around islands and the target, and how near to the target it comes.
+    # The path around islands and the target, and how close it gets to the target.
     apart = np.hypot(x - target[0], y - target[1])
     closest = int(np.argmin(np.round(apart, 6)))
     place = (float(x[closest]), float(y[closest]))
@@ -139,7 +139,7 @@ class _SolidCells:
             for number, iy, ix in zip(found.tolist(), rows, columns, strict=True)
             if number not in (-1, outer)
         ]
-        # A path goes around nothing outside the box that it fills.
+        # A path goes around nothing outside its bounding box.
         return [
             (ix, iy)
             for ix, iy in cells
@@ -185,10 +185,10 @@ def _obstacles(solid: Bools) -> npt.NDArray[np.int64]:
 
     Solid cells that touch, across an edge or at a corner, are one obstacle.
     """
-    # The core takes grids whose edge is free.
+    # The core expects grids with a free edge.
     framed = np.pad(solid, 1)
     numbers = components(framed)[0].reshape(framed.shape)[1:-1, 1:-1].astype(np.int64)
-    # The core joins cells across edges; what is left are pairs that touch at a corner only.
+    # The core joins cells across edges; what remains are pairs that touch only at a corner.
     pairs: set[tuple[int, int]] = set()
     for one, other in (
         (numbers[1:, 1:], numbers[:-1, :-1]),
@@ -223,7 +223,7 @@ def _longest_between(stride: Floats, bump: Bools) -> float:
     touches = np.flatnonzero(bump)
     if len(touches) == 0:
         return math.inf
-    # The period comes back, so what follows the last touch continues before the first.
+    # The period recurs, so what follows the last touch continues before the first.
     driven = np.concatenate([[0.0], np.cumsum(stride)])
     at = driven[touches + 1]
     between = np.diff(np.append(at, at[0] + driven[-1]))

@@ -1,8 +1,8 @@
 """The causes that failures are sorted into: what a robot does wrong, in one sentence each.
 
 A bucket says what a failure looks like; hundreds of buckets can have one reason. A cause is that
-reason, as far as the run shows it: the decision that repeats, or the move that ended the run. It is
-never a place in a world.
+reason, as far as the run reveals it: the decision that repeats, or the move that ended the run. It
+is never a place in a world.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class Cause(StrEnum):
     WAITS_IN_A_QUEUE = "waits-in-a-queue"
     GIVES_WAY_FOREVER = "gives-way-forever"
 
-    # Neither a fault nor a reason.
+    # Neither the controller's fault nor a known reason.
     BREAKS_A_RULE = "breaks-a-rule"
     HARMED_UNSENSED = "harmed-by-what-it-cannot-sense"
     PUSHED_TOO_HARD = "pushed-too-hard"
@@ -103,12 +103,12 @@ class Cause(StrEnum):
 
     @property
     def advice(self) -> str:
-        """Where to look in the controller: one sentence."""
+        """The place to look at in the controller: one sentence."""
         return _ADVICE[self]
 
     @property
     def severity(self) -> Severity:
-        """How bad it is."""
+        """Its severity."""
         return _SEVERITIES.get(self, Severity.NEVER_ARRIVES)
 
 
@@ -126,7 +126,7 @@ _SENTENCES = {
     Cause.CAUGHT_BY_A_CHANGE: "It is in a cell when the cell catches fire or becomes solid.",
     Cause.STANDS_STILL: "It stops in the open and never moves again.",
     Cause.PUSHES_A_WALL: "It keeps driving against a wall and does not get away from it.",
-    Cause.TURNS_BACK_AND_FORTH: "It turns back and forth, or around, in place of driving on.",
+    Cause.TURNS_BACK_AND_FORTH: "It turns back and forth, or around, instead of driving on.",
     Cause.MISSES_THE_TARGET: "It gets close to the target, with a clear path, and passes it again "
     "and again.",
     Cause.CIRCLES_A_WALL: "It follows a wall all the way around and never leaves it.",
@@ -144,8 +144,9 @@ _SENTENCES = {
     Cause.GIVES_WAY_FOREVER: "Robots avoid each other again and again and get nowhere.",
     Cause.BREAKS_A_RULE: "It breaks a rule that you asked about with --oracle.",
     Cause.HARMED_UNSENSED: "Fire or debris catches it that none of its senses shows.",
-    Cause.PUSHED_TOO_HARD: "It is moved by more than any controller is sure to make up for.",
-    Cause.UNKNOWN: "It fails; its controller could not be run here, or not in time, to see why.",
+    Cause.PUSHED_TOO_HARD: "It is moved by more than any controller is certain to make up for.",
+    Cause.UNKNOWN: "It fails; its controller could not be run here, or not in time, to find the "
+    "reason.",
 }
 
 _ADVICE = {
@@ -155,10 +156,10 @@ _ADVICE = {
     Cause.SLIDES_INTO_A_WALL: "This is a fault of the motion model stepped; compare with --motion "
     "swept.",
     Cause.COLLIDES: "Make the time step smaller, or keep more distance.",
-    Cause.CRASHES: "Mend the line that the report names; the world reproduces it.",
+    Cause.CRASHES: "Fix the line that the report names; the world reproduces it.",
     Cause.GIVES_NO_ANSWER: "Look for an endless or a slow step, or give it more time.",
-    Cause.INVALID_COMMAND: "Look for a division by zero or a root of a negative number in what "
-    "computes the command.",
+    Cause.INVALID_COMMAND: "Look for a division by zero or a root of a negative number in the "
+    "computation of the command.",
     Cause.DRIVES_INTO_A_HAZARD: "Check its reaction to walls sensed ahead.",
     Cause.CAUGHT_BY_A_CHANGE: "Check how soon it leaves cells that it can sense are about to close.",
     Cause.STANDS_STILL: "Look for a condition under which no command is sent, or speed is 0.",
@@ -176,15 +177,15 @@ _ADVICE = {
     Cause.DRIVES_IN_CIRCLES: "Look for a state that it enters again and again without getting "
     "closer.",
     Cause.WANDERS: "Give it more time, or check whether it makes progress.",
-    Cause.FACE_TO_FACE: "Break the symmetry: give one robot priority, or let both keep to the same "
-    "side.",
+    Cause.FACE_TO_FACE: "Break the symmetry: give one robot priority, or make both keep to the "
+    "same side.",
     Cause.WAITS_IN_A_CIRCLE: "Let the robot that has waited longest push on, and the others yield.",
     Cause.BLOCKED_BY_PARKED: "Go around a robot that stands, or let those in the way move aside.",
     Cause.WAITS_IN_A_QUEUE: "Look at the robot in front: it is the one that fails.",
-    Cause.GIVES_WAY_FOREVER: "Decide who goes first by something that stays the same, not by what "
-    "both do alike.",
+    Cause.GIVES_WAY_FOREVER: "Decide who goes first by a fixed property, not by behaviour that "
+    "both share.",
     Cause.BREAKS_A_RULE: "The violation says which rule, and by how much.",
-    Cause.HARMED_UNSENSED: "Give it a sense that shows the hazard, or leave such worlds out.",
+    Cause.HARMED_UNSENSED: "Give it a sense that shows the hazard, or exclude such worlds.",
     Cause.PUSHED_TOO_HARD: "Compare with a run without pushes, tilts and decoys.",
     Cause.UNKNOWN: "Replay it where its controller is.",
 }

@@ -29,8 +29,8 @@ face of a wall.
 _ENCLOSURES = ("open", "side", "bend", "passage", "pocket", "closed")
 
 _SLACK = 0.02  # cells: a wall at most this much further away than the nearest one is touched too
-_SAME_SIDE = 0.7  # least cosine between the normals of one wall; 45 degrees
-_ALONG = 0.08  # greatest sine between an axis and the normal of a face
+_SAME_SIDE = 0.7  # smallest cosine between the normals of one wall; 45 degrees
+_ALONG = 0.08  # largest sine between an axis and the normal of a face
 _LOOK = 4  # cells within which a wall encloses a place, in each of the four directions
 _ROUNDING = 1e-6  # cells: a place this close to the line between two cells is in both
 
@@ -62,7 +62,7 @@ def contacts(world: World, trace: Trace, first: int, last: int) -> list[Contact]
         first: First step of the range.
         last: Last step of the range.
     """
-    # A touch begins in a step with a bump that follows one without.
+    # A touch begins in a step with a bump that follows a step without.
     bump = trace.bump[first : last + 1]
     begins = np.flatnonzero(bump & ~np.roll(bump, 1)) if not bump.all() else np.array([0], np.int64)
     # Contacts at the same place are equal, so compute each only once.
@@ -99,7 +99,7 @@ def winding_number(x: Floats, y: Floats, cells: Iterable[tuple[int, int]]) -> in
 
 
 def enclosure(world: World, places: Iterable[tuple[float, float]]) -> str:
-    """Return how enclosed a place is: in how many directions there is a wall within four cells.
+    """Return how enclosed a place is, judging by the directions with a wall within four cells.
 
     Args:
         world: The world.

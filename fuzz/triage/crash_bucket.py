@@ -20,7 +20,7 @@ from worldgen.world import Value
 __all__ = ["FACTS", "crash_bucket", "has_facts"]
 
 FACTS = ("reason", "message", "frames", "bump")
-"""Evidence that only buckets and people read.
+"""Evidence that only buckets and people use.
 
 A replay does not compare it, and files written by older versions lack it.
 """
@@ -47,7 +47,7 @@ def crash_bucket(evidence: FaultEvidence) -> str:
     reason = evidence.reason or ""
     message = evidence.message or ""
     of_a_program = not ended.isidentifier() or ended.startswith("SIG")
-    # Which function meets the full stack depends on who called first, so ignore the order.
+    # Which function overflows the stack depends on which was called first, so ignore the order.
     if ended == "RecursionError":
         return _joined(ended, *_names(sorted(frames, key=_name)))
     words = [ended, _word(_plain(reason).partition(": ")[0]), *_names(frames)]
@@ -71,7 +71,7 @@ def _how_it_ended(error: str) -> str:
 
 
 def _of_last_line(evidence: FaultEvidence, ended: str) -> list[str]:
-    """Return the words that a program ended with, if it chose to end.
+    """Return a program's last words, if it ended by itself.
 
     Otherwise a signal interrupted it, and its last line is arbitrary. If that line begins with the
     name of an exception, only the name is used.
@@ -84,7 +84,7 @@ def _of_last_line(evidence: FaultEvidence, ended: str) -> list[str]:
 
 
 def _where_it_stood(evidence: FaultEvidence) -> list[str]:
-    """Return whether the run ended in its first step, and whether the robot touched a wall then."""
+    """Return ``first`` if the run ended in its first step, and ``bump`` if it touched a wall then."""
     first = ["first"] if evidence.step == 1 else []
     return first + (["bump"] if evidence.bump else [])
 

@@ -2,7 +2,7 @@
 
 The rules are a list, and the first that holds decides. Each looks at what repeats, or at the move
 that ended the run, and never at where in the world it happens. ``python -m benchmarks.causes``
-measures how well they tell seeded faults apart.
+measures how well they distinguish seeded faults.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _ABOUT_FACE = 0.45
 # Cells between two touches. A wall follower touches its wall at least once a cell, corners included.
 _ALONG = 1.0
 
-# Cells from the edges of robot and target: how close it comes, and how far away it ever gets.
+# Cells from the edges of robot and target: the closest it gets, and the farthest away it ever is.
 _CLOSE = 1.0
 _NEARBY = 3.0
 
@@ -119,10 +119,10 @@ def cause_of_run(world: World, episode: Episode) -> Cause:
 
 
 def _of_fleet(world: World, episode: FleetEpisode) -> Cause:
-    """Return what keeps several robots from arriving, or what one of them does wrong."""
+    """Return the cause that keeps several robots from arriving, or the fault of one of them."""
     evidence = episode.evidence
     if isinstance(evidence, JointLoopEvidence):
-        # Robots that have nothing to do with each other: the first one's own reason.
+        # If the robots do not affect each other, the first one's own reason decides.
         if (known := _BY_STANDOFF.get(standoff(evidence))) is not None:
             return known
         number = evidence.waiting[0]
@@ -144,8 +144,8 @@ def _of_fleet(world: World, episode: FleetEpisode) -> Cause:
 
 
 def _of_wall(evidence: WallEvidence) -> Cause:
-    # The thesis's motion names its own faulty moves. The other models have one reason only: they
-    # look where a step ends, and the step was too long for that.
+    # The thesis's motion names its own faulty moves. The other models have only one reason: they
+    # check only where a step ends, and the step was too long for that.
     match evidence.cause:
         case None:
             return Cause.STEPS_OVER_A_WALL
@@ -163,14 +163,14 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     if near and not seen.is_blocked and seen.touching < _MOSTLY:
         return Cause.MISSES_THE_TARGET
 
-    # At one place, or turning all the time: it follows nothing.
+    # A robot that stays at one place or turns all the time follows nothing.
     if at_one_place and seen.touching == 1.0 and seen.turning < _RESTLESS:
         return Cause.PUSHES_A_WALL
     if seen.turning >= _RESTLESS or (at_one_place and seen.sharpest >= _ABOUT_FACE):
         return Cause.TURNS_BACK_AND_FORTH
 
     # Along walls. A robot that follows the whole of a wall goes around an island, or around the target,
-    # which is inside the outer wall; who does neither has left the wall in between.
+    # which is inside the outer wall; a robot that does neither has left the wall in between.
     if seen.off_wall <= _ALONG and (seen.around_island or seen.around_target):
         return Cause.CIRCLES_A_WALL
     if seen.touching < _RARELY:

@@ -1,4 +1,4 @@
-"""Describe how robots keep each other from arriving, from who drives into whom."""
+"""Describe how robots keep each other from arriving, judging by who drives into whom."""
 
 from __future__ import annotations
 

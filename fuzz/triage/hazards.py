@@ -17,7 +17,7 @@ from worldgen.world import Value, World
 __all__ = ["HAZARD", "can_sense", "hazard_details", "hazard_words", "is_hazard", "is_unsensed"]
 
 HAZARD = "hazard"
-"""The detail of a failure's record that may be ``unsensed``, or ``disturbed`` and why."""
+"""The detail of a failure's record that may be ``unsensed``, or ``disturbed`` with the reason."""
 
 _UNSENSED = "unsensed"
 _DISTURBED = "disturbed: "
@@ -47,8 +47,8 @@ def can_sense(controller: Controller, robot: RobotOptions, state: str, how: str)
 def hazard_details(world: World, verdict: str, kind: str, scenario: Scenario) -> dict[str, Value]:
     """Return the record's details if a failure is not the controller's fault.
 
-    That is where the robot burned and its controller could not know better, and where something
-    moves the robot so that no controller is sure to arrive.
+    That is the case if the robot burned and its controller could not know better, or if something
+    moves the robot so that no controller is certain to arrive.
 
     Args:
         world: The world, with its certificate.

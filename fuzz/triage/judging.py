@@ -197,7 +197,7 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
 
 
 def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> str:
-    """Return what differs from the record; empty if nothing does."""
+    """Return a difference from the record; empty if there is none."""
     if found is None and failure.oracle is not None:
         return f"oracle {failure.oracle} finds nothing wrong with the run"
     if found is None:
@@ -215,9 +215,9 @@ def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> st
 
 
 def _difference(record: FailureRecord, episode: Episode, evidence: Mapping[str, Value]) -> str:
-    """Return how a run and its evidence differ from the record.
+    """Return a difference of a run and its evidence from the record.
 
-    Empty if they do not.
+    Empty if there is none.
     """
     made = record.details.get("motion_version")
     now = MOTIONS.get(record.motion).version

@@ -48,7 +48,7 @@ def _with_whole_cell(world: World) -> World:
 
 
 def certificate_fault(world: World) -> str:
-    """Return why a world's certificate does not hold; empty if it does."""
+    """Return the reason that a world's certificate does not hold; empty if it does."""
     if world.certificate is None:
         return "the file carries no witness that the target can be reached"
     if isinstance(world.certificate, Cut):

@@ -93,7 +93,7 @@ def _of_loop(world: World, trace: Trace, entry: int, period: int) -> tuple[str, 
 
 
 def _of_second_half(world: World, trace: Trace) -> tuple[str, ...]:
-    """Return what the robot touches or what encloses it in the second half, and its extent."""
+    """Return the contact or the enclosure of the robot in the second half, and its extent."""
     half = trace.steps // 2
     last = trace.steps
     touched = contacts(world, trace, half + 1, last)
@@ -122,7 +122,7 @@ def _joined(*words: object) -> str:
 
 
 def _robots(waiting: int) -> str:
-    """Return how many robots never arrive, if it is more than one."""
+    """Return the number of robots that never arrive, if it is more than one."""
     return ("", "", "2robots", "3robots", "robots")[min(waiting, 4)]
 
 

@@ -56,7 +56,7 @@ class Triage:
             self._proof_steps = 0
 
     def stop(self) -> None:
-        """End the unit after Ctrl-C: failures met so far may still be proved, but not for long."""
+        """End the unit soon after Ctrl-C; until then, failures met so far may still be proved."""
         self._deadline = self._deadline.stopped_now()
 
     def count(self, verdict: str, steps: int) -> None:

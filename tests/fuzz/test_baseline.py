@@ -109,7 +109,7 @@ def test_a_name_of_another_time_hides_nothing_and_is_told(found, tmp_path):
     )
     known = baseline_of(old, notes)
     assert {key[2] for key in known.failures} == {file.stem} and known.has(Failure.read(file))
-    assert len(notes) == 1 and f"stored as loop-of-old, its class is {file.stem} now" in notes[0]
+    assert len(notes) == 1 and f"stored as loop-of-old, its class is now {file.stem}" in notes[0]
 
 
 def test_a_failure_that_is_none_any_more_is_told_and_not_known(found, tmp_path):

@@ -229,7 +229,7 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
     said = capsys.readouterr()
     failures = json.loads(said.out)["failures"]
     assert failures and not any(one["shrunk"] for one in failures)
-    assert "as found, because the time ended" in said.err and re.search(
+    assert "as found, because time ran out" in said.err and re.search(
         "--units [1-3] does the rest", said.err
     )
     run(resume(tmp_path / "out", Budget(units=UNITS)))
@@ -446,7 +446,7 @@ def test_a_controller_that_was_changed_is_noticed(tmp_path):
         resume(tmp_path / "out")
     (difference,) = caught.value.facts["differences"]
     assert re.fullmatch(
-        r"controller .*mine.py:Sits was [0-9a-f]{16} and is [0-9a-f]{16}", difference
+        r"controller .*mine.py:Sits was [0-9a-f]{16} and is now [0-9a-f]{16}", difference
     )
 
 
@@ -476,7 +476,7 @@ def test_a_folder_without_a_campaign_is_not_resumed(tmp_path):
 
 def test_what_a_campaign_is_cannot_be_changed_when_it_is_resumed(copied):
     result = worldgen("fuzz", "--resume", copied, "--seed", 7)
-    assert result.code == 2 and "--seed stays as the campaign was begun" in result.err
+    assert result.code == 2 and "--seed cannot change in a resumed campaign" in result.err
 
 
 @pytest.mark.parametrize(

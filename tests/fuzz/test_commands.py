@@ -125,7 +125,7 @@ def test_replay_names_a_world_without_failure_and_goes_on_with_the_others(failur
     (tmp_path / "z.grid").write_bytes(file.read_bytes())
     write_world(replace(read_world(file), failure=None), tmp_path / "a.grid")
     result = worldgen("replay", tmp_path)
-    assert result.code == 2 and f"{tmp_path}/a.grid: this world holds no failure" in result.err
+    assert result.code == 2 and f"{tmp_path}/a.grid: this world has no failure" in result.err
     assert "1 of 1 confirmed" in result.out
 
 

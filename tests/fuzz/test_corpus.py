@@ -97,7 +97,7 @@ def test_the_options_of_a_run_are_part_of_its_controller(tmp_path):
 def test_worlds_without_a_failure_are_passed_over(tmp_path):
     write_world(replace(read_world(LOOP), failure=None), tmp_path / "w.grid")
     result = worldgen("corpus", "list", tmp_path)
-    assert "0 failures" in result.out and "passed over 1 world " in result.err
+    assert "0 failures" in result.out and "skipped 1 world " in result.err
 
 
 def test_a_hidden_folder_is_no_part_of_a_corpus_unless_it_is_named(tmp_path):

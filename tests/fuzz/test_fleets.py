@@ -113,7 +113,7 @@ def test_false_evidence_of_a_deadlock_is_refused(changes: dict[str, object]) -> 
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"periods": ((1, 369),)}, "are not those that wait"),
+        ({"periods": ((1, 369),)}, "are not the waiting ones"),
         ({"periods": ((1, 369), (2, 546))}, "do not return together"),
         ({"periods": ((1, 545), (2, 369))}, "the second period differs"),
         ({"periods": ((1, 123), (2, 545)), "period": 67_035}, "the second period differs"),

@@ -372,9 +372,9 @@ def test_a_campaign_writes_its_own_page(tmp_path):
         ),
         ({"met": {"loop": 1.5}}, "'loop' is not a whole number"),
         ({"strategies": {}}, "'strategies' is not a list"),
-        ({"found": [3]}, "an object is wanted"),
+        ({"found": [3]}, "an object is required"),
         ({"archive": {"axes": []}}, "'axes' has 0 axes"),
-        ({"archive": {**SUMMARY["archive"], "cells": [[3, 0, 1.0, "loop"]]}}, "lies outside"),
+        ({"archive": {**SUMMARY["archive"], "cells": [[3, 0, 1.0, "loop"]]}}, "is outside"),
         ({"archive": {**SUMMARY["archive"], "cells": [[0]]}}, "is not"),
     ],
 )

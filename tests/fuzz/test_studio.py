@@ -596,7 +596,7 @@ def test_a_warning_about_who_can_reach_the_studio_is_printed_with_quiet_too(tmp_
     monkeypatch.setattr("fuzz.studio.serving.called", lambda host, listener: "robots.example")
     monkeypatch.setattr("fuzz.studio.serving.serve", lambda *args, **more: None)
     result = worldgen("studio", tmp_path, "--host", "0.0.0.0", "--no-browser", "--quiet")
-    assert "warning: whoever can reach robots.example" in result.err
+    assert "warning: anyone who can reach robots.example" in result.err
 
 
 def test_one_page_more_than_there_may_be_is_closed_with_a_sentence(tmp_path, monkeypatch):

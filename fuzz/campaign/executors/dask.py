@@ -33,7 +33,7 @@ _LOOK = 1.0
 # Timeout, s.
 _TO_CONNECT = 10.0
 _OPTION = "--scheduler"
-_GONE = "the Dask scheduler at {address} does not answer any more"
+_GONE = "the Dask scheduler at {address} no longer answers"
 
 
 class _Client(Client):  # type: ignore[misc] # it has no types
@@ -76,7 +76,7 @@ class DaskExecutor:
 
     @property
     def room(self) -> int:
-        """Two for each worker."""
+        """Return two for each worker."""
         if time.monotonic() - self._looked > _LOOK:
             self._room = _PER_WORKER * len(self._client.nthreads())
             self._looked = time.monotonic()
@@ -159,8 +159,8 @@ def _retell(error: BaseException, address: str) -> None:
     if isinstance(error, KilledWorker):
         raise WorkersLost(
             "killed-worker",
-            "one piece of work ended as many workers as the scheduler allows, {workers}: "
-            "perhaps the controller kills them, or they have too little memory "
+            "one piece of work ended {workers} workers, as many as the scheduler allows: perhaps "
+            "the controller kills them, or they have too little memory "
             "(docs/howto/campaigns.md)",
             workers=error.allowed_failures + 1,
         ) from error

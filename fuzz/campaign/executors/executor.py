@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 class WorkersLost(WorldgenError):
-    """The workers ended before the work did."""
+    """Raised if the workers ended before the work did."""
 
 
 class Executor(Protocol):
@@ -29,10 +29,10 @@ class Executor(Protocol):
         """Number of units that may be in progress at a time."""
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Submit a piece of work, which may wait for others."""
+        """Submit a piece of work, which may have to wait for others."""
 
     def prepare(self, config: CampaignConfig) -> list[Future[float]]:
-        """Begin to load what the first units need, wherever the work will be done.
+        """Begin to load what the first units need, in every place that will do the work.
 
         The results are those of :func:`fuzz.campaign.loading.load`.
         """
@@ -44,7 +44,7 @@ class Executor(Protocol):
         """Return what all workers have run so far; ``None`` if that is not known."""
 
     def stop(self) -> None:
-        """Tell work in progress to end with what it has; work that does not end is not awaited."""
+        """Tell work in progress to end with its results so far, without waiting for it."""
 
     def __enter__(self) -> Self:
         """Start what is needed."""

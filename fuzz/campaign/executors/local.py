@@ -38,14 +38,14 @@ def local_executor(workers: int) -> Executor:
 class InlineExecutor:
     """Do work immediately, in this process.
 
-    Ctrl-C stops the work in the same way as in other processes, so a unit returns what it has
-    found. Work that does not end in time is interrupted.
+    Ctrl-C stops the work in the same way as in other processes, so a unit returns its findings.
+    Work that does not end in time is interrupted.
     """
 
     room = 1
 
     def __init__(self) -> None:
-        # By the clock of deadlines.
+        # Times are by the clock of deadlines.
         self._stopped_at = math.inf
         self._patience: threading.Timer | None = None
         self._open = ExitStack()
@@ -65,7 +65,7 @@ class InlineExecutor:
         """Load it in this process.
 
         Raises:
-            KeyboardInterrupt: If Ctrl-C came meanwhile; nothing has been found by then.
+            KeyboardInterrupt: If Ctrl-C came in the meantime; nothing has been found by then.
         """
         loaded = self.submit(load, config)
         self._hear_ctrl_c()
@@ -95,7 +95,7 @@ class InlineExecutor:
             self._patience.cancel()
 
     def counts(self) -> LiveCounts:
-        """Return what this process has run so far."""
+        """Return the counts of this process so far."""
         return LiveCounts.of(self._counters)
 
     def stop(self) -> None:
@@ -146,11 +146,11 @@ class ProcessExecutor:
         self._listen()
 
     def counts(self) -> LiveCounts:
-        """Return what all processes have run so far."""
+        """Return the counts of all processes so far."""
         return LiveCounts.of(self._counters)
 
     def stop(self) -> None:
-        """Tell all processes."""
+        """Tell all processes to end."""
         self._stopped_at.value = now()
 
     def __enter__(self) -> Self:
@@ -185,6 +185,6 @@ class ProcessExecutor:
 
 
 def _begin(stopped_at: c_double, counters: Any) -> None:
-    """Let a worker's work end when the main process says so, and count what it runs."""
+    """End a worker's work when the main process requests it, and count its runs."""
     stop_from(lambda: stopped_at.value)
     count_in(counters)

@@ -71,7 +71,7 @@ class RemoteJob:
         Raises:
             InvalidParameter: If the code differs.
         """
-        # Dask's own threads draw from `random` while Hypothesis checks, in this thread, whether a
+        # Dask's own threads draw from `random` while Hypothesis checks, in this thread, if a
         # strategy did.
         warnings.filterwarnings(
             "ignore", "Do not use the `random` module", HypothesisDeprecationWarning
@@ -114,7 +114,7 @@ def _be_alike(job: RemoteJob) -> None:
         raise InvalidParameter(
             "other-code",
             "the worker on {host} has other code: {differences!l}",
-            "install the same there as here, and restart the workers",
+            "install the same code there as here, and restart the workers",
             host=socket.gethostname(),
             differences=list(said),
         )

@@ -1,6 +1,7 @@
 """The store of a campaign on disk.
 
-Whatever ends a campaign, it loses only the units in progress. Contents: FolderStore: the folder
+No matter how a campaign ends, it loses only the units in progress. Contents: FolderStore: the
+folder
     ``OUT/.campaign`` and its lock. CampaignRun, Budget, begin, resume: open it for a new campaign,
     or to continue one. Fingerprint, fingerprint_of: a configuration, and the code that determines
     the units' results. errors_recorded, record_error, read_error, forget_error: why a campaign gave

@@ -26,7 +26,7 @@ class Done:
     """A finished unit.
 
     Args:
-        result: Its result; of the failures and elites, only those worth keeping.
+        result: Its result; with only those failures and elites that are worth keeping.
         seconds: Seconds of the campaign, over all runs, when the unit was merged.
     """
 
@@ -77,7 +77,7 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
     try:
         entry = json.loads(text)
         if entry.pop("digest") != digest_of([fingerprint, entry]) or entry["unit"] != unit:
-            raise ValueError("it is of another campaign or unit, or was changed")
+            raise ValueError("it belongs to another campaign or unit, or was changed")
         result = UnitResult(
             strategy=str(entry["strategy"]),
             worlds=int(entry["worlds"]),

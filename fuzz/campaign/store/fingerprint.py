@@ -1,4 +1,4 @@
-"""What determines the results of a campaign's units: the configuration, and the code."""
+"""Identify what determines the results of a campaign's units: the configuration, and the code."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ _LONGEST = 60
 class Fingerprint:
     """A configuration and the code that belongs to it.
 
-    Campaigns of equal fingerprints find the same.
+    Campaigns with equal fingerprints have equal findings.
 
     Args:
         configuration: The campaign's configuration, in JSON's types.
@@ -65,7 +65,7 @@ class Fingerprint:
 
     @functools.cached_property
     def digest(self) -> str:
-        """First hex digits of the SHA-256 of all of it."""
+        """First hex digits of the SHA-256 of both parts."""
         return digest_of([self.configuration, self.code])
 
     def differences(self, now: Fingerprint) -> list[str]:
@@ -80,7 +80,7 @@ class Fingerprint:
             before = self.code.get(name, "none")
             after = now.code.get(name, "none")
             if before != after:
-                found.append(f"{name} was {before} and is {after}")
+                found.append(f"{name} was {before} and is now {after}")
         return found
 
 
@@ -114,7 +114,7 @@ def _configuration(config: CampaignConfig) -> dict[str, Any]:
         "parameters": replace(scenario.run, steps=1).parameters(),
     }
     plain["fixed_map"] = None if config.fixed_map is None else dumps(config.fixed_map).decode()
-    # With lists for tuples, as it will be read.
+    # Replace tuples by lists, as when it is read back.
     configuration: dict[str, Any] = json.loads(json.dumps(plain, default=asdict))
     return configuration
 

@@ -67,15 +67,15 @@ class CampaignStore:
         """Store a unit; one that was cut short is stored separately."""
 
     def seconds(self) -> float:
-        """Return how long earlier runs took, as far as is known."""
+        """Return the duration of earlier runs, as far as it is known."""
         return 0.0
 
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:
-        """Return what a failure was shrunk to before; ``None`` if it has yet to be shrunk."""
+        """Return the stored result of shrinking a failure; ``None`` if it has yet to be shrunk."""
         return None
 
     def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
-        """Store what a failure was shrunk to."""
+        """Store the result of shrinking a failure."""
 
 
 class FolderStore(CampaignStore):
@@ -103,7 +103,7 @@ class FolderStore(CampaignStore):
             raise OutputError(
                 "campaign-is-running",
                 "another worldgen fuzz is writing {out}",
-                "let that one end first, or name another folder",
+                "wait until it ends, or name another folder",
                 out=out,
             )
         sign(self._lock)
@@ -124,7 +124,7 @@ class FolderStore(CampaignStore):
             said = json.loads(read_text(file))
             if said["version"] != _VERSION:
                 raise ValueError(
-                    f"it is of version {said['version']}, and this reads version {_VERSION}"
+                    f"it has version {said['version']}, but this program reads version {_VERSION}"
                 )
             return Fingerprint(dict(said["configuration"]), dict(said["code"])), dict(said["goal"])
         except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as error:
@@ -140,7 +140,7 @@ class FolderStore(CampaignStore):
             ) from error
 
     def units_done(self) -> int:
-        """Return how many units it holds: one more than the last number."""
+        """Return the number of units in it: one more than the last unit's number."""
         numbers = [
             int(file.stem)
             for file in (self._path / "units").glob("*.json")
@@ -181,7 +181,7 @@ class FolderStore(CampaignStore):
             OutputError: If it cannot be removed.
         """
         with refused_writes(self._path):
-            # This one first: the rest is then no longer a campaign.
+            # Remove this one first: the rest is then no longer a campaign.
             (self._path / "campaign.json").unlink(missing_ok=True)
             (self._path / SUMMARY_FILE).unlink(missing_ok=True)
             (self._path / OVERVIEW_FILE).unlink(missing_ok=True)
@@ -233,7 +233,7 @@ class FolderStore(CampaignStore):
             self._cut_file(unit).unlink(missing_ok=True)
 
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:
-        """Return what a failure was shrunk to before.
+        """Return the stored result of shrinking a failure.
 
         It is ``None`` if it has yet to be shrunk, or the file is incomplete.
         """
@@ -246,7 +246,7 @@ class FolderStore(CampaignStore):
             return None
 
     def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
-        """Store what a failure was shrunk to.
+        """Store the result of shrinking a failure.
 
         Args:
             failure: The failure before shrinking.
@@ -288,7 +288,7 @@ class FolderStore(CampaignStore):
     def remove_failures_but(self, names: Collection[str]) -> None:
         """Remove the files that this campaign wrote and that are unchanged, except for these.
 
-        These are findings of cut units beyond its end.
+        The removed files are findings of cut units beyond its end.
 
         Raises:
             OutputError: If a file cannot be removed.
@@ -304,7 +304,7 @@ class FolderStore(CampaignStore):
                     file.unlink()
 
     def seconds(self) -> float:
-        """Return how long earlier runs took, including shrinking after the last unit.
+        """Return the duration of earlier runs, including shrinking after the last unit.
 
         It is 0 if that cannot be read.
         """

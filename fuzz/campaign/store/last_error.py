@@ -19,10 +19,10 @@ from worldgen.files.whole import read_text, write_bytes
 __all__ = ["errors_recorded", "forget_error", "read_error", "record_error"]
 
 _VERSION = 1
-# Most characters of a template.
+# Limit on the characters of a template.
 _LONGEST = 4_000
 _FIELD = re.compile(r"[a-z][a-z0-9_]*")
-# No width, which could ask for gigabytes.
+# Widths are not allowed, because they could request gigabytes.
 _SPEC = re.compile(r"[#,]?(?:\.\d)?[a-zA-Z%]?|[a-z ]{0,40}")
 
 
@@ -54,7 +54,7 @@ def record_error(out: Path, error: WorldgenError) -> None:
         "at_terminal": error.message.at_terminal,
         "templates": {"problem": problem, "remedy": remedy},
     }
-    # A full disk may be the reason; ValueError: a number of 5,000 digits.
+    # The disk may be full; ValueError is for a number of 5,000 digits.
     with contextlib.suppress(
         OutputError,
         ValueError,

@@ -17,7 +17,7 @@ from worldgen.errors import FormatError, OutputError
 
 __all__ = ["Budget", "CampaignRun", "begin", "resume", "stored_seed"]
 
-# Most differences to list.
+# Limit on the differences to list.
 _SAID_AT_MOST = 3
 
 
@@ -69,7 +69,7 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
         config: Definition of the campaign.
         out: The folder; created if missing.
         budget: Its budget.
-        force: Whether to discard another campaign's results there, and to replace files of the same
+        force: True to discard another campaign's results there, and to replace files of the same
             name.
 
     Raises:
@@ -81,7 +81,7 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
     if stored is None and not force and out.is_dir() and any(out.glob("*.grid")):
         raise OutputError(
             "folder-holds-worlds",
-            "{out} holds .grid files already",
+            "{out} already holds .grid files",
             "give --force to add to them and replace those of the same name, or name another "
             "folder",
             at_terminal=True,
@@ -140,7 +140,10 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
         ) from error
     now = fingerprint_of(config)
     _refuse_another(
-        out, fingerprint, now, "resume it in the folder and with the code with which it began"
+        out,
+        fingerprint,
+        now,
+        "resume it in the same folder and with the same code with which it began",
     )
     store = FolderStore(out)
     try:
@@ -157,7 +160,7 @@ def _open_run(
     if budget.units is not None and done > budget.units:
         raise OutputError(
             "campaign-is-further",
-            "the campaign in {out} has done {units} units already",
+            "the campaign in {out} has already done {units} units",
             "give --units {units} or more, or --force to start over",
             at_terminal=True,
             out=store.out,

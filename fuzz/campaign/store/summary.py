@@ -115,8 +115,8 @@ class Summary:
         worlds: Worlds tried.
         steps: Steps simulated.
         seconds: Time spent.
-        verdicts: How often each verdict occurred in screening.
-        met: How often each class occurred.
+        verdicts: Counts of each verdict in screening.
+        met: Counts of each class.
         known: The same, for known classes.
         strategies: Totals of each strategy.
         found: Finds, in order of time.
@@ -192,7 +192,7 @@ def read_summary(folder: Path) -> Summary | None:
     except (ValueError, OverflowError, RecursionError) as error:
         raise FormatError(
             "invalid-summary",
-            "no summary of a campaign: {reason}",
+            "not a campaign summary: {reason}",
             "let the campaign write it again, or delete it to do without",
             reason=str(error),
             source=str(path),
@@ -200,7 +200,7 @@ def read_summary(folder: Path) -> Summary | None:
 
 
 class _Fault(ValueError):
-    """An invalid part of the summary."""
+    """Raised if a part of the summary is invalid."""
 
 
 class _SummaryReader:
@@ -208,13 +208,13 @@ class _SummaryReader:
 
     def __init__(self, values: object) -> None:
         if not isinstance(values, dict):
-            raise _Fault("an object is wanted")
+            raise _Fault("an object is required")
         self._values: dict[str, Any] = values
 
     def whole(self, name: str) -> int:
         value = self._values.get(name)
         if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**64:
-            raise _Fault(f"{name!r} is not a whole number from 0")
+            raise _Fault(f"{name!r} is not a whole number of 0 or more")
         return value
 
     def number(self, name: str) -> float:
@@ -262,7 +262,7 @@ class _SummaryReader:
 
 def _summary(folder: Path, said: _SummaryReader) -> Summary:
     if said.whole("version") != _VERSION:
-        raise _Fault(f"its version is {said.whole('version')}, and {_VERSION} is known")
+        raise _Fault(f"its version is {said.whole('version')}, but this program knows {_VERSION}")
     archive = said.part("archive")
     return Summary(
         folder=folder,
@@ -308,7 +308,7 @@ def _find(said: _SummaryReader) -> BucketTotals:
 def _archive(said: _SummaryReader) -> Archive:
     axes = [_SummaryReader(axis) for axis in said.rows("axes")]
     if len(axes) != 2:
-        raise _Fault(f"'axes' has {len(axes)} axes, and two can be drawn")
+        raise _Fault(f"'axes' has {len(axes)} axes, but must have two")
     edges = [[_number(edge, "edges") for edge in axis.rows("edges")] for axis in axes]
     cells = [_cell(row, len(edges[0]) + 1, len(edges[1]) + 1) for row in said.rows("cells")]
     return Archive((axes[0].text("name"), axes[1].text("name")), (edges[0], edges[1]), cells)
@@ -321,7 +321,7 @@ def _cell(row: object, columns: int, rows: int) -> tuple[int, int, float, str]:
     i = said.whole("i")
     j = said.whole("j")
     if i >= columns or j >= rows:
-        raise _Fault(f"cell [{i}, {j}] of 'archive' lies outside its {columns} x {rows} cells")
+        raise _Fault(f"cell [{i}, {j}] of 'archive' is outside its {columns} x {rows} cells")
     return i, j, said.number("quality"), said.text("verdict")
 
 

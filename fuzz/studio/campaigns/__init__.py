@@ -1,4 +1,5 @@
 """The campaigns of the studio: begun, watched, stopped and resumed, each in its own process.
 
-The modules are imported one by one, because watching a campaign needs none of what begins one.
+The modules are imported one by one, because watching a campaign needs none of the code that begins
+one.
 """

@@ -1,6 +1,6 @@
 """Campaigns that the page begins, resumes and stops.
 
-Each is a `worldgen fuzz` in its own process, connected to the studio only by its folder. So a
+Each is a `worldgen fuzz` in its own process, connected to the studio only through its folder. So a
 campaign outlives the page and the server, and a campaign begun at a terminal can be watched and
 stopped here. A folder may come from elsewhere: a controller or an oracle in a file runs only if it
 was named when the studio was started.
@@ -51,10 +51,10 @@ from worldgen.files.grid import write_world
 
 __all__ = ["CampaignAnswers"]
 
-# Seconds that a process may take to begin: a busy machine may have to compile kernels first.
+# Seconds that a process has to begin: a busy machine may need to compile kernels first.
 _BEGINS = 300.0
 _ENDS = 2.0  # s to wait for a campaign that was stopped before it had begun
-_LOOK = 0.05  # s between two checks
+_LOOK = 0.05  # s between checks
 
 Message = Mapping[str, Any]
 Part = Callable[[dict[str, Any]], None]
@@ -91,7 +91,7 @@ class CampaignAnswers(Opened):
         }
 
     def begin(self, message: Message, part: Part) -> dict[str, Any]:
-        """Begin a campaign in a folder, or resume the same one.
+        """Begin a campaign in a folder, or resume the one there.
 
         A part announces that it can be stopped.
         """
@@ -129,7 +129,7 @@ class CampaignAnswers(Opened):
         return {"state": self._state(out, name)}
 
     def elite(self, message: Message, part: object) -> dict[str, Any]:
-        """Return the simplest world in a cell of a campaign's archive, and what ran in it."""
+        """Return the simplest world in a cell of a campaign's archive, and its controller."""
         out = self._own(part_of(message, "folder", str))
         world = elite_of(out, part_of(message, "i", int), part_of(message, "j", int))
         return opened_message(world) | {"runs": runs_in(out)}
@@ -156,7 +156,7 @@ class CampaignAnswers(Opened):
         if out.is_relative_to(self.folder.root / KNOWN):
             raise InvalidParameter(
                 "folder-is-for-known",
-                "{known}/ is for failures that are marked as known",
+                "{known}/ is reserved for failures that are marked as known",
                 "choose another folder",
                 known=KNOWN,
             )
@@ -170,7 +170,7 @@ class CampaignAnswers(Opened):
         stored = FolderStore.stored_in(out)
         if stored is None:
             raise InvalidParameter(
-                "no-campaign", "{name} holds no campaign to resume", "begin one", name=name
+                "no-campaign", "{name} has no campaign to resume", "begin one", name=name
             )
         configuration = stored[0].configuration
         # The campaign store may name code in files, which must not run unless the user named it.
@@ -180,8 +180,8 @@ class CampaignAnswers(Opened):
         ):
             raise InvalidParameter(
                 "not-named",
-                "{name} runs a controller that was not named",
-                "name it at the start: worldgen studio --controller",
+                "{name} runs a controller that was not named at the start",
+                "name it when starting: worldgen studio --controller",
                 at_terminal=True,
                 name=name,
             )
@@ -199,7 +199,7 @@ class CampaignAnswers(Opened):
         if not database.is_relative_to(self.folder.root):
             raise InvalidParameter(
                 "outside-of-folder",
-                "{name} uses a database outside of the opened folder",
+                "{name} uses a database outside the opened folder",
                 "resume it at a terminal",
                 name=name,
             )
@@ -213,7 +213,7 @@ class CampaignAnswers(Opened):
             started: Called when it can be stopped.
 
         Raises:
-            OutputError: If it does not begin; with the process's own message.
+            OutputError: If it does not begin; with the process's message.
         """
         # Two campaigns must not share a folder.
         if running_process(out) is not None:
@@ -248,7 +248,7 @@ class CampaignAnswers(Opened):
             started()
             why_not = _wait_until_begun(process, out, mark)
             if why_not is None and not mark.exists():
-                interrupt(process.pid)  # it was stopped at the moment when it began
+                interrupt(process.pid)  # it was stopped just as it began
         if why_not is None:
             return
         # It did not begin: leave everything as it was.
@@ -284,7 +284,7 @@ def _wait_until_begun(
             _end(process)
             return _stopped()
         time.sleep(_LOOK)
-    # It has already ended: either regularly, or with a recorded error, or unexpectedly.
+    # It has already ended: normally, with a recorded error, or unexpectedly.
     if process.returncode in (0, 1, 130):
         return None if is_campaign(out) else _stopped()
     return read_error(out) or _last_words(process.returncode, out / MEMORY / SAID)

@@ -72,7 +72,7 @@ def _elites(units: Path) -> Iterator[tuple[list[int], str, float, str]]:
 
 
 def runs_in(folder: Path) -> dict[str, Any] | None:
-    """Return what runs in a campaign's worlds, in the form used for failures.
+    """Return the scenario of a campaign's worlds, in the form used for failures.
 
     Null if the campaign varies its robots.
     """

@@ -1,6 +1,6 @@
 """Translate the campaign page's requests into arguments of ``worldgen fuzz``.
 
-The arguments are run, or shown for copying. Code in a file, or a file outside of the opened folder,
+The arguments are run, or shown for copying. Code in a file, or a file outside the opened folder,
 appears in them only if it was named when the studio was started.
 """
 
@@ -55,7 +55,7 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
     Raises:
         InvalidParameter: If the message requests something that is not offered.
     """
-    # Check everything that could name code in a file or a place outside of the folder.
+    # Check everything that could name code in a file or a place outside the folder.
     checked: dict[str, Any] = {
         "controller": _controller(message, named),
         "motion": _one_of(message, "motion", MOTIONS.names()),
@@ -80,7 +80,7 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
 
 
 def _words(option: Parameter, value: Any) -> list[str]:
-    """Return an option as the command line takes it."""
+    """Return an option in the form that the command line takes."""
     if isinstance(value, bool):
         return [option.flag if value else f"--no-{option.flag.removeprefix('--')}"]
     if isinstance(value, tuple):
@@ -118,7 +118,7 @@ def workers(message: Message) -> list[str]:
 
 
 def baseline(message: Message, folder: Folder) -> list[str]:
-    """Return the arguments for known failures: the folder for them if wanted, and others."""
+    """Return the arguments for known failures: the folder for them if requested, and others."""
     known = folder.place(KNOWN)
     wanted = message.get("known") is True and known.is_dir() and bool(files_in(known))
     places = [
@@ -178,7 +178,7 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
         ):
             raise InvalidParameter(
                 "not-saved",
-                "the drawn map is not in a file yet, but the command has to name one",
+                "the drawn map is not in a file yet, but the command must name one",
                 "save it first",
             )
         words = [*words, f"--world={place}"]
@@ -255,7 +255,7 @@ def _seed(message: Message) -> str:
         raise InvalidParameter(
             "not-a-seed",
             "seed={seed!r} is not an integer from 0 to 2**64 - 1",
-            "choose one in that range",
+            "choose a seed in that range",
             seed=seed[:40],
         )
     return seed

@@ -27,7 +27,7 @@ __all__ = ["SAID", "campaign_state", "interrupt", "is_campaign", "is_own", "runn
 SAID = "studio.txt"
 """Name, in the campaign store, of the stderr of a process that the studio started; for people."""
 
-# A refusal that follows at a terminal, such as of a second start, does not concern the campaign.
+# A later refusal at a terminal, such as that of a second start, does not concern the campaign.
 _ENDED_WELL = ("done", "stopped")
 
 
@@ -71,7 +71,8 @@ def campaign_state(
         folder: Folder of its failures.
         name: Name of the folder on the page.
         opened: The opened folder.
-        named: Controllers that were named when the studio was started. No other file is looked at.
+        named: Controllers that were named when the studio was started. No other controller's file
+            is read.
 
     Returns:
         The table ``state`` of fuzz/studio/protocol.md.
@@ -104,9 +105,9 @@ def campaign_state(
 
 
 def _beginning(folder: Path, named: Sequence[str]) -> dict[str, Any]:
-    """Return the controller, the seed and the budget with which the campaign was begun.
+    """Return the controller, seed and budget with which the campaign was begun.
 
-    And whether the controller's file has been edited since then.
+    Also report if the controller's file has been edited since then.
     """
     stored = FolderStore.stored_in(folder)
     if stored is None:
@@ -132,7 +133,7 @@ _BUDGET = ("units", "seconds")
 
 
 def _is_edited(controller: str, digest: str | None) -> bool:
-    """Return True if a controller's file is not the one that a campaign runs."""
+    """Return True if a controller's file differs from the one that a campaign runs."""
     place = controller.rpartition(":")[0]
     now = digest_of_file(str(expanded(place))) if place.endswith(".py") else ""
     return bool(now and digest) and now != digest
@@ -167,7 +168,7 @@ def _totals(folder: Path) -> dict[str, Any]:
 
 
 def _stamp(folder: Path) -> str:
-    """Return a text that changes whenever a failure in the folder is new or smaller."""
+    """Return a string that changes whenever a failure in the folder is new or smaller."""
     found = [
         (path.name, path.stat().st_mtime_ns)
         for path in folder.iterdir()

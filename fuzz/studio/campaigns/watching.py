@@ -1,4 +1,4 @@
-"""Watch and stop campaigns by their folders, independently of what the workers are doing."""
+"""Watch and stop campaigns by their folders, independently of the workers."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from worldgen.errors import InvalidParameter, Message, WorldgenError
 
 __all__ = ["Watching"]
 
-_EVERY = 0.5  # s between two looks at a campaign
+_EVERY = 0.5  # s between checks of a campaign
 _ENDS = 2.0  # s to wait for a campaign that was stopped; it may end later
-_LOOK = 0.05  # s between two checks whether it has ended
-_OFTEN = 6  # looks without a change after which the state is sent anyway, because time passes
+_LOOK = 0.05  # s between checks for its end
+_OFTEN = 6  # checks without a change after which the state is sent anyway, because time passes
 
 
 class Watching:
@@ -39,8 +39,8 @@ class Watching:
         """Report a campaign's state until it ends; or stop it, and report the state then.
 
         Yields:
-            ``("turn", {})`` while nothing is new, ``("part", {"state": state})`` whenever something
-            is, then ``("answer", {"state": state})`` or ``("error", refusal)``.
+            ``("turn", {})`` while nothing is new, ``("part", {"state": state})`` after each change,
+            then ``("answer", {"state": state})`` or ``("error", refusal)``.
         """
         before: dict[str, Any] = {}
         quiet = 0
@@ -79,7 +79,7 @@ class Watching:
         """Do nothing: there is no process to start."""
 
     def end(self) -> None:
-        """Do nothing: the generator ends when nobody asks for more."""
+        """Do nothing: the generator ends when nobody reads on."""
 
     def _state(self, message: dict[str, Any]) -> dict[str, Any] | None:
         name = str(message.get("folder"))
@@ -90,7 +90,7 @@ class Watching:
     def _stop(self, message: dict[str, Any]) -> dict[str, Any] | None:
         """End a campaign as Ctrl-C would.
 
-        The process that waits for a campaign to begin ends it if it has not begun yet.
+        If it has not begun yet, the process that waits for it to begin ends it.
         """
         reads = _reads()
         place = self._place(str(message.get("folder")))

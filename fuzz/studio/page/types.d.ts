@@ -235,7 +235,7 @@ interface CampaignState {
   shrinking: number;
   units: number;
   worlds: number;
-  /** Runs that did not arrive at first look. */
+  /** Runs that did not arrive in screening. */
   failed: number;
   steps: number;
   seconds: number;
