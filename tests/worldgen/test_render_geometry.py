@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from worldgen.render.caption import BAR, scale_bar
 from worldgen.render.coverage import coverage
 from worldgen.render.outline import corner_count, outlines
 from worldgen.render.polyline import arc_length, arrow_places, corners, dashes, simplified
@@ -121,3 +122,11 @@ def test_heads_avoid_corners():
 def test_corners_are_where_a_line_turns():
     line = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.1], [2.0, 1.0]])
     assert corners(line).tolist() == [[2.0, 0.1]]
+
+
+@pytest.mark.parametrize("exponent", range(-12, 13))
+def test_a_scale_bar_is_round_and_takes_a_seventh_to_a_third_of_the_width(exponent):
+    width = 1.7**exponent
+    bar = scale_bar(BAR * width)
+    assert width / 7.2 <= bar <= 0.35 * width
+    assert f"{bar:e}"[0] in "125" and float(f"{bar:.0e}") == bar

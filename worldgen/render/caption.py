@@ -36,7 +36,7 @@ from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive,
 from worldgen.render.trail_parts import arrow_head, cross, stays_put
 from worldgen.world import Cut, JointWitness, Witness, World
 
-__all__ = ["caption", "facts", "printable", "scale_bar", "text_width"]
+__all__ = ["BAR", "caption", "facts", "printable", "scale_bar", "text_width"]
 
 # Sizes in units.
 TITLE_SIZE = 16.0
@@ -48,6 +48,9 @@ MOST_LINES = 3
 ICON = 26.0
 # Distance between two keys, units.
 GAP = 18.0
+# Largest share of a map's width that its scale bar takes. Round lengths are up to 2.5 times apart, so
+# it takes at least a seventh.
+BAR = 0.35
 
 Sample = Callable[[float, float, float], list[Primitive]]
 """Draws a key's sample, given its left end, the y of its middle, and the unit, all px."""
@@ -127,8 +130,12 @@ def caption(content: Content) -> tuple[list[Primitive], int]:
         for line in wrapped(text, room, size, MOST_LINES):
             y += LEADING * size
             parts.append(Text(left, y - 0.35 * size, size, line, colour))
-    bar = scale_bar(ICON * unit / frame.scale)
-    keys = [(f"{bar:g} m", _scale_sample(bar * frame.scale)), *_keys(content)]
+    bar = scale_bar(BAR * frame.width / frame.scale)
+    length = bar * frame.scale
+    keys = [
+        (f"{bar:g} m", _scale_sample(length), length),
+        *((words, sample, ICON * unit) for words, sample in _keys(content)),
+    ]
     placed, y = _place(keys, left, room, y + 4.0 * unit, unit)
     return parts + placed, round(y + 10.0 * unit)
 
@@ -163,21 +170,23 @@ def _scale_sample(length: float) -> Sample:
 
 
 def _place(
-    keys: list[tuple[str, Sample]], left: float, room: float, y: float, unit: float
+    keys: list[tuple[str, Sample, float]], left: float, room: float, y: float, unit: float
 ) -> tuple[list[Primitive], float]:
+    """Place keys, each its words, its sample and that one's width in px, in rows from a y on."""
     size = TEXT_SIZE * unit
     row = 1.75 * TEXT_SIZE * unit
     parts: list[Primitive] = []
     x = left
     y = y + row
-    for words, sample in keys:
-        width = (ICON + 6.0) * unit + text_width(words, size)
+    for words, sample, wide in keys:
+        width = wide + 6.0 * unit + text_width(words, size)
         # Start a new row if the entry doesn't fit; the first of a row always stays.
         if x > left and x + width > left + room:
             x = left
             y = y + row
         parts += sample(x, y - 0.5 * row, unit)
-        parts.append(Text(x + (ICON + 6.0) * unit, y - 0.5 * row + 0.35 * size, size, words, INK))
+        begin = x + wide + 6.0 * unit
+        parts.append(Text(begin, y - 0.5 * row + 0.35 * size, size, words, INK))
         x += width + GAP * unit
     return parts, y
 

@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from worldgen.errors import InvalidParameter
-from worldgen.render.caption import scale_bar
+from worldgen.render.caption import BAR, scale_bar
 from worldgen.render.disturbance_parts import above_the_trail
 from worldgen.render.fleet_parts import colour_of
 from worldgen.render.frame import Frame
@@ -38,8 +38,6 @@ _LINE = 22
 _TYPE = 15
 # Size of the text at a scale bar, px.
 _SMALL_TYPE = 12
-# Share of a map's width that its scale bar may take.
-_BAR = 0.3
 # Width of a robot's path, px.
 _WIDTH = 2.2
 
@@ -147,7 +145,7 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
 
 def _draw_scale(pen: ImageDraw.ImageDraw, frame: Frame, width: int, bottom: int) -> None:
     """Draw a bar of a round length, with its unit, into the lower left corner of a map."""
-    metres = scale_bar(_BAR * width / frame.scale)
+    metres = scale_bar(BAR * width / frame.scale)
     length = metres * frame.scale
     font = ImageFont.load_default(_SMALL_TYPE)
     words = f"{metres:g} m"
