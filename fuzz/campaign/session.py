@@ -46,7 +46,7 @@ from sim.options.run import RunOptions
 from sim.runners.stopping import stopping_when
 from sim.runners.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
-from sim.verdict import Verdict
+from sim.verdict import ARRIVALS, Verdict
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.grid import read_world
@@ -487,6 +487,9 @@ class CampaignSession:
             is_failing=bool(self._failing()),
             is_known=bool(state.known),
             lasts=self._lasts,
+            open_worlds=0
+            if state.units
+            else sum(count for verdict, count in state.verdicts.items() if verdict not in ARRIVALS),
         )
         color = wants_color(sys.stdout)
         for line in overview_lines(self._overview, headline):

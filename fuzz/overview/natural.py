@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from fuzz.triage.cause import Cause
+from fuzz.triage.changed_worlds import arrives_in
 from fuzz.triage.diagnosis import cause_of_run
 from fuzz.triage.hazards import can_sense
 from fuzz.triage.signature import is_entered
@@ -204,7 +205,8 @@ def _run(world: World, scenario: Scenario) -> tuple[Episode, Cause | None]:
         controller = CONTROLLERS.get(scenario.controller)
         if not can_sense(controller, scenario.run.robot, evidence.state, how):
             return episode, Cause.HARMED_UNSENSED
-    return episode, cause_of_run(world, episode)
+    arrives = arrives_in(scenario.controller, options)
+    return episode, cause_of_run(world, episode, arrives)
 
 
 def _quarter_turns(witness: Witness) -> float:

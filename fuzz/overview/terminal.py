@@ -21,6 +21,9 @@ __all__ = ["Headline", "describe_coverage", "describe_rate", "overview_lines"]
 # whole campaign, this makes fifteen.
 _MOST_IN_SHORT = 2
 
+# A robot whose rate of arrival is surely below this arrives rarely.
+_RARE = 0.5
+
 _COLOURS = {
     Severity.THROUGH_WALLS: "red",
     Severity.THROUGH_ROBOTS: "red",
@@ -45,6 +48,8 @@ class Headline:
         is_failing: True if failures were found that make the exit code 1.
         is_known: True if known failures were found.
         lasts: False if the folder is gone after the command, so that no command can use it.
+        open_worlds: Worlds in which the robot did not arrive, if the time was too short for even
+            one unit to prove failures; else 0.
     """
 
     who: str
@@ -54,6 +59,7 @@ class Headline:
     is_failing: bool = True
     is_known: bool = False
     lasts: bool = True
+    open_worlds: int = 0
 
 
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
@@ -75,9 +81,11 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     # Known classes have their own line, and the report lists what was tried.
     if overview.natural is not None and overview.natural.worlds and not headline.is_known:
         lines.append(describe_coverage(overview.natural))
+    folder = shown(shlex.quote(str(headline.folder)))
     if causes and headline.lasts:
-        folder = shlex.quote(str(headline.folder))
-        lines.append(f"look at it: worldgen report {shown(folder)} --out report.html")
+        lines.append(f"look at it: worldgen report {folder} --out report.html")
+    if _is_open(overview, headline) and headline.lasts:
+        lines.append(f"give it more time: worldgen fuzz --resume {folder} --budget 5m")
     return lines
 
 
@@ -114,17 +122,32 @@ def describe_coverage(natural: NaturalRuns) -> str:
     turns = [name for name, row in table["turns"].items() if not row["worlds"]]
     never = []
     if clearances:
-        never.append(f"room for {', '.join(clearances)} robot radii")
+        never.append(f"room for {_listed(clearances)} robot radii")
     if turns:
-        never.append(f"paths with {', '.join(turns)} quarter turns")
+        never.append(f"{_listed(turns)} quarter turns")
     text = f"natural worlds of {counted(len(tried), 'family', 'families')}"
-    return text + (f"; never tried: {'; '.join(never)}" if never else "")
+    return text + (f"; no path tried with {', nor with '.join(never)}" if never else "")
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+
+
+def _is_open(overview: Overview, headline: Headline) -> bool:
+    """Return True if the time was too short to tell whether there are failures."""
+    return headline.open_worlds > 0 and not headline.is_failing and not overview.causes
 
 
 def _verdict_line(overview: Overview, headline: Headline) -> str:
     """Return in a few words whether it works."""
     own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
     searched = f"{counted(headline.worlds, 'world')} searched"
+    if _is_open(overview, headline):
+        too_short = click.style("too little time for an answer", fg="yellow", bold=True)
+        return (
+            f"{shown(headline.who)}: {too_short}; {searched}, it did not arrive in "
+            f"{headline.open_worlds}, and none of these is proved to be a failure yet"
+        )
     if not headline.is_failing:
         what = "new failure" if headline.is_known else "failure"
         pushed = any(one.cause == Cause.PUSHED_TOO_HARD for one in overview.causes)
@@ -135,8 +158,12 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         return f"{click.style(found, fg='green', bold=True)}; {searched}"
     who = click.style(shown(headline.who), bold=True)
     worst = overview.causes[0].cause.severity
-    # It never arrives in the failures, but that does not hold in general.
-    words = "does not always arrive" if worst == Severity.NEVER_ARRIVES else worst.phrase
+    words = worst.phrase
+    if worst == Severity.NEVER_ARRIVES:
+        # It never arrives in the failures, but that is not what it does in general.
+        natural = overview.natural
+        is_rare = natural is not None and natural.worlds and natural.interval[1] < _RARE
+        words = "rarely arrives" if is_rare else "does not always arrive"
     failed = click.style(words, fg=_COLOURS[worst], bold=True)
     classes = counted(headline.classes, "class", "classes")
     return f"{who}: {failed}; {counted(len(own), 'cause')}, {classes} of failures, {searched}"

@@ -22,6 +22,7 @@ from fuzz.studio.opened import Opened
 from fuzz.studio.pasted import from_anywhere
 from fuzz.studio.running import check_record, check_registered
 from fuzz.triage.cause import Cause
+from fuzz.triage.changed_worlds import arrives_in
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
 from sim.controllers import CONTROLLERS
 from sim.describe import describe_evidence
@@ -171,7 +172,7 @@ class WallAnswers(Opened):
             **drawn_robots(shown, world.cell_size, judged, controller=controller),
             "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + failure.violation.in_words,
-            "cause": cause_of_run(world, judged).value,
+            "cause": cause_of_run(world, judged, arrives_in(who, options)).value,
             "same": judged.trace_digest == failure.record.trace_digest
             or options.steps < failure.options.steps,
         }

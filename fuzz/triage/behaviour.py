@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.triage.contacts import winding_number
+from fuzz.triage.contacts import walls_at_the_end, winding_number
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
 from sim.trace import Trace
@@ -119,10 +119,7 @@ class _SolidCells:
     """A world's walls after its last event, with a border of solid cells."""
 
     def __init__(self, world: World) -> None:
-        walls = world.walls.copy()
-        for event in world.timeline:
-            walls[event.iy, event.ix] = event.state.word == "solid"
-        self._walls: Bools = np.pad(walls, 1, constant_values=True)
+        self._walls: Bools = np.pad(walls_at_the_end(world), 1, constant_values=True)
 
     def islands(self, x: Floats, y: Floats) -> list[tuple[int, int]]:
         """Return a cell (ix, iy) of each obstacle that a path may go around.

@@ -72,6 +72,8 @@ class Cause(StrEnum):
     CAUGHT_BY_A_CHANGE = "caught-by-a-change"
 
     # The robot does not arrive.
+    CONFUSED_BY_CHANGES = "confused-by-changes"
+    NEEDS_A_WIDER_GAP = "needs-a-wider-gap"
     STANDS_STILL = "stands-still"
     PUSHES_A_WALL = "pushes-a-wall"
     TURNS_BACK_AND_FORTH = "turns-back-and-forth"
@@ -124,6 +126,10 @@ _SENTENCES = {
     Cause.INVALID_COMMAND: "It sends a command that is not a valid speed and turn rate.",
     Cause.DRIVES_INTO_A_HAZARD: "It drives into a cell that is already burning or solid.",
     Cause.CAUGHT_BY_A_CHANGE: "It is in a cell when the cell catches fire or becomes solid.",
+    Cause.CONFUSED_BY_CHANGES: "It fails because cells change while it drives: it arrives if they have "
+    "all changed before it starts.",
+    Cause.NEEDS_A_WIDER_GAP: "It does not drive through a gap that is wide enough for it; a smaller "
+    "robot arrives.",
     Cause.STANDS_STILL: "It stops in the open and never moves again.",
     Cause.PUSHES_A_WALL: "It keeps driving against a wall and does not get away from it.",
     Cause.TURNS_BACK_AND_FORTH: "It turns back and forth, or around, instead of driving on.",
@@ -162,6 +168,10 @@ _ADVICE = {
     "computation of the command.",
     Cause.DRIVES_INTO_A_HAZARD: "Check its reaction to walls sensed ahead.",
     Cause.CAUGHT_BY_A_CHANGE: "Check how soon it leaves cells that it can sense are about to close.",
+    Cause.CONFUSED_BY_CHANGES: "Check what it remembers about walls: what it has seen may have changed "
+    "since.",
+    Cause.NEEDS_A_WIDER_GAP: "Check how much room it wants at walls and for its turns: its radius must "
+    "be enough.",
     Cause.STANDS_STILL: "Look for a condition under which no command is sent, or speed is 0.",
     Cause.PUSHES_A_WALL: "Check what it does at a bump: does it turn, and does it keep turning?",
     Cause.TURNS_BACK_AND_FORTH: "Look for two decisions that undo each other, and for a turn that "

@@ -17,7 +17,15 @@ import numpy.typing as npt
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["KINDS", "Contact", "contacts", "enclosure", "part_of", "winding_number"]
+__all__ = [
+    "KINDS",
+    "Contact",
+    "contacts",
+    "enclosure",
+    "part_of",
+    "walls_at_the_end",
+    "winding_number",
+]
 
 KINDS = ("nook", "end", "post", "corner", "wall")
 """Kinds of contact, the most specific first.
@@ -98,6 +106,14 @@ def winding_number(x: Floats, y: Floats, cells: Iterable[tuple[int, int]]) -> in
     return most
 
 
+def walls_at_the_end(world: World) -> npt.NDArray[np.bool_]:
+    """Return the (height, width) solid cells as they are after the last event."""
+    walls = world.walls.copy()
+    for event in world.timeline:
+        walls[event.iy, event.ix] = event.state.word == "solid"
+    return walls
+
+
 def enclosure(world: World, places: Iterable[tuple[float, float]]) -> str:
     """Return how enclosed a place is, judging by the directions with a wall within four cells.
 
@@ -143,10 +159,7 @@ class _Solid:
     """A world's solid cells, including everything outside the grid."""
 
     def __init__(self, world: World) -> None:
-        walls = world.walls.copy()
-        for event in world.timeline:
-            walls[event.iy, event.ix] = event.state.word == "solid"
-        self._walls = walls
+        self._walls = walls_at_the_end(world)
         self._reach = math.ceil(world.robot_radius / world.cell_size) + 1
 
     def __call__(self, ix: int, iy: int) -> bool:

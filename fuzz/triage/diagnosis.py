@@ -12,6 +12,7 @@ from dataclasses import replace
 from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
 from fuzz.triage.cause import Cause
+from fuzz.triage.changed_worlds import Arrives, arrives_in, fails_by_timing, needs_a_wider_gap
 from fuzz.triage.fleet_signature import Standoff, standoff
 from fuzz.triage.hazards import is_hazard, is_unsensed
 from fuzz.triage.signature import is_entered
@@ -89,17 +90,20 @@ def cause_of(failure: Failure) -> Cause:
     if (known := _BY_VERDICT.get(failure.verdict)) is not None:
         return known
     try:
-        return cause_of_run(failure.world, failure.run())
+        arrives = arrives_in(failure.record.controller, failure.options)
+        return cause_of_run(failure.world, failure.run(), arrives)
     except (WorldgenError, OutOfTime):
         return Cause.UNKNOWN
 
 
-def cause_of_run(world: World, episode: Episode) -> Cause:
+def cause_of_run(world: World, episode: Episode, arrives: Arrives | None = None) -> Cause:
     """Return the cause of a recorded run that did not arrive.
 
     Args:
         world: World of the run.
         episode: The run, recorded.
+        arrives: Runs the same scenario in changed worlds. If omitted, the causes that need such a
+            run are not considered.
     """
     evidence = episode.evidence
     if (known := _BY_VERDICT.get(episode.verdict)) is not None:
@@ -115,7 +119,9 @@ def cause_of_run(world: World, episode: Episode) -> Cause:
         return _of_wall(evidence)
     behaviour = behaviour_of(world, episode)
     is_stuck = episode.verdict == Verdict.LOOP or episode.verdict in OUT_OF_BUDGET
-    return _of_behaviour(behaviour) if behaviour is not None and is_stuck else Cause.UNKNOWN
+    if behaviour is None or not is_stuck:
+        return Cause.UNKNOWN
+    return _of_changed_worlds(world, behaviour, arrives) or _of_behaviour(behaviour)
 
 
 def _of_fleet(world: World, episode: FleetEpisode) -> Cause:
@@ -155,26 +161,45 @@ def _of_wall(evidence: WallEvidence) -> Cause:
             return Cause.SLIDES_INTO_A_WALL
 
 
+def _of_changed_worlds(world: World, seen: RepeatedPart, arrives: Arrives | None) -> Cause | None:
+    """Return a cause that only further runs show, if it is one of these."""
+    if arrives is None:
+        return None
+    try:
+        if fails_by_timing(world, arrives):
+            return Cause.CONFUSED_BY_CHANGES
+        # Walls that a robot touches say more about it than gaps that it keeps away from.
+        if seen.touching < _RARELY and needs_a_wider_gap(world, arrives):
+            return Cause.NEEDS_A_WIDER_GAP
+    except OutOfTime:
+        # Without the time for these runs, what the robot does is the best answer.
+        return None
+    return None
+
+
 def _of_behaviour(seen: RepeatedPart) -> Cause:
     at_one_place = seen.extent <= _ONE_PLACE
+
+    # At one place, or turning all the time: it follows nothing and aims at nothing.
+    if at_one_place and seen.touching == 1.0 and seen.turning < _RESTLESS:
+        return Cause.PUSHES_A_WALL
+    if seen.turning >= _RESTLESS or (at_one_place and seen.sharpest >= _ABOUT_FACE):
+        return Cause.TURNS_BACK_AND_FORTH
 
     # Next to the target with nothing in between: whatever it does there, walls are not the reason.
     near = seen.nearest <= seen.reach + _CLOSE and seen.farthest <= seen.reach + _NEARBY
     if near and not seen.is_blocked and seen.touching < _MOSTLY:
         return Cause.MISSES_THE_TARGET
 
-    # A robot that stays at one place or turns all the time follows nothing.
-    if at_one_place and seen.touching == 1.0 and seen.turning < _RESTLESS:
-        return Cause.PUSHES_A_WALL
-    if seen.turning >= _RESTLESS or (at_one_place and seen.sharpest >= _ABOUT_FACE):
-        return Cause.TURNS_BACK_AND_FORTH
-
     # Along walls. A robot that follows the whole of a wall goes around an island, or around the target,
     # which is inside the outer wall; a robot that does neither has left the wall in between.
     if seen.off_wall <= _ALONG and (seen.around_island or seen.around_target):
         return Cause.CIRCLES_A_WALL
-    if seen.touching < _RARELY:
-        if seen.is_blocked:
-            return Cause.TRAPPED_BEHIND_A_WALL
-        return Cause.STANDS_STILL if at_one_place else Cause.DRIVES_IN_CIRCLES
-    return Cause.RETURNS_TO_THE_WALL if seen.touching >= _OFTEN else Cause.BOUNCES_BETWEEN_WALLS
+    if seen.touching >= _RARELY:
+        follows = seen.touching >= _OFTEN
+        return Cause.RETURNS_TO_THE_WALL if follows else Cause.BOUNCES_BETWEEN_WALLS
+
+    # Away from walls. A robot that stays near the place where it is nearest is held there.
+    if seen.is_blocked and seen.farthest <= seen.nearest + _NEARBY:
+        return Cause.TRAPPED_BEHIND_A_WALL
+    return Cause.STANDS_STILL if at_one_place else Cause.DRIVES_IN_CIRCLES

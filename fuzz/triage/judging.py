@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
 from fuzz.triage.cause import Cause
+from fuzz.triage.changed_worlds import arrives_in
 from fuzz.triage.crash_bucket import FACTS
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
 from fuzz.triage.hazards import HAZARD, hazard_details, is_unsensed
@@ -142,7 +143,11 @@ def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str,
     if HAZARD in details:
         return Cause.HARMED_UNSENSED if is_unsensed(details) else Cause.PUSHED_TOO_HARD
     episode = trial.episode
-    return cause_of_run(trial.world, replace(episode, evidence=found.evidence or episode.evidence))
+    return cause_of_run(
+        trial.world,
+        replace(episode, evidence=found.evidence or episode.evidence),
+        arrives_in(trial.controller, trial.options),
+    )
 
 
 def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:

@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 
@@ -15,8 +16,10 @@ from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import compare
 from fuzz.overview.natural import NaturalRuns, natural_families, natural_runs
 from fuzz.overview.overview import Overview, write_overview
+from fuzz.overview.terminal import Headline, overview_lines
 from fuzz.triage.behaviour import behaviour_of
 from fuzz.triage.cause import Severity
+from fuzz.triage.changed_worlds import arrives_in
 from fuzz.triage.diagnosis import CAUSE, cause_of, cause_of_run
 from fuzz.triage.judging import failure_of
 from fuzz.triage.proofs import certified
@@ -26,6 +29,7 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import Pose, Target, World
 from worldgen.errors import FormatError
+from worldgen.timeline import CellState, Timeline
 
 SHIPPED = Path(__file__).parents[2] / "corpora/failures"
 HERE = "tests.fuzz.test_root_causes"
@@ -66,6 +70,47 @@ class Backs(Still):
         return Command(0.5, turn / observation.time_step), ((memory[0] + 1.0) % 10.0,)
 
 
+class WantsRoom(Still):
+    """Drives for the target, but stops in front of the gap of `gap` unless 60 % more fits."""
+
+    def act(self, observation, memory):
+        refuses = observation.x > 0.8 and 1.6 * observation.radius > 0.1
+        return heading_for_the_target(observation, 0.0 if refuses else 1.0), memory
+
+
+class Remembers(Still):
+    """Drives for the target until it bumps, and believes in that wall forever."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        blocked = float(observation.bump or memory[0] == 1.0)
+        return heading_for_the_target(observation, 1.0 - blocked), (blocked,)
+
+
+def heading_for_the_target(observation, share_of_speed):
+    turn = math.remainder(observation.target_heading - observation.heading, math.tau)
+    return Command(share_of_speed * observation.top_speed, turn / observation.time_step)
+
+
+def gap(opens_at=None):
+    """Two rooms and a gap of 0.2 m between them; it is closed until it opens."""
+    walls = np.zeros((9, 20), bool)
+    walls[:, 10] = True
+    walls[4:6, 10] = opens_at is not None
+    events = [] if opens_at is None else [(opens_at, 10, iy, CellState.FREE) for iy in (4, 5)]
+    world = World(
+        walls,
+        start=Pose(0.25, 0.5, 0.0),
+        target=Target(1.75, 0.5, 0.05),
+        cell_size=0.1,
+        robot_radius=0.07,
+        timeline=Timeline.of(events),
+    )
+    return certified(world)
+
+
 def hall(width=30, height=20, start=(1.55, 1.05)):
     """An empty hall; the robot looks right, away from its target."""
     return World(
@@ -100,6 +145,29 @@ def certified_hall():
 def test_a_plain_fault_has_the_cause_that_its_run_shows(controller, cause):
     failure = found_by(controller)
     assert failure.record.details[CAUSE] == cause.value and cause_of(failure) == cause
+
+
+def test_a_robot_that_a_gap_holds_back_needs_a_wider_one():
+    failure = found_by("WantsRoom", gap())
+    assert failure.record.details[CAUSE] == Cause.NEEDS_A_WIDER_GAP.value
+    assert cause_of_run(failure.world, failure.run()) == Cause.STANDS_STILL
+
+
+def test_a_wall_that_is_gone_confuses_a_robot_that_remembers_it():
+    failure = found_by("Remembers", gap(opens_at=30.0))
+    assert failure.record.details[CAUSE] == Cause.CONFUSED_BY_CHANGES.value
+    assert cause_of(failure) == Cause.CONFUSED_BY_CHANGES
+    arrives = arrives_in(failure.record.controller, failure.options)
+    assert arrives(gap()) and not arrives(failure.world)
+
+
+def test_local_minima_hold_a_robot_of_any_size_and_gaps_only_a_large_one():
+    def causes(name):
+        files = sorted((SHIPPED / name).rglob("*.grid"))
+        return [cause_of(one) for one in map(Failure.read, files) if one.verdict != "timeout"]
+
+    assert Cause.NEEDS_A_WIDER_GAP not in causes("potential-field")
+    assert Cause.NEEDS_A_WIDER_GAP in causes("dynamic-window")
 
 
 @pytest.mark.parametrize(
@@ -274,6 +342,28 @@ def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
     assert {kind for cause in answer["causes"] for kind in cause["classes"]} >= set(answer["met"])
     assert (tmp_path / "json" / answer["causes"][0]["file"]).is_file()
     assert read_overview(tmp_path / "json")["natural"] == answer["natural"]
+
+
+def test_a_campaign_without_a_whole_unit_does_not_say_that_nothing_fails(tmp_path):
+    headline = Headline("mine under swept", tmp_path, 107, 0, is_failing=False, open_worlds=13)
+    lines = [click.unstyle(line) for line in overview_lines(Overview(()), headline)]
+    assert "too little time for an answer" in lines[0] and "did not arrive in 13" in lines[0]
+    assert lines[-1].startswith("give it more time: worldgen fuzz --resume ")
+    done = replace(headline, open_worlds=0)
+    assert "no failure of mine under swept found" in click.unstyle(
+        overview_lines(Overview(()), done)[0]
+    )
+
+
+def test_a_robot_that_surely_fails_in_most_natural_worlds_rarely_arrives(tmp_path):
+    cause = CauseTotals(Cause.CIRCLES_A_WALL, ("a",), {"loop": 9})
+    headline = Headline("mine under swept", tmp_path, 107, 1)
+
+    def first_line(arrived):
+        natural = NaturalRuns(worlds=40, arrived=arrived)
+        return click.unstyle(overview_lines(Overview((cause,), natural), headline)[0])
+
+    assert "rarely arrives" in first_line(5) and "does not always arrive" in first_line(20)
 
 
 def test_each_class_has_its_page_only_if_asked_for(tmp_path):

@@ -1,0 +1,90 @@
+"""Causes that only a second run shows: the same scenario, in a world that is changed in one respect.
+
+What a robot does in the part that repeats often looks the same whether a gap is too narrow for it or
+a wall is in between. Whether a smaller robot arrives tells them apart.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import replace
+
+from fuzz.triage.contacts import walls_at_the_end
+from sim.episode import simulate
+from sim.options.run import RunOptions
+from sim.verdict import ARRIVALS
+from worldgen.difficulty.bottleneck import bottleneck
+from worldgen.errors import WorldgenError
+from worldgen.timeline import Timeline
+from worldgen.world import World
+
+__all__ = ["Arrives", "arrives_in", "fails_by_timing", "needs_a_wider_gap"]
+
+Arrives = Callable[[World], bool]
+"""Runs the scenario in another world, and returns True if the robot arrives there."""
+
+# A place is a gap if two of the robots do not fit through it side by side.
+_GAP = 2.0
+
+# Radii of smaller robots, as shares of the robot's own, the smallest first: most robots that a gap
+# does not hold back fail at once, which saves the other runs.
+_SMALLER = (0.5, 0.6, 0.7, 0.8, 0.9)
+
+# So many of the smaller robots must arrive. In a world that is hard for another reason, one or two
+# may arrive by chance.
+_FEWEST = 3
+
+
+def arrives_in(controller: str, options: RunOptions) -> Arrives:
+    """Return a function that runs a scenario in other worlds.
+
+    Args:
+        controller: Name of the controller.
+        options: Options of the run.
+    """
+
+    def arrives(world: World) -> bool:
+        try:
+            return simulate(world, controller, options).verdict in ARRIVALS
+        except WorldgenError:
+            # The changed robot does not fit at the start, or its wheels would not fit the robot.
+            return False
+
+    return arrives
+
+
+def fails_by_timing(world: World, arrives: Arrives) -> bool:
+    """Return True if the robot arrives once all changes have happened before it starts.
+
+    Then neither the walls that it ends up with nor those that it starts with stop it. It fails
+    because a cell changes while it drives.
+    """
+    if not world.timeline:
+        return False
+    return arrives(
+        replace(
+            world,
+            walls=walls_at_the_end(world),
+            timeline=Timeline(),
+            certificate=None,
+            failure=None,
+        )
+    )
+
+
+def needs_a_wider_gap(world: World, arrives: Arrives) -> bool:
+    """Return True if a gap on the path holds the robot back, although it fits through.
+
+    That is so if every path leads through a gap, and all robots arrive that are smaller than some
+    radius below the robot's own.
+    """
+    widest = bottleneck(world, walls_at_the_end(world))
+    if widest >= _GAP * world.robot_radius:
+        return False
+    changed = replace(world, certificate=None, failure=None)
+    # The first robot that does not arrive decides, so no larger one is tried.
+    arrived = itertools.takewhile(
+        lambda share: arrives(replace(changed, robot_radius=share * world.robot_radius)), _SMALLER
+    )
+    return len(list(arrived)) >= _FEWEST
