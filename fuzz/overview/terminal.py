@@ -21,6 +21,14 @@ __all__ = ["Headline", "describe_coverage", "describe_rate", "overview_lines"]
 # whole campaign, this makes fifteen.
 _MOST_IN_SHORT = 2
 
+# What can depend on a wall or a number; an error of the controller or a rule of the user's does not.
+_EXPLAINED = (
+    Severity.THROUGH_WALLS,
+    Severity.HARMED,
+    Severity.NEVER_ARRIVES,
+    Severity.TOO_SLOW,
+)
+
 # A robot whose rate of arrival is surely below this arrives rarely.
 _RARE = 0.5
 
@@ -71,7 +79,8 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     if causes:
         lines += _in_full(causes[0], overview.natural, headline)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
-        lines += [f"{number}. {_title(cause, overview.natural)}", f"   {cause.cause.sentence}"]
+        advice = f"   {cause.cause.sentence} {cause.cause.advice}"
+        lines += [f"{number}. {_title(cause, overview.natural)}", advice]
     more = len(causes) - 1 - _MOST_IN_SHORT
     if more > 0:
         names = ", ".join(cause.cause.value for cause in causes[1 + _MOST_IN_SHORT :])
@@ -122,11 +131,11 @@ def describe_coverage(natural: NaturalRuns) -> str:
     turns = [name for name, row in table["turns"].items() if not row["worlds"]]
     never = []
     if clearances:
-        never.append(f"room for {_listed(clearances)} robot radii")
+        never.append(f"paths with room for {_listed(clearances)} robot radii")
     if turns:
-        never.append(f"{_listed(turns)} quarter turns")
+        never.append(f"paths with {_listed(turns).replace('no', '0')} quarter turns")
     text = f"natural worlds of {counted(len(tried), 'family', 'families')}"
-    return text + (f"; no path tried with {', nor with '.join(never)}" if never else "")
+    return text + (f"; never tried: {', '.join(never)}" if never else "")
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -191,9 +200,12 @@ def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
 def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline) -> list[str]:
     """Return four lines: what and how often, why, its dependencies, the command."""
     lines = [f"1. {_title(cause, natural)}", f"   {cause.cause.sentence} {cause.cause.advice}"]
+    path = shown(shlex.quote(str(headline.folder / cause.file)))
+    has_file = bool(cause.file) and headline.lasts
     if cause.why is not None:
         lines.append(f"   It {shown(cause.why.describe())}.")
-    if cause.file and headline.lasts:
-        path = shlex.quote(str(headline.folder / cause.file))
-        lines.append(f"   worldgen replay {shown(path)} --show")
+    elif has_file and cause.cause.severity in _EXPLAINED:
+        lines.append(f"   what it depends on: worldgen explain {path}")
+    if has_file:
+        lines.append(f"   worldgen replay {path} --show")
     return lines

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from importlib.resources import files
@@ -120,6 +121,7 @@ def _failure(
         "reason": seen.replay.reason,
         "path": str(entry.path),
         "replay": entry.replay_command,
+        "explain": f"worldgen explain {shlex.quote(str(entry.path))}",
         "cause": cause.value,
         "sentence": cause.sentence,
         "advice": cause.advice,

@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { element, press, type } from "./stand_in.mjs";
+import { makeAnswer } from "#report/answer.js";
 import { makeCampaign } from "#report/charts.js";
 import { makeOverview } from "#report/overview.js";
 
@@ -35,6 +36,22 @@ test("failures are in groups by cause, each with how many it has", () => {
   assert.deepEqual(headings(), ["turn-right under swept 3", "bug1 under swept 1"]);
   set("Group by", "none");
   assert.deepEqual(headings(), []);
+});
+
+test("groups of causes come in the order of the answer, the worst first", () => {
+  list.replaceChildren();
+  makeOverview(list, FAILURES, ["steps-over-a-wall", "circles-a-wall"]);
+  assert.deepEqual(headings(), ["steps over a wall 2", "circles a wall 1", "wanders 1"]);
+});
+
+test("the answer gives every cause its advice, and a command where no change was tried", () => {
+  const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, natural: 2, classes: ["a"], file: "one.grid", why: "", ...more });
+  const natural = { worlds: 40, arrived: 4, unsensed: 0, share: 0.1, low: 0.03, high: 0.24, families: { trap: { worlds: 40, arrived: 4 } }, clearances: { "1 to 2": { worlds: 40, arrived: 4 }, "2 to 3": { worlds: 0, arrived: 0 } }, turns: {} };
+  const answer = { controller: "c", motion: "m", causes: [cause("circles-a-wall"), cause("wanders", { file: "", why: "arrives if cell (1, 1) is free" })], natural, comparison: null, campaign: 0 };
+  const shown = element("answer");
+  makeAnswer(shown, { failures: [failure("one", "loop", 20, { explain: "worldgen explain one.grid", replay: "worldgen replay one.grid", test: "" })], extras: [], campaigns: [], answers: [answer] });
+  for (const words of ["It rarely arrives.", "Mend circles-a-wall.", "Mend wanders.", "worldgen explain one.grid", "It arrives if cell (1, 1) is free.", "Never tried: paths with room for 2 to 3 robot radii."])
+    assert.ok(shown.textContent.includes(words), words);
 });
 
 test("verdicts and a search choose cards, and none says so", () => {

@@ -211,6 +211,8 @@ interface ReportFailure {
   reason: string;
   path: string;
   replay: string;
+  /** The command that finds what it depends on. */
+  explain: string;
   cause: string;
   sentence: string;
   advice: string;

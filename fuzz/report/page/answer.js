@@ -25,6 +25,9 @@ const COLOURS = {
   unsensed: "burned",
 };
 
+// What can depend on a wall or a number; an error of the controller or a rule of the user's does not.
+const EXPLAINED = new Set(["through-walls", "harmed", "never-arrives", "too-slow"]);
+
 /**
  * Fills the section with the answer for each controller.
  * @param {HTMLElement} section
@@ -35,7 +38,7 @@ export function makeAnswer(section, data) {
   const all = [...data.failures, ...data.extras];
   const find = (path) => all.find((failure) => failure.path === path);
   const several = data.answers.length > 1;
-  section.replaceChildren(...data.answers.map((answer) => answerPart(answer, find, several)));
+  section.replaceChildren(...data.answers.map((answer) => answerPart(answer, find, several, data.campaigns[answer.campaign])));
   const redraw = () => {
     for (const canvas of section.querySelectorAll("canvas")) {
       const failure = all.find((one) => one.id === canvas.dataset.id);
@@ -46,7 +49,7 @@ export function makeAnswer(section, data) {
   return { redraw };
 }
 
-function answerPart(answer, find, several) {
+function answerPart(answer, find, several, campaign) {
   const causes = answer.causes.filter((cause) => cause.severity !== "unsensed");
   const worst = causes[0];
   const failure = worst && find(worst.file);
@@ -60,7 +63,7 @@ function answerPart(answer, find, several) {
       el(
         "div",
         {},
-        verdictPart(worst, answer),
+        verdictPart(worst, answer, campaign),
         el(
           "ol",
           { class: "causes" },
@@ -74,7 +77,9 @@ function answerPart(answer, find, several) {
   );
 }
 
-function verdictPart(worst, answer) {
+function verdictPart(worst, answer, campaign) {
+  if (!worst && campaign && campaign.units === 0)
+    return el("p", { class: "headline", "data-verdict": "timeout" }, "There was too little time for an answer.");
   const words = worst ? headline(worst, answer.natural) : "No failure found";
   return el(
     "div",
@@ -88,10 +93,12 @@ function verdictPart(worst, answer) {
   );
 }
 
+// Half of all worlds: a robot whose rate is surely below it arrives rarely.
+const RARE = 0.5;
+
 function headline(worst, natural) {
-  if (worst.severity !== "never-arrives" || !natural || !natural.worlds || natural.share >= 0.5)
-    return PHRASES[worst.severity];
-  return natural.arrived === 0 ? "It does not arrive" : "It mostly does not arrive";
+  const rare = worst.severity === "never-arrives" && natural && natural.worlds && natural.high < RARE;
+  return rare ? "It rarely arrives" : PHRASES[worst.severity];
 }
 
 // How often it arrives in natural worlds, as a sentence and as a bar with the interval.
@@ -123,15 +130,19 @@ function coverage(natural) {
   const clearances = never(natural.clearances),
     turns = never(natural.turns);
   const missing = [
-    clearances.length ? `room for ${clearances.join(", ")} robot radii` : "",
-    turns.length ? `paths with ${turns.join(", ")} quarter turns` : "",
+    clearances.length ? `paths with room for ${listed(clearances)} robot radii` : "",
+    turns.length ? `paths with ${listed(turns).replace("no", "0")} quarter turns` : "",
   ].filter(Boolean);
   return el(
     "p",
     { class: "quiet" },
     `Natural worlds are those of families at default settings: ${tried.join(", ")}.`,
-    missing.length ? ` Never tried: ${missing.join("; ")}.` : "",
+    missing.length ? ` Never tried: ${missing.join(", ")}.` : "",
   );
+}
+
+function listed(names) {
+  return [names.slice(0, -1).join(", "), names.at(-1)].filter(Boolean).join(" or ");
 }
 
 function causeItem(cause, answer, failure, first) {
@@ -152,10 +163,17 @@ function causeItem(cause, answer, failure, first) {
       cause.state === "new" ? el("span", { class: "new" }, "new") : null,
       el("span", { class: "quiet" }, often.join("; ")),
     ),
-    el("p", {}, cause.sentence, first ? ` ${cause.advice}` : ""),
-    cause.why ? el("p", { class: "why" }, `It ${cause.why}.`) : null,
+    el("p", {}, `${cause.sentence} ${cause.advice}`),
+    whyPart(cause, first && failure),
     first && failure ? commandPart(failure) : null,
   );
+}
+
+// What no change explains has no sentence; where the campaign had no time for it, a command makes up for that.
+function whyPart(cause, failure) {
+  if (cause.why) return el("p", { class: "why" }, `It ${cause.why}.`);
+  if (!failure || !EXPLAINED.has(cause.severity)) return null;
+  return el("p", { class: "why" }, "What it depends on: ", el("code", {}, failure.explain));
 }
 
 function commandPart(failure) {

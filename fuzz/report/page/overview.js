@@ -34,9 +34,10 @@ function stepsOf(failure) {
 /**
  * @param {HTMLElement} section
  * @param {ReportFailure[]} failures
+ * @param {string[]} causes The causes in the order of the answer, the worst first; their groups come in it.
  * @returns {Overview}
  */
-export function makeOverview(section, failures) {
+export function makeOverview(section, failures, causes = []) {
   const wanted = { text: "", verdicts: new Set(), controller: "", order: "class", group: "cause" };
   const list = el("div", { class: "groups" });
   const count = el("span", { class: "quiet", role: "status" });
@@ -57,7 +58,8 @@ export function makeOverview(section, failures) {
   const several = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}`)).size > 1;
   const refresh = () => {
     const shown = failures.filter((failure) => fits(failure, wanted)).sort(ORDERS[wanted.order][1]);
-    list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], several));
+    const first = wanted.group === "cause" ? causes.map((cause) => cause.replaceAll("-", " ")) : [];
+    list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], several, first));
     count.textContent = shown.length === failures.length ? "" : `${shown.length} of ${failures.length} shown`;
     redraw();
   };
@@ -152,7 +154,8 @@ function verdictChips(failures, wanted, refresh) {
   return el("div", { class: "chips", role: "group", "aria-label": "Verdicts" }, [...counts].sort().map(chip));
 }
 
-function groupsOf(failures, nameOf, several) {
+// Groups whose names are in `first` come in that order, the others after them.
+function groupsOf(failures, nameOf, several, first) {
   if (failures.length === 0)
     return [el("p", { class: "quiet" }, "No failure matches. Clear the search, or choose other verdicts.")];
   const groups = new Map();
@@ -160,7 +163,9 @@ function groupsOf(failures, nameOf, several) {
     const name = nameOf(failure);
     groups.set(name, [...(groups.get(name) || []), failure]);
   }
-  return [...groups].map(([name, members]) =>
+  const rank = (name) => (first.includes(name) ? first.indexOf(name) : first.length);
+  const ordered = [...groups].sort((a, b) => rank(a[0]) - rank(b[0]));
+  return ordered.map(([name, members]) =>
     el(
       "div",
       { class: "group" },

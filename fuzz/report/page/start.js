@@ -95,7 +95,8 @@ function route() {
 function start() {
   showTotals();
   page.answer = makeAnswer(byId("answer"), data);
-  if (data.failures.length > 0) page.overview = makeOverview(views.overview, data.failures);
+  const causes = data.answers.flatMap((answer) => answer.causes.map((cause) => cause.cause));
+  if (data.failures.length > 0) page.overview = makeOverview(views.overview, data.failures, causes);
   else if (data.answers.length === 0) views.overview.append(el("p", { class: "quiet" }, "No failure was found."));
   if (data.campaigns.length > 0) makeCampaign(views.campaign, data.campaigns, data.failures);
   followSystem(byId("theme"), redraw);
