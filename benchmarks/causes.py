@@ -210,6 +210,7 @@ def main() -> None:
             rows.append(row)
             if not given.json:
                 click.echo(_row(row))
+    # The totals follow the rows.
     if given.json:
         click.echo(json.dumps({"rows": [asdict(row) for row in rows], "purity": purity(rows)}))
         return

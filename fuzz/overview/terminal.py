@@ -149,6 +149,7 @@ def _is_open(overview: Overview, headline: Headline) -> bool:
 
 def _verdict_line(overview: Overview, headline: Headline) -> str:
     """Return in a few words whether it works."""
+    # Hazards that the robot cannot sense are not its own failures.
     own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
     searched = f"{counted(headline.worlds, 'world')} searched"
     if _is_open(overview, headline):
@@ -157,6 +158,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
             f"{shown(headline.who)}: {too_short}; {searched}, it did not arrive in "
             f"{headline.open_worlds}, and none of these is proved to be a failure yet"
         )
+    # Without failures, say what the search did not count as one.
     if not headline.is_failing:
         what = "new failure" if headline.is_known else "failure"
         pushed = any(one.cause == Cause.PUSHED_TOO_HARD for one in overview.causes)
@@ -165,6 +167,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         hazards = f", except for hazards that it cannot {beyond}" if others else ""
         found = f"no {what} of {shown(headline.who)} found{hazards}"
         return f"{click.style(found, fg='green', bold=True)}; {searched}"
+    # Otherwise the worst cause gives the verdict.
     who = click.style(shown(headline.who), bold=True)
     worst = overview.causes[0].cause.severity
     words = worst.phrase
