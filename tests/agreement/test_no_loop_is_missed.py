@@ -78,7 +78,7 @@ def test_every_repetition_in_a_dictionary_of_states_is_found():
 def test_every_repetition_of_thousands_of_longer_runs_is_found(seed):
     assert (
         compare(
-            FAMILIES.names(),
+            [name for name in FAMILIES.names() if not FAMILIES.get(name).places_robots],
             [seed],
             [name for name in CONTROLLERS.names() if name not in ALIASES],
             4_000,
