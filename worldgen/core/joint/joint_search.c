@@ -7,6 +7,7 @@
 // Okumura, "LaCAM: Search-Based Algorithm for Quick Multi-Agent Pathfinding" (2023).
 // Okumura et al., "Priority Inheritance with Backtracking for Iterative Multi-agent Path Finding" (2022), for the rule.
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -85,6 +86,7 @@ static WgStatus add_state(States *states, const int32_t *places, int64_t tick, i
     *index = -1;
     for (; states->table[at & (uint64_t)states->mask] != 0; at++) {
         int64_t known = states->table[at & (uint64_t)states->mask] - 1;
+        assert(known < states->count && states->nodes != NULL);
         if (wg_min(states->nodes[known].tick, states->joint->ticks - 1) == moment &&
             memcmp(places_of(states, known), places, (size_t)robots * sizeof *places) == 0) {
             return WG_OK;
@@ -246,7 +248,7 @@ static WgStatus add_successors(Exhaust *search, int64_t index)
         while (move < WG_MOVES && !fits_before(search, here, robot, move, tick)) {
             move++;
         }
-        if (move == WG_MOVES) {
+        if (move >= WG_MOVES) {
             robot--;
             continue;
         }
@@ -332,6 +334,7 @@ WgStatus wg_joint_exhaust(const WgJoint *joint, int64_t most, WgJointPlan **made
 // The depth-first search, and the rule that makes the next joint state.
 typedef struct Lacam {
     States states;
+    int64_t robots;
     Wish *wishes;
     int64_t wish_count;
     int64_t wish_room;
@@ -352,6 +355,7 @@ static void unassign(Lacam *search, int64_t mark)
 
 static void assign(Lacam *search, int64_t robot, int64_t node)
 {
+    assert(search->assigned < search->robots);
     search->next[robot] = (int32_t)node;
     search->trail[search->assigned++] = (int32_t)robot;
 }
@@ -405,7 +409,7 @@ static bool push(Lacam *search, int64_t robot)
         }
         assign(search, robot, to);
         bool all_moved = true;
-        for (int64_t other = 0; other < joint->robots && all_moved; other++) {
+        for (int64_t other = 0; other < search->robots && all_moved; other++) {
             bool in_the_way = search->next[other] < 0 &&
                               robots_conflict(joint, robot, search->here[robot], to, other, search->here[other],
                                               search->here[other]);
@@ -422,9 +426,8 @@ static bool push(Lacam *search, int64_t robot)
 // Makes a next joint state that satisfies a constraint; returns false if the rule finds none.
 static bool make_next(Lacam *search, const Wish *wish)
 {
-    const WgJoint *joint = search->states.joint;
     search->assigned = 0;
-    for (int64_t robot = 0; robot < joint->robots; robot++) {
+    for (int64_t robot = 0; robot < search->robots; robot++) {
         search->next[robot] = -1;
     }
     for (; wish->depth > 0; wish = &search->wishes[wish->parent]) {
@@ -433,7 +436,7 @@ static bool make_next(Lacam *search, const Wish *wish)
         }
         assign(search, wish->robot, wish->node);
     }
-    for (int64_t i = 0; i < joint->robots; i++) {
+    for (int64_t i = 0; i < search->robots; i++) {
         int64_t robot = search->order[i];
         if (search->next[robot] < 0 && !push(search, robot)) {
             return false;
@@ -468,8 +471,7 @@ static bool add_wish(Lacam *search, int64_t state, Wish wish)
 
 static WgStatus dive(Lacam *search, int64_t most, WgJointPlan **made, WgProgress *progress)
 {
-    const WgJoint *joint = search->states.joint;
-    int64_t robots = joint->robots;
+    int64_t robots = search->robots;
     int32_t *here = malloc((size_t)robots * sizeof *here);
     if (here == NULL) {
         return WG_OUT_OF_MEMORY;
@@ -547,8 +549,8 @@ WgStatus wg_joint_lacam(const WgJoint *joint, int64_t most, WgJointPlan **made, 
     if (most > INT32_MAX / 128) {
         return WG_BAD_VALUE;
     }
-    Lacam search = {0};
-    size_t size = (size_t)joint->robots * sizeof(int32_t);
+    Lacam search = {.robots = joint->robots};
+    size_t size = (size_t)search.robots * sizeof(int32_t);
     search.order = malloc(size);
     search.next = malloc(size);
     search.trail = malloc(size);
