@@ -66,7 +66,8 @@ def rounder(value: float, usual: float = 0.0, *, up: bool = True) -> Iterator[fl
     near += [float(f"{value:.{digits}g}") for digits in (1, 2, 3)]
     near += [math.floor(value / float(power)) * float(power)]
 
-    # Keep only those that are actually simpler; among equally simple ones, the nearest comes first.
+    # Keep only the values that are actually simpler; among equally simple ones, the nearest comes
+    # first.
     better = {number for number in near if number_cost(number, usual) < number_cost(value, usual)}
     kept = sorted(better, key=lambda number: (number_cost(number, usual), abs(number - value)))
     yield from (number for number in [usual, *kept] if number != value and (up or number <= value))

@@ -36,7 +36,7 @@ from worldgen.world import Value, Witness, World
 
 __all__ = ["Episode", "area_of", "prepare", "simulate", "wall_evidence"]
 
-# Steps, 30 MB. Slow controllers record this much at once, before a verdict says whether the
+# Steps, 30 MB. Slow controllers record this much from the start, before a verdict shows if the
 # recording is needed, so that they need not run twice.
 _RECORDED_AT_ONCE = 100_000
 

@@ -1,7 +1,7 @@
 """Serve a Python controller as a program: ``python -m sim.host ./mine.py:Robot``.
 
-Run through ``cmd:``, a Python class gets what a program has: a deadline for each step, a memory
-limit and its own process. A class that never returns is then reported as a ``hang`` and no longer
+Through ``cmd:``, a Python class runs like a program: in its own process, with a deadline for each
+step and a memory limit. A class that never returns is then reported as a ``hang`` and no longer
 blocks the simulator. The price is that its loops can no longer be proved.
 """
 
@@ -87,7 +87,7 @@ def _load(arguments: list[str]) -> PythonController:
         raise InvalidParameter(
             "not-a-python-class",
             "{controller} is not a Python class",
-            "give it to --controller as it is",
+            "pass it to --controller unchanged",
             at_terminal=True,
             controller=arguments[0],
         )
@@ -95,7 +95,7 @@ def _load(arguments: list[str]) -> PythonController:
         raise InvalidParameter(
             "plans-with-the-world",
             "{controller} plans with the world, which programs do not receive",
-            "give it to --controller as it is",
+            "pass it to --controller unchanged",
             at_terminal=True,
             controller=arguments[0],
         )

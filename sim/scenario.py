@@ -38,8 +38,8 @@ class Scenario:
 
     Args:
         controller: Name, as the command line takes it.
-        run: Options of each run. The number of steps comes from the world, see :meth:`options`,
-            so the one given here is not kept.
+        run: Options of each run. The number of steps depends on the world, see :meth:`options`, so
+            the number given here is ignored.
     """
 
     controller: str
@@ -78,7 +78,7 @@ class Scenario:
         name = self.controller
         colon = ""
         command = ""
-        # A command line may contain anything, so the options stand before it.
+        # A command line may contain anything, so the options come before it.
         if _has_options_first(name):
             name, colon, command = name.partition(":")
         words = [name]
@@ -161,7 +161,7 @@ def read_settings(text: str, motion: str = RunOptions.motion) -> tuple[str, dict
 def _split(text: str) -> tuple[str, dict[str, str | None]]:
     """Split a text into name and options.
 
-    Nothing in a program's command line, which begins at the first colon, is an option. Behind a
+    A program's command line begins at the first colon and contains no options. Behind a
     composition's colon, options belong to its parts.
     """
     if not _has_options_first(text):

@@ -42,13 +42,13 @@ class Verdict(StrEnum):
 
 
 ARRIVALS = (Verdict.REACHED, Verdict.COVERED)
-"""Verdicts on a robot that did what its task asks."""
+"""Verdicts on a robot that completed its task."""
 
 FAILURES = tuple(verdict for verdict in Verdict if verdict not in ARRIVALS)
-"""Every verdict on a robot that did not do what its task asks."""
+"""Verdicts on a robot that did not complete its task."""
 
 JOINT_LOOPS = (Verdict.LIVELOCK, Verdict.DEADLOCK, Verdict.STARVED)
-"""Verdicts on several robots whose joint state provably comes back."""
+"""Verdicts on several robots whose joint state provably recurs."""
 
 NEVER = (Verdict.LOOP, *JOINT_LOOPS, Verdict.STALLED)
 """Verdicts on robots that never arrive, however long they drive."""
@@ -74,8 +74,8 @@ MEANINGS = {
     "move meanwhile, so they repeat themselves endlessly and two or more never arrive.",
     Verdict.DEADLOCK: "The robots return to a joint state that they were in before and none of them "
     "moves meanwhile, so they stand still forever and two or more never arrive.",
-    Verdict.STARVED: "All robots but one arrive, and the joint state comes back, so that one never "
-    "arrives.",
+    Verdict.STARVED: "All robots but one arrive, and the joint state recurs, so that one robot "
+    "never arrives.",
     Verdict.STALLED: "The robot enters no new cell in the second half of a budget that is many "
     "times what the path to its target takes.",
     Verdict.TIMEOUT: "The robot has not arrived within a budget that is many times what the path "

@@ -164,7 +164,7 @@ class Boundary:
 def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) -> Boundary | None:
     """Return the first boundary that doubling steps from a value find, narrowed down by bisection.
 
-    Outcomes need not be monotone, so there may be other boundaries, even nearer ones.
+    Outcomes need not be monotone, so other boundaries may exist, even nearer ones.
 
     Args:
         looks: The runs.

@@ -1,7 +1,7 @@
 """Count runs as they happen, across processes, so that a long unit shows progress.
 
 A unit returns its result at its end, which may be a minute away. Each process therefore adds its
-runs to counters that all of them share. They are for people: no result depends on them.
+runs to counters that all of them share. They are shown to people only; no result depends on them.
 """
 
 from __future__ import annotations

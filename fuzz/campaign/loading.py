@@ -1,4 +1,4 @@
-"""Load what the first units of a campaign need, in each of its processes.
+"""Load the modules that a campaign's first units need, in each of its processes.
 
 These are the library and the controller.
 """

@@ -47,7 +47,7 @@ T = TypeVar("T")
 _RESTARTS = 6
 # Seconds after the end of the time in which results may still arrive.
 GRACE = 1.0
-# Units that may be done while an earlier one is not.
+# Units that may be finished before an earlier one is.
 _AHEAD = 64
 
 
@@ -167,7 +167,7 @@ class Shrinking:
 
     Args:
         failure: The failure.
-        complete: True if shrinking ended on its own, rather than by the clock.
+        complete: True if shrinking finished before the time was up.
         effort: How it spent its time.
     """
 
@@ -245,9 +245,9 @@ class Campaign:
         ] = {}
         # Classes that are shrunk once more, preserving the class.
         self._kept_whole: set[str] = set()
-        # Findings of cut units are kept and shown. What later units know, and what is stored about
-        # them, depends only on complete units; otherwise an interrupted campaign would diverge from
-        # an uninterrupted one.
+        # Findings of cut units are kept and shown. The knowledge of later units, and what is stored
+        # about them, depends only on complete units; otherwise an interrupted campaign would
+        # diverge from an uninterrupted one.
         self._memory = SearchState()
         # Units that found a class, by class and whether it is known.
         self._met_whole: Counter[tuple[str, bool]] = Counter()
@@ -427,7 +427,8 @@ class Campaign:
     def _occupied(self) -> int:
         """Return the number of workers that have work, or a result that must be merged first.
 
-        Units are merged in order. Those that are done after an unfinished one keep no worker busy.
+        Units are merged in order. Units that come after an unfinished one do not keep a worker
+        busy.
         """
         units = list(self._under_way.values())
         if self._merged in self._under_way and not self._under_way[self._merged].future.done():
@@ -513,7 +514,7 @@ class Campaign:
 
         Return the failures to shrink, which are the same for any timing.
         """
-        # Take the result; one that was cut short may be worse than an earlier run's.
+        # Take the result, unless an earlier run of the campaign got further with the unit.
         state = self.state
         result = under.future.result()
         if under.seconds is None:
@@ -521,7 +522,7 @@ class Campaign:
             self._handed_in = self._handed_in.plus(result.worlds, result.steps, result.verdicts)
         if result.cut and under.seconds is None:
             result = self._more_of(unit, result)
-        # A unit that knew too little counts as cut, because it must be done again.
+        # A unit with too little knowledge counts as cut, because it must be done again.
         if under.seconds is None and unit // self.config.epoch >= self._knows_too_little:
             state.too_early += not result.cut
             result = replace(result, cut=True)

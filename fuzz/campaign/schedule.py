@@ -13,7 +13,7 @@ __all__ = ["Schedule"]
 
 # Share of the time after which shrinking takes precedence.
 _SEARCH = 0.75
-# Share after which the search ends, even if nothing is left to shrink.
+# Share of the time after which the search ends, even if nothing is left to shrink.
 _SEARCH_ON = 0.9
 # Share of the remaining time in which a failure can still be proved.
 _PROVE = 0.5
@@ -38,8 +38,8 @@ class Schedule:
 
     Time begins with the first work that no earlier run did.
 
-    Start-up counts up to three seconds and a quarter of the time, because on a slow machine nothing
-    of a short budget would be left. The time of the controller's own code counts in full.
+    Start-up counts up to three seconds and a quarter of the time, because on a slow machine it
+    could use up a short budget. The time of the controller's own code counts in full.
 
     Args:
         seconds: Time for search and shrinking together; ``None`` for no limit.

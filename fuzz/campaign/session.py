@@ -103,7 +103,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
     unsaid = options.time_step is None and scenario.run.time_step == usual
     if unsaid and MOTIONS.get(scenario.run.motion).name == "endpoint":
         time_steps = TIME_STEPS
-    # Read what varies; a quantity may be named once.
+    # Read the quantities that vary; each may be named only once.
     varied = tuple(Variation.parse(text, scenario) for text in options.vary)
     names = [one.name for one in varied]
     if twice := {name for name in names if names.count(name) > 1}:
@@ -216,7 +216,7 @@ class CampaignSession:
 
     def run(self) -> int:
         """Do the campaign; return the exit code."""
-        # Search. If workers died or the disk is full, tell what was kept and how to continue.
+        # Search. If workers died or the disk is full, report what was kept and how to continue.
         try:
             with contextlib.closing(self._store):
                 stopped = self._search_and_say_how_it_ended()
@@ -337,7 +337,7 @@ class CampaignSession:
         return stopped
 
     def _conclude(self, *, stopped: bool) -> bool:
-        """Evaluate and write the findings; return whether Ctrl-C came, now or before."""
+        """Evaluate and write the findings; return whether Ctrl-C was pressed, now or before."""
         if not stopped:
             try:
                 with working("running natural worlds and explaining failures"):

@@ -103,8 +103,7 @@ class CiFinding:
             words = ""
             trail = None
             frames = describe_frames(failure.evidence)
-        # Collect what a reader of the CI's log sees: the cause, what happened, and a picture that
-        # fits.
+        # Collect the facts for the CI's log: the cause, what happened, and a picture that fits.
         cause = cause_of(failure)
         what = reason if state == "not confirmed" else f"{record.verdict}{words}"
         picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")

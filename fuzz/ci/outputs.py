@@ -55,7 +55,7 @@ class Outputs:
         for option, path in options.items():
             if path is None:
                 continue
-            # The campaign creates its own folder, so reports in it can't exist yet.
+            # The campaign creates its own folder, so no reports in it can exist yet.
             if made is None or made.exists() or path.resolve().parent != made.resolve():
                 check_output(path, self.force or option == "--summary")
             other = named.setdefault(path.resolve(), option)
@@ -63,7 +63,7 @@ class Outputs:
                 raise OutputError(
                     "same-output-twice",
                     "{path} is named for {other} and for {option}",
-                    "give each its own file",
+                    "give each report its own file",
                     path=path,
                     other=other,
                     option=option,

@@ -19,7 +19,7 @@ from worldgen.plugins.installation import origin, requirement
 __all__ = ["FIXED", "KNOWN", "SEED", "Project"]
 
 SEED = 1
-"""Seed of every pull request's search, so that the same change gives the same result."""
+"""Seed of every pull request's search, so that equal changes give equal results."""
 
 CORPUS = Path("worldgen-corpus")
 KNOWN = CORPUS / "known"
@@ -96,7 +96,7 @@ class Project:
                 "choose a name without it",
                 controller=self.controller,
             )
-        # Nothing that exists may be lost.
+        # No existing file may be lost.
         if not self.folder.is_dir():
             raise OutputError(
                 "wrong-kind-of-file",
@@ -269,7 +269,8 @@ class Project:
 def _yaml(text: str) -> str:
     """Return a text as a YAML scalar.
 
-    It stays as it is if that is safe; else it is put in double quotes, which follow JSON's rules.
+    It stays unquoted if that is safe; otherwise it is put in double quotes, which follow JSON's
+    rules.
     """
     plain = set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:+=")
     safe = (

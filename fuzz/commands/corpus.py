@@ -135,7 +135,7 @@ def show(
         )
     if as_json or png is not None:
         return
-    # Describe every failure; one that cannot be run gets a single line.
+    # Describe every failure; a failure that cannot be run gets a single line.
     for entry in entries:
         failure = Failure.read(entry.path)
         try:
@@ -160,7 +160,7 @@ def merge(
 ) -> None:
     """Copy the smallest failure of each class into a folder, as CONTROLLER/MOTION/CLASS.grid.
 
-    The same corpora give the same files, no matter in which order they are named. A folder that
+    The same corpora give the same files, whatever order they are named in. A folder that
     holds other worlds is refused without --force, which replaces those of the same name and keeps
     the others.
     """

@@ -206,7 +206,7 @@ def _begin(
 
 
 def _last_failures(campaign_run: CampaignRun) -> Baseline:
-    """Return the failures that an earlier campaign left in the folder, run again.
+    """Return the failures that an earlier campaign left in the folder, after running them again.
 
     Unreadable files are about to be overwritten, so they are not reported.
     """

@@ -5,7 +5,7 @@
 #include "step.h"
 
 enum {
-    SLACK = 20, // lattice units: a wall at most this much beyond the disc's edge counts as touched
+    SLACK = 20, // lattice units: a wall at most this far beyond the disc's edge counts as touched
     NEXT = 0x39CE << (2 * WG_NEAR + 1), // bits of a mask: a cell and the eight cells around it
 };
 
@@ -106,7 +106,7 @@ bool wg_look_open(WgSeat *seat, int64_t run)
     return true;
 }
 
-// Counts the cells that the robot was in, and notes how close they are to solid ones.
+// Counts the cells that the robot visited, and notes how close they are to solid ones.
 static void note_path(const WgArena *arena, WgLook *look)
 {
     look->least_clearance = WG_FAR;

@@ -167,7 +167,7 @@ WgStatus wg_seat_begin(WgSeat *seat)
     return wg_episode_begin(seat->episode);
 }
 
-// Notes a run that has ended; returns true if watching the robot further gives more information.
+// Notes a run that has ended; returns true if watching the robot longer gives more information.
 static bool says_more(WgSeat *seat)
 {
     wg_look_close(seat);
@@ -321,8 +321,7 @@ int64_t wg_looks_run(WgSeat *seat, int64_t most_steps)
     return WG_GOES_ON;
 }
 
-// Gives a seat one world after another until its controller must act; returns false if none is
-// left.
+// Gives a seat one world after another until its controller must act; returns false if no world is left.
 static bool board(WgSeat *seat)
 {
     while (wg_seat_next(seat) >= 0) {

@@ -117,7 +117,7 @@ WgStatus wg_seat_sizes(const WgLooks *looks, const WgController *controller, int
 WgSeat *wg_seat_place(void *const blocks[3], WgLooks *looks, const WgController *controller);
 
 // Draws worlds from run `at` on, up to the next in which a robot can certainly reach the target, and gives it to the
-// seat. Returns its number, which is then the value of `at`; -1 if none is left.
+// seat. Returns its number, which is then the value of `at`; -1 if no run is left.
 int64_t wg_seat_next(WgSeat *seat);
 
 // Gives a run's world to the seat, without changing the next run. Returns false if no path was found.

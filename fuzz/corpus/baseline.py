@@ -121,10 +121,10 @@ def _key(facts: Facts) -> _Key:
 def _is_known(stored: Failure, now: Failure) -> bool:
     """Return True if a failure with a new class is still the stored one.
 
-    This is true for a robot that loops in another manner, but not for a controller that crashes,
-    hangs or sends invalid commands: that may be a separate fault, introduced by yesterday's edit.
-    Files from before classes of crashes named a place are an exception: they are accepted if the
-    run is the same up to the same crash.
+    This is true for a robot that loops differently, but not for a controller that crashes, hangs or
+    sends invalid commands: that may be a separate fault, introduced by yesterday's edit. Files from
+    before classes of crashes named a place are an exception: they are accepted if the run is the
+    same up to the same crash.
     """
     if now.verdict not in BY_THE_CONTROLLER:
         return True

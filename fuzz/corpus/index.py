@@ -90,7 +90,7 @@ def _facts(values: object) -> Facts | None:
     """Return facts from their JSON.
 
     Raises:
-        ValueError: If the JSON is something else.
+        ValueError: If the JSON is not a valid index.
     """
     if values is None:
         return None

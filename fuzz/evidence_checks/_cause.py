@@ -150,7 +150,7 @@ def _same(moved: Floats, wanted: Floats, loose: npt.NDArray[np.bool_]) -> bool:
 def _slides(
     moved: Floats, unit: Floats, gone: int, axis: int, loose: npt.NDArray[np.bool_]
 ) -> bool:
-    """Return True if the move went forward on the axis by part of a pixel, and back on the other.
+    """Return True if the move advanced on the axis by part of a pixel, and moved back on the other.
 
     Friction may shorten the forward part.
     """
@@ -161,9 +161,9 @@ def _slides(
 
 
 def _at_the_edge(world: World, place: Floats) -> npt.NDArray[np.bool_]:
-    """Return, per axis, whether the place is at the limit that the motion keeps from the grid's edge.
+    """Return, per axis, whether the place is at the motion model's limit next to the grid's edge.
 
-    A move may be cut short there.
+    A move may end early there.
     """
     radius = world.robot_radius
     side = world.cell_size

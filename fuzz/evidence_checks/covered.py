@@ -19,9 +19,9 @@ _ROUNDING = 1e-9  # m
 
 
 def check_covered(world: World, trace: Trace, evidence: CoveredEvidence, motion: Motion) -> str:
-    """Check that the last step enters a new cell, and that no other cell is left.
+    """Check that the last step enters a new cell, and that no other cell is left to visit.
 
-    The cells are counted again with shapely: beginning at the start's, each is reached from a
+    The cells are counted again with shapely: from the start's cell, each cell is reached from a
     neighbour by a straight line between their centres on which the disc is clear. Cells that can
     only be reached in another way are not searched for.
     """
@@ -56,7 +56,7 @@ def _cells_from(world: World, first: tuple[int, int]) -> set[tuple[int, int]]:
         line = shapely.LineString([((x + 0.5) * side, (y + 0.5) * side) for x, y in (one, other)])
         return bool(shapely.distance(line, obstacles) >= world.robot_radius - _ROUNDING)
 
-    # The robot can't even stand at the centre of its first cell.
+    # The robot does not even fit at the centre of its first cell.
     if world.walls[first[1], first[0]] or not is_clear(first, first):
         return set()
     # Breadth first over the four neighbours.

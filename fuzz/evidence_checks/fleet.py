@@ -116,8 +116,8 @@ def _check_joint_loop(
         if _gap(robots[number - 1], trace, step) > _LATTICE * world.cell_size:
             return f"robot {number} has not arrived in step {step}"
 
-    # A robot that is claimed to block another one must come as near to it as their last steps could
-    # bring it.
+    # A robot that is claimed to block another must come as near to it as their last steps could
+    # bring them.
     for one, other in evidence.blocked:
         if one not in evidence.waiting or not 1 <= other <= len(robots) or one == other:
             return f"robot {one} cannot be blocked by robot {other}"

@@ -77,7 +77,7 @@ def _near(world: World, trace: Trace, one: slice | int, two: slice | int) -> npt
 
 
 def _period(world: World, trace: Trace, half: int) -> int:
-    """Return a period in which the last poses recur over most of the second half; 0 if none."""
+    """Return a period with which the last poses recur over most of the second half; 0 if none."""
     last = trace.steps
     for state in np.flatnonzero(_near(world, trace, slice(half, last), last))[::-1]:
         period = last - half - int(state)

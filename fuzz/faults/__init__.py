@@ -2,7 +2,7 @@
 
 Contents:
     Fault: A controller with its fault, the verdict to expect, and the correct controller.
-    FAULTS: All faults by name. Wherever a controller is named, each is also available as
+    FAULTS: All faults by name. Wherever you can name a controller, each is also available as
         ``fuzz.faults:NAME`` with underscores.
 """
 

@@ -235,8 +235,9 @@ def _mirrored(box: Box, side: int) -> Box:
 def _half(walls: Walls) -> list[Box]:
     """Return boxes that, with their mirror images, make up a symmetric world's solid cells.
 
-    Boxes on the diagonal stay whole. The box of a cell's mirror image may differ from the box's
-    mirror image, so that both are left out; the missing cells then form separate boxes.
+    Boxes on the diagonal stay whole. The mirror image of a cell may belong to another box than the
+    mirror image of the cell's box, so both boxes are left out; the missing cells then form separate
+    boxes.
     """
     side = len(walls)
     boxes = [box for box in _boxes(walls) if box <= _mirrored(box, side)]

@@ -131,7 +131,7 @@ def _never() -> bool:
 
 
 class _Unit:
-    """One unit's work: counts the worlds it tries, and keeps its best proved candidate.
+    """One unit's work: counts the worlds that it tries, and keeps its best proved candidate.
 
     Args:
         config: The goal.
@@ -317,7 +317,7 @@ def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
         world, provenance = _of_family(rng.choice(config.families), dict(config.params), rng)
     else:
         world = decode_world(bytes(rng.below(256) for _ in range(LAYOUT_BYTES)))
-    # The world no longer comes from the family if anything is changed.
+    # A changed world no longer comes from the family.
     if config.start is not None:
         world = replace(world, start=config.start)
         provenance = None
@@ -335,7 +335,7 @@ def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
 
 
 def _of_family(name: str, fixed: dict[str, Value], rng: RandomStream) -> tuple[World, Provenance]:
-    """Return a world of a family as ``worldgen FAMILY --seed`` makes it, not yet proved."""
+    """Return a world of a family as ``worldgen FAMILY --seed`` makes it, without a proof."""
     family = FAMILIES.get(name)
     own = {parameter.name for parameter in family.parameters}
     params: dict[str, Value] = {

@@ -35,7 +35,7 @@ _BROKEN = (
 _UNTIMED_STEPS = 20_000
 # Minimum budget if a latest arrival is requested.
 _TIMED_STEPS = 1_000
-# A run may take this many times the requested steps.
+# Limit on a run's length, as a multiple of the requested steps.
 _LATE = 3
 
 _GROUPS = {

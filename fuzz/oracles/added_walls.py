@@ -27,7 +27,8 @@ Cells = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
-# Cells beyond what a step and the disc reach: a slide or a back-off may begin at the step's end.
+# Number of cells beyond the reach of a step and the disc: a slide or a back-off may begin at the
+# step's end.
 _SPARE = 2
 # Cells around a wall in which the thesis's noise filter changes the signal.
 _FILTER_REACH = 2

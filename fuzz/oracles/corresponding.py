@@ -53,7 +53,7 @@ def mirror(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
 
 
 def finer(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
-    """Compare with a run in steps of half the duration, two of which count as one."""
+    """Compare with a run whose steps are half as long; two of them count as one."""
     step = trial.options.time_step / 2
     steps = min(2 * trial.options.steps, MAX_STEPS)
     if step < _SHORTEST_STEP:
@@ -69,7 +69,7 @@ def finer(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
 def wall(trial: Trial) -> dict[str, Value] | None:
     """Compare with the world that has walls wherever the robot could neither touch nor sense them.
 
-    The run must stay exactly the same. A controller acts on what it senses, so one that acts
+    The run must stay exactly the same. A controller acts on its senses, so one that acts
     differently here gets information from elsewhere.
 
     Returns:

@@ -108,7 +108,7 @@ class NamedOracle(Oracle):
             raise InvalidParameter(
                 "name-is-a-verdict",
                 "oracle {name!r} has the name of a verdict",
-                "give it another name",
+                "rename it",
                 name=name,
             )
         # The function decides whether a number is required, optional or not allowed.

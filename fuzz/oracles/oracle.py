@@ -31,7 +31,7 @@ class Oracle(ABC):
 
     @abstractmethod
     def check(self, trial: Trial) -> Violation | None:
-        """Return what is wrong with a run; ``None`` if nothing is.
+        """Return what is wrong with a run; ``None`` if nothing is wrong.
 
         Args:
             trial: The run, and the means to run it again.

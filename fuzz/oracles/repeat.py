@@ -15,7 +15,7 @@ _MOST = 1000
 
 
 def repeat(trial: Trial, times: float = 3) -> dict[str, Value] | None:
-    """Report a scenario that takes a different course when it runs again.
+    """Report a scenario that does not repeat when it runs again.
 
     The cause is hidden memory, or randomness without a seed.
 

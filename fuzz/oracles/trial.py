@@ -1,4 +1,4 @@
-"""Trials: what an oracle judges, a run in a world and the means to run it again or elsewhere."""
+"""Trials: the runs that an oracle judges, with the means to run them again or in other worlds."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class Trial:
             return self._flaw_of_fleet(episode)
         trace = self.trace
         if isinstance(episode.evidence, LoopEvidence):
-            # Only a second period shows a loop, and the episode has already ended by then.
+            # Only a second period proves a loop, and the episode has already ended by then.
             longer = episode.steps + episode.evidence.period
             run = prepare(self.world, self.controller, self.options)
             trace = run.run(longer, find_loop=False, record=True).trace
@@ -111,7 +111,7 @@ class Trial:
         recorded = self.recorded_run
         traces: Sequence[Trace | None] = [one.trace for one in getattr(recorded, "robots", ())]
         if isinstance(episode.evidence, JointLoopEvidence):
-            # Only a second period shows a loop, and the episode has already ended by then.
+            # Only a second period proves a loop, and the episode has already ended by then.
             traces = fleet_traces(
                 self.world,
                 self.controller,

@@ -24,8 +24,9 @@ from worldgen.errors import WorldgenError
 
 __all__ = ["Conclusion", "build_overview", "explained"]
 
-# Natural worlds of a campaign without a time limit: a tenth of what its units may try, so that a
-# short campaign stays short, and no more than gives an interval of +/- 3 %.
+# Limit on the natural worlds of a campaign without a time limit: a tenth of the worlds that its
+# units may try, so that a short campaign stays short, and no more than an interval of +/- 3 %
+# needs.
 _NATURAL_SHARE = 10
 _MOST_NATURAL = 900
 _FEWEST_NATURAL = 9
@@ -33,7 +34,7 @@ _FEWEST_NATURAL = 9
 # Causes whose clearest world is explained. The terminal and the first screen show only these.
 _MOST_EXPLAINED = 5
 
-# Fraction of the usual effort that one explanation in a campaign may take.
+# Fraction of the usual effort that an explanation in a campaign may take.
 _EFFORT = 0.15
 
 # Limit on the cells that the proofs of one explanation examine: about a second. A map of 200,000

@@ -68,8 +68,8 @@ def causes_of(failures: Mapping[str, Failure], met: Mapping[str, int]) -> list[C
     """Group buckets by the cause of a failure of each, the worst and most frequent first.
 
     Args:
-        failures: By bucket, one of its failures. Only those whose record names no cause, as older
-            versions wrote them, are run.
+        failures: By bucket, one of its failures. Failures whose record names no cause, because an
+            older version wrote it, are run.
         met: Number of occurrences by bucket; 1 if it is not listed.
     """
     classes: dict[Cause, list[str]] = {}

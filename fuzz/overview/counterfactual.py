@@ -1,6 +1,6 @@
 """Explain a failure by counterfactuals: the smallest changes after which the robot arrives.
 
-A failure shows that a controller does not arrive. A developer wants to know what it depends
+A failure shows that a controller does not arrive. A developer needs to know which detail it depends
 on: one wall, a radius that is a millimetre too large, a heading, an option. So each of these is
 changed alone, and the changed scenario runs again with the budget of a fresh proof. A change counts
 only if the target is still provably reachable, so no change makes the world easier by cheating.

@@ -1,6 +1,6 @@
 """Run a controller in natural worlds, to find how often it arrives where nobody looked for trouble.
 
-A search goes where failures are, so its counts say nothing about a controller's quality. Natural
+A search looks for failures, so its counts say nothing about a controller's quality. Natural
 worlds are those of families at default settings, drawn by a seed that no search strategy uses. What
 happens in them estimates a rate, with an interval.
 """
@@ -177,7 +177,7 @@ def natural_runs(
             runs.is_complete = False
             break
         except WorldgenError:
-            # A world that cannot be made tells nothing about the controller.
+            # A world that cannot be made says nothing about the controller.
             continue
         runs.count(world, family, episode, cause)
     return runs

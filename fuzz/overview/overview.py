@@ -59,7 +59,7 @@ def write_overview(overview: Overview, folder: Path) -> None:
 def read_overview(folder: Path) -> dict[str, Any] | None:
     """Return the overview in a campaign's folder, in JSON's types; ``None`` if there is none.
 
-    The form is checked, so that pages can rely on it wherever the file comes from.
+    The form is checked, so that pages can rely on it whatever the file's origin.
 
     Raises:
         FormatError: If the file cannot be read, or is not an overview of version 1.

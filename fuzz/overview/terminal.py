@@ -29,7 +29,7 @@ _EXPLAINED = (
     Severity.TOO_SLOW,
 )
 
-# A robot whose rate of arrival is surely below this arrives rarely.
+# A robot arrives rarely if its rate of arrival is certainly below this.
 _RARE = 0.5
 
 _COLOURS = {
@@ -158,7 +158,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
             f"{shown(headline.who)}: {too_short}; {searched}, it did not arrive in "
             f"{headline.open_worlds}, and none of these is proved to be a failure yet"
         )
-    # Without failures, say what the search did not count as one.
+    # Without failures, mention the runs that the search did not count as failures.
     if not headline.is_failing:
         what = "new failure" if headline.is_known else "failure"
         pushed = any(one.cause == Cause.PUSHED_TOO_HARD for one in overview.causes)
@@ -167,7 +167,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         hazards = f", except for hazards that it cannot {beyond}" if others else ""
         found = f"no {what} of {shown(headline.who)} found{hazards}"
         return f"{click.style(found, fg='green', bold=True)}; {searched}"
-    # Otherwise the worst cause gives the verdict.
+    # Otherwise the worst cause determines the verdict.
     who = click.style(shown(headline.who), bold=True)
     worst = overview.causes[0].cause.severity
     words = worst.phrase
@@ -208,7 +208,7 @@ def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline
     if cause.why is not None:
         lines.append(f"   It {shown(cause.why.describe())}.")
     elif has_file and cause.cause.severity in _EXPLAINED:
-        lines.append(f"   what it depends on: worldgen explain {path}")
+        lines.append(f"   what the failure depends on: worldgen explain {path}")
     if has_file:
         lines.append(f"   worldgen replay {path} --show")
     return lines

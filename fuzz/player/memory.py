@@ -1,7 +1,7 @@
 """A controller's memory as the page draws it: named numbers by row, and a map that changes.
 
-The map is a list of shapes, each with the first and last step of its existence. A map that grows is
-therefore stored only once, and drawing a step only takes one comparison per shape.
+The map is a list of shapes, each with the first and last step in which it exists. A map that grows
+is therefore stored only once, and drawing a step only takes one comparison per shape.
 """
 
 from __future__ import annotations

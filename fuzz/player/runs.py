@@ -159,7 +159,7 @@ def _columns(
 def _kept_steps(steps: int, span: tuple[int, int], most: int) -> tuple[npt.NDArray[np.int64], int]:
     """Return the steps to include, about ``most`` of them.
 
-    They are dense in the span of interest and even elsewhere.
+    They are dense in the interesting part and even elsewhere.
     """
     inside = span[1] - span[0]
     near = _stride(inside, most // 2)
@@ -207,7 +207,7 @@ def _marks(episode: Episode) -> list[dict[str, Any]]:
             # The move that let the robot into the wall comes before the breach itself.
             if wall.since is not None:
                 found.append(
-                    _mark(wall.since, "cause", "Cause", f"a {wall.cause} lets it into the wall")
+                    _mark(wall.since, "cause", "Cause", f"a {wall.cause} takes it into the wall")
                 )
             found.append(
                 _mark(wall.step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(wall.cell)}

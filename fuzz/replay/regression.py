@@ -80,7 +80,7 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
         raise InvalidParameter(
             "unknown-name",
             "expect={expect!r} is neither {fixed} nor {confirmed}",
-            "give one of them",
+            "give only one of them",
             expect=expect,
             fixed=FIXED,
             confirmed=CONFIRMED,

@@ -77,8 +77,8 @@ def gather(paths: Sequence[Path]) -> ReportSubject:
     """Find the failures and campaigns to report on.
 
     Args:
-        paths: Folders, archives and files. Campaigns keep their state in hidden folders, which are
-            read too.
+        paths: Folders, archives and files. Campaigns keep their state in hidden folders, so read
+            those too.
 
     Raises:
         InvalidParameter: If there is nothing to report on, or more than ``MOST_FAILURES``.
@@ -157,7 +157,7 @@ def _seen(path: Path) -> ReplayedFailure:
         raise FormatError(
             "file-changed",
             "changed while the report was written",
-            "do not change it meanwhile",
+            "do not change it during the run",
             source=str(path),
         )
     found = replay(failure)

@@ -55,7 +55,7 @@ def write_report(
         FormatError: If a path or a file cannot be read.
         OutputError: If the page exists or cannot be written.
     """
-    # Refuse before the work, not after it: replaying a corpus may take minutes.
+    # Refuse before the work rather than after it: replaying a corpus may take minutes.
     check_output(out, force)
     subject = gather(paths)
     answers = answers_for(subject.entries, subject.campaigns)

@@ -262,7 +262,7 @@ def evaluate(
     scenario's options, the run's seed and time step, and the same budget. If no path is certainly
     wide enough for the robot, nothing is run. The result depends only on the arguments. Threads may
     call it with a compiled controller at the same time. After the second hang of a program or a
-    shared library, no more runs are done.
+    shared library, stop the runs.
 
     Args:
         layouts: (n, LAYOUT_BYTES) or (n, SCENE_BYTES) uint8, any bytes.
@@ -292,7 +292,7 @@ def evaluate(
 
 
 def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, float]) -> None:
-    """Reject what the core cannot take."""
+    """Reject arguments that the core cannot process."""
     widths = (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES)
     if layouts.ndim != 2 or layouts.shape[1] not in widths or layouts.dtype != np.uint8:
         raise InvalidParameter(

@@ -65,7 +65,7 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
 def _note(batch: Batch, n: int, death: ControllerDied) -> None:
     """Record how a run ended; equal crashes share a number.
 
-    That way a frequent crash does not hide the others.
+    This way, a frequent crash does not hide the others.
     """
     ended = batch.looks[n : n + 1]
     if death.is_hang:

@@ -131,7 +131,7 @@ class OneByOne:
     def _number_of(self, error: BaseException, step: int) -> int:
         """Return a number that identifies what crashed.
 
-        So a frequent crash does not keep others from being proved.
+        This way, a frequent crash does not keep other failures from being proved.
         """
         fault = error if isinstance(error, ControllerError) else crash_of(error, self._controller)
         bucket = crash_bucket(replace(fault.evidence, step=step))

@@ -35,7 +35,8 @@ BOUNDARY = "boundary"
 # Even complete controllers fail in gaps as wide as the robot: mapper still does with 2 % to spare.
 # With 5 % to spare none does.
 _SPARE = 0.05
-# Feature layouts that take as long as one boundary, which takes about 20 runs but few proofs.
+# Number of feature layouts that take as long as one boundary, which takes about 20 runs but few
+# proofs.
 _DEARER = 16
 
 

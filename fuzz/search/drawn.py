@@ -86,7 +86,7 @@ def _repeat(
 ) -> None:
     """Visit every example of a database.
 
-    Unlike Hypothesis, delete none, not even those that no longer fail.
+    Unlike Hypothesis, delete no examples, not even those that no longer fail.
     """
     ended: list[BaseException] = []
 
@@ -180,8 +180,8 @@ def explore(
     def example(draw: tuple[World, Scenario]) -> None:
         try:
             kind = visit(*draw)
-        # Hypothesis would take these for failures of the example; keep them, and raise them outside
-        # it.
+        # Hypothesis would treat these as failures of the example, so keep them and raise them
+        # outside it.
         except (KeyboardInterrupt, OutOfTime) as end:
             ended.append(end)
             return

@@ -92,7 +92,7 @@ _PROCESS = Pace(at_once=100, generation=100, scene=160, step=400, proved=4, aske
 
 
 def pace_of(config: CampaignConfig) -> Pace:
-    """Return the pace of a campaign, which depends on the kind of its controller."""
+    """Return the pace of a campaign, which depends on the kind of controller."""
     controller = CONTROLLERS.get(config.scenario.controller)
     if isinstance(controller, CompiledController):
         return Pace(one_in=config.slower, step=config.slower, beam=config.slower)

@@ -58,7 +58,7 @@ _GOLDEN = 0x9E3779B97F4A7C15
 
 @dataclass(frozen=True)
 class Prices:
-    """Cost of a campaign's work in milliseconds, which depends on the kind of its controller.
+    """Cost of a campaign's work in milliseconds, which depends on the kind of controller.
 
     Args:
         step: One step of a run.

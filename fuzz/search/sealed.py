@@ -48,7 +48,7 @@ def decode_sealed(data: bytes) -> World:
     # Lay the wall, bent or straight, in a frame in which it blocks the first axis.
     size = [_SMALLEST + data[k] % _SPREAD for k in (0, 1)]
     form = data[2]
-    # The axis that the wall blocks; it runs along the other one.
+    # The axis that the wall blocks; the wall itself is parallel to the other axis.
     axis = form % 2
     across = size[axis]
     along = size[1 - axis]

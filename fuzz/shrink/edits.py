@@ -1,6 +1,6 @@
 """Edits of a world's geometry: free cells, drop rows and columns, move the start, round a number.
 
-None of them knows anything about the run.
+None of them uses any facts about the run.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def drop_columns(world: World, first: int, count: int) -> World | None:
         )
         for robot in world.robots
     ]
-    # Events in the dropped columns disappear, those on the right move left.
+    # Events in the dropped columns disappear, and those on the right move left.
     line = world.timeline
     keep = (line.ix < first) | (line.ix >= right)
     columns = np.where(line.ix >= right, line.ix - count, line.ix)

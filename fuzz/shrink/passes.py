@@ -219,7 +219,7 @@ PASSES: tuple[Pass, ...] = (
     ),
     Pass("round-times", "move events to earlier times with few digits, ideally 0", _round_times),
 )
-"""The passes in order; all are repeated until a whole round changes nothing."""
+"""The passes in order; they are repeated until a whole round changes nothing."""
 
 
 def _halves(count: int) -> list[int]:

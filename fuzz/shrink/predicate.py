@@ -42,7 +42,7 @@ _SHOWN_BY_ITS_END = tuple(verdict for verdict in FAILURES if verdict not in UNEN
 
 
 def _manner_of(evidence: Evidence | None) -> str:
-    """Return the property that a shrunk failure keeps besides its verdict; empty if none."""
+    """Return the property that a shrunk failure keeps in addition to its verdict; empty if none."""
     match evidence:
         case WallEvidence(cause=cause):
             return cause or ""

@@ -109,7 +109,7 @@ def shrink(
         raise InvalidParameter(
             "unknown-name",
             "keep={keep!r} is not one of {known!l}",
-            "give one of them",
+            "give only one of them",
             keep=keep,
             known=list(KEEP),
         )

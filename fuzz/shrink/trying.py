@@ -142,7 +142,7 @@ class Trying:
         if isinstance(edit, CellEdit) and edit.frees:
             return True  # reachable before, and now with one more free cell
         if world.others:
-            # Without one of the robots, the paths of the others still hold.
+            # If one robot is removed, the paths of the others remain valid.
             fewer = len(world.robots) < len(case.world.robots)
             return fewer or certified(world) is not None
         if not world.is_dynamic:

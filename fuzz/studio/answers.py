@@ -89,7 +89,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         """
         path = self.folder.place(field(message, "name", str))
         shrunk = Failure.found_in(read_world(path))
-        # The original is in the campaign store of one of the folders above.
+        # The original is in the campaign store of a folder above it.
         places = () if shrunk is None or shrunk.original is None else path.parents
         found = next(
             filter(None, (_found_in(shrunk, folder, self.folder.root) for folder in places)), None
@@ -159,7 +159,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         seed = seed_of(message)
         check_registered("family", family, FAMILIES.names())
         parameters: dict[str, Value] = field(message, "parameters", dict)
-        # Refuse anything else: the search would take it as an argument.
+        # Refuse anything else, because the search would treat it as an argument.
         FAMILIES.find(family, parameters).complete(parameters)
         hard = None if message.get("difficulty") is None else field(message, "difficulty", float)
         where = None if message.get("where") is None else field(message, "where", str)

@@ -62,7 +62,8 @@ IDLE: Mapping[str, Mapping[str, tuple[str, tuple[str, ...]]]] = {
         "turns": ("shape", ("U", "L", "V", "comb", "nested", "pair")),
     },
 }
-"""By family and parameter: the parameter that decides, and its values for which this one has no effect.
+"""By family and parameter: the parameter that decides, and its values for which this parameter has
+no effect.
 
 The families refuse such a parameter with the code ``no-effect``; the page does not show it.
 """

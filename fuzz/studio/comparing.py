@@ -77,7 +77,7 @@ class CompareAnswers(Opened):
         return {str(label): scenario_of(label, message, self.named) for label in labels}
 
     def _world(self, asked: object) -> World:
-        """Return a world that the page sent, that is in the folder, or that a family makes."""
+        """Return a world that the page sent, a world in the folder, or one that a family makes."""
         if not isinstance(asked, dict):
             raise InvalidParameter(
                 "wrong-type", "a world of the message is not an object", "reload the page"

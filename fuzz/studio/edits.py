@@ -1,7 +1,7 @@
 """Notice edits of files whose code the studio runs.
 
-Python keeps the code of a module that it has loaded. So once the contents of a user's file differ,
-the process that has loaded it is replaced by a new one, and the page is told which file it was.
+Python keeps the code of a module that it has loaded. So when the contents of a user's file change,
+the process that has loaded it is replaced, and the page receives the file's name.
 """
 
 from __future__ import annotations

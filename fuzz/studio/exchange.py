@@ -117,7 +117,7 @@ def _download(stem: str, files: Mapping[str, bytes]) -> tuple[str, bytes]:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
-            # Without a time of its own, so that the same export has the same bytes.
+            # Without a time stamp, so that equal exports have equal bytes.
             archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
     return f"{stem}.zip", packed.getvalue()
 
@@ -249,7 +249,7 @@ def _imported(
         seed=None if wanted.seed is None else int(wanted.seed),
     )
     imported = import_world(place, robot, name=wanted.format, options=wanted.options or {})
-    # Never open a map if a part of it was not understood: that part may be a wall.
+    # Never open a map that was only partly understood: the rest may be a wall.
     if imported.withheld:
         raise FormatError(
             "part-not-read",

@@ -94,7 +94,7 @@ class WallAnswers(Opened):
     def _cause(self, entry: CorpusEntry) -> str:
         """Return the cause that a failure's record names; empty if it names none.
 
-        Nothing is run for it, because a folder may hold thousands of failures.
+        No run is needed for it, because a folder may hold thousands of failures.
         """
         key = entry.facts.digest
         if key not in self._causes:
@@ -202,7 +202,7 @@ class WallAnswers(Opened):
     def _packed(self, archive: Path, faults: list[dict[str, Any]], part: Part) -> list[CorpusEntry]:
         """Return the failures in an archive, under its name followed by their own.
 
-        Those whose names are not valid are reported.
+        Invalid names are reported.
         """
         # Only world files count, except hidden ones.
         found: list[CorpusEntry] = []

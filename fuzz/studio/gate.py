@@ -4,8 +4,8 @@ A page of another site can make a browser send requests here, and can make its o
 to this machine (DNS rebinding). So every request must name a host that is this server's, a page's
 request must come from this server's own page, and all requests but the first must carry the cookie
 that only the token provides. Cookies ignore ports: a browser also sends ours to other servers on
-this machine. So the cookie only opens the page's files, which are not secret. The connection needs
-the token itself, which the page keeps where only pages of this port can read it.
+this machine. So the cookie only gives access to the page's files, which are not secret. The
+connection needs the token itself, which the page keeps where only pages of this port can read it.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class Gate:
         return f"{self._place}/?ticket={ticket}"
 
     def takes_ticket(self, ticket: str) -> bool:
-        """Return True if this ticket has not been used; it then counts as used."""
+        """Return True if this ticket has not been used yet, and mark it as used."""
         if ticket not in self._tickets:
             return False
         self._tickets.remove(ticket)

@@ -247,7 +247,7 @@ def is_same_place(one: World, other: World) -> bool:
 
 
 def converted(message: object, kind: type[T]) -> T:
-    """Return a message as a checked value of a type that msgspec knows.
+    """Return a message as a checked value of a msgspec type.
 
     Raises:
         InvalidParameter: If a part of it is missing, of another type, or out of range.

@@ -33,8 +33,7 @@ REMEDIES: Mapping[str, str] = {
     "ambiguous-format": "choose it in Options of the import",
     "another-campaign": f"select it above and resume it, or {_ANOTHER_FOLDER}",
     "campaign-is-further": f"give {{units}} units or more, or {_ANOTHER_FOLDER}",
-    "first-steps-too-slow": "give more seconds, or run it as a program, whose steps have a "
-    "deadline",
+    "first-steps-too-slow": "allow more seconds, or run it as a program, whose steps have a deadline",
     "file-exists": "overwrite it, or choose another name",
     "folder-holds-worlds": _ANOTHER_FOLDER,
     "invalid-campaign": _ANOTHER_FOLDER,
@@ -48,7 +47,7 @@ REMEDIES: Mapping[str, str] = {
     "layer-missing": "name one in Options of the import, layer",
     "no-map-found": "add the .map file to this one",
     "no-scale": "set another Cell size, under World",
-    "noise-filtered": "export as thesis filters it again",
+    "noise-filtered": "export as thesis filters the signal again",
     "not-a-micromouse-maze": "Generate makes mazes of any size",
     "no-failure": "open it on the page Play, and choose a controller there",
     "not-native": "choose the motion model swept or endpoint",

@@ -37,7 +37,7 @@ _MAKES_NAMES = {
 def check_controller(label: str) -> None:
     """Refuse a name that does not belong to a controller.
 
-    Its code is read but not run; that is left to processes that may hang.
+    Its code is read but not run; only processes that may hang run it.
 
     Args:
         label: A controller's name, with variations.

@@ -57,8 +57,8 @@ WORKER_OF = {
 }
 """The process for each kind of request.
 
-Saving is never ended, a long search for a proof does not delay a run, and anything that takes long
-to begin can be stopped in the meantime.
+Saving is never interrupted, a long search for a proof does not delay a run, and anything that is
+slow to begin can be stopped while it begins.
 """
 
 
@@ -102,7 +102,7 @@ class Worker:
             wait = asyncio.get_running_loop().run_in_executor
             edited = await wait(self._thread, edited_files, self.loaded) if self.loaded else []
             if edited:
-                self.end()  # it would run the code as it was before the edit
+                self.end()  # it would run the old code
             pipe = self._pipe if self._process is not None and self._process.is_alive() else None
             pipe = pipe or self._start()
             heard_all = False

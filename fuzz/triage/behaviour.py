@@ -136,7 +136,7 @@ class _SolidCells:
             for number, iy, ix in zip(found.tolist(), rows, columns, strict=True)
             if number not in (-1, outer)
         ]
-        # A path goes around nothing outside its bounding box.
+        # A path cannot go around anything outside its bounding box.
         return [
             (ix, iy)
             for ix, iy in cells
@@ -185,7 +185,7 @@ def _obstacles(solid: Bools) -> npt.NDArray[np.int64]:
     # The core expects grids with a free edge.
     framed = np.pad(solid, 1)
     numbers = components(framed)[0].reshape(framed.shape)[1:-1, 1:-1].astype(np.int64)
-    # The core joins cells across edges; what remains are pairs that touch only at a corner.
+    # The core joins cells across edges; the remaining pairs touch only at a corner.
     pairs: set[tuple[int, int]] = set()
     for one, other in (
         (numbers[1:, 1:], numbers[:-1, :-1]),

@@ -1,7 +1,7 @@
 """Causes that only a second run shows: the same scenario, in a world that is changed in one respect.
 
-What a robot does in the part that repeats often looks the same whether a gap is too narrow for it or
-a wall is in between. Whether a smaller robot arrives tells them apart.
+A robot whose gap is too narrow often repeats the same moves as a robot behind a wall. A smaller
+robot distinguishes the two: it arrives in the first case.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ Arrives = Callable[[World], bool]
 # A place is a gap if two of the robots do not fit through it side by side.
 _GAP = 2.0
 
-# Radii of smaller robots, as shares of the robot's own, the smallest first: most robots that a gap
-# does not hold back fail at once, which saves the other runs.
+# Radii of smaller robots, as shares of the robot's own, the smallest first: most robots that no gap
+# holds back fail at the first radius, which saves the other runs.
 _SMALLER = (0.5, 0.6, 0.7, 0.8, 0.9)
 
 # So many of the smaller robots must arrive. In a world that is hard for another reason, one or two
-# may arrive by chance.
+# robots may arrive by chance.
 _FEWEST = 3
 
 

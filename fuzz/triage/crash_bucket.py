@@ -4,7 +4,7 @@ Two crashes are the same if the same statement of the user's code raised the sam
 and was called from the same function. Line numbers do not count, because they change with every
 edit above them. The text of the statement does count, so that two faults in one function stay
 separate. A program shows no frames, so its report on stderr is used instead. If a program reports
-nothing, only how it ended and where the run was are left to compare.
+nothing, only its exit status and the place of the run can be compared.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def crash_bucket(evidence: FaultEvidence) -> str:
     reason = evidence.reason or ""
     message = evidence.message or ""
     of_a_program = not ended.isidentifier() or ended.startswith("SIG")
-    # Which function overflows the stack depends on which was called first, so ignore the order.
+    # Which function overflows the stack depends on the order of calls, so ignore the order.
     if ended == "RecursionError":
         return _joined(ended, *_names(sorted(frames, key=_name)))
     words = [ended, _word(_plain(reason).partition(": ")[0]), *_names(frames)]

@@ -29,7 +29,8 @@ __all__ = ["CAUSE", "cause_of", "cause_of_run"]
 CAUSE = "cause"
 """Name of the detail of a failure's record that holds its cause."""
 
-# Cells. A robot that stays within half a cell is at one place, whatever it does there.
+# Cells. A robot that stays within half a cell counts as standing at one place, however it moves
+# there.
 _ONE_PLACE = 0.5
 
 # Turns per step, on average. A controller that turns by more than 70 degrees in nearly every step
@@ -46,8 +47,8 @@ _ALONG = 1.0
 _CLOSE = 1.0
 _NEARBY = 3.0
 
-# Shares of steps that touch a wall. Below the first, walls are not what holds the robot; above the
-# second, it follows them. Bounces off walls touch in a tenth to a quarter of all steps.
+# Shares of steps that touch a wall. Below the first, walls are not what holds the robot back; above
+# the second, it follows them. Bounces off walls touch in a tenth to a quarter of all steps.
 _RARELY = 0.02
 _OFTEN = 0.3
 
@@ -132,7 +133,7 @@ def _of_fleet(world: World, episode: FleetEpisode) -> Cause:
         if (known := _BY_STANDOFF.get(standoff(evidence))) is not None:
             return known
         number = evidence.waiting[0]
-        # Where nobody moves, only what a robot touches says why.
+        # If nobody moves, only the robots' contacts explain why.
         trace = episode.robots[number - 1].trace
         if episode.verdict == Verdict.DEADLOCK and trace is not None:
             return Cause.PUSHES_A_WALL if trace.bump[-1] else Cause.STANDS_STILL
@@ -168,11 +169,11 @@ def _of_changed_worlds(world: World, seen: RepeatedPart, arrives: Arrives | None
     try:
         if fails_by_timing(world, arrives):
             return Cause.CONFUSED_BY_CHANGES
-        # Walls that a robot touches say more about it than gaps that it keeps away from.
+        # The walls that a robot touches reveal more about it than gaps that it keeps away from.
         if seen.touching < _RARELY and needs_a_wider_gap(world, arrives):
             return Cause.NEEDS_A_WIDER_GAP
     except OutOfTime:
-        # Without the time for these runs, what the robot does is the best answer.
+        # Without time for these runs, the robot's behaviour is the best evidence.
         return None
     return None
 
@@ -186,7 +187,7 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     if seen.turning >= _RESTLESS or (at_one_place and seen.sharpest >= _ABOUT_FACE):
         return Cause.TURNS_BACK_AND_FORTH
 
-    # Next to the target with nothing in between: whatever it does there, walls are not the reason.
+    # The robot is next to the target with nothing in between, so walls are not the reason.
     near = seen.nearest <= seen.reach + _CLOSE and seen.farthest <= seen.reach + _NEARBY
     if near and not seen.is_blocked and seen.touching < _MOSTLY:
         return Cause.MISSES_THE_TARGET

@@ -1,4 +1,4 @@
-"""Describe how robots keep each other from arriving, judging by who drives into whom."""
+"""Describe how robots keep each other from arriving, from which robot drives into which."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class Standoff(StrEnum):
 def standoff(evidence: JointLoopEvidence) -> Standoff:
     """Return how the robots of a joint loop block each other.
 
-    Two that drive into each other are *face to face*; three or more, each of which drives into the
-    next, are in a *circular wait*. A robot can also be stopped by one that has *parked*, or *queue*
-    behind one that walls hold. Robots that move and never touch *oscillate*; those that stand or
-    circle without touching anyone are *apart*.
+    Two robots that drive into each other are *face to face*; three or more, each of which drives
+    into the next, are in a *circular wait*. A robot can also be stopped by a robot that has
+    *parked*, or *queue* behind one that walls hold back. Robots that move and never touch
+    *oscillate*; those that stand or circle without touching anyone are *apart*.
     """
     drives_into: dict[int, set[int]] = {}
     for robot, other in evidence.blocked:

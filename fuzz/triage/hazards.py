@@ -47,7 +47,7 @@ def can_sense(controller: Controller, robot: RobotOptions, state: str, how: str)
 def hazard_details(world: World, verdict: str, kind: str, scenario: Scenario) -> dict[str, Value]:
     """Return the record's details if a failure is not the controller's fault.
 
-    That is the case if the robot burned and its controller could not know better, or if something
+    That is the case if the robot burned and its controller could not have known, or if something
     moves the robot so that no controller is certain to arrive.
 
     Args:

@@ -180,7 +180,7 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
     failure = failure.driven_by(controller)
     record = failure.record
     options = failure.options
-    # Records that cannot be failures at all, such as ones edited by hand.
+    # Records that cannot belong to failures, such as those edited by hand.
     if failure.oracle is not None and not failure.violation.facts:
         return Replay("error", False, "the evidence does not name an oracle and what it found")
     if failure.oracle is None and record.verdict in ARRIVALS:

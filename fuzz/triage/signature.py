@@ -27,7 +27,7 @@ from worldgen.world import World
 
 __all__ = ["failure_class", "is_entered"]
 
-# Cells by which a limit may be exceeded, so that a mirrored run is on the same side of it.
+# Cells by which a limit may be exceeded, so that a mirrored run is on the same side of the limit.
 _ROUNDING = 1e-6
 
 
@@ -133,7 +133,7 @@ def _touches(count: int) -> str:
 def _where(world: World, trace: Trace, touched: list[Contact], first: int, last: int) -> str:
     """Return the most specific kind of wall touched.
 
-    If none is, return what encloses the place nearest to the target.
+    If none is, describe how the place nearest to the target is enclosed.
     """
     if touched:
         return min((contact.kind for contact in touched), key=KINDS.index)

@@ -79,8 +79,8 @@ class Triage:
                 proved.
         """
         verdict = first_look(outcome)
-        # Count crashes by bucket. Otherwise one that occurs in every run would use up the limit
-        # and keep all others from being proved.
+        # Count crashes by bucket. Otherwise a failure that occurs in every run would use up the
+        # limit and keep all others from being proved.
         cause = (
             crash_bucket(outcome.fault)
             if outcome.fault and verdict == Verdict.CRASH

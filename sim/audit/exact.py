@@ -1,6 +1,6 @@
 """Decide close calls in rational numbers.
 
-They are the questions whether the centre really entered a wall or really left the grid. A float
+They decide whether the centre really entered a wall or really left the grid. A float
 stands for its shortest decimal, as in the world's file: with cells of 0.1 m, 0.3 m is exactly on
 the face of cell 3.
 """

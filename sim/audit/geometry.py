@@ -58,8 +58,8 @@ class Parts:
 def nearest(parts: Parts) -> tuple[Floats, Floats]:
     """Return each part's distance from the unit square around the origin, and where it is nearest.
 
-    Where is given as a fraction of the part. Parts that cross the square are judged by their ends
-    alone; :func:`deepest` finds those.
+    Places on a part are given as fractions of its length. Parts that cross the square are judged by
+    their ends alone; :func:`deepest` finds those.
     """
     square = parts.dx * parts.dx + parts.dy * parts.dy
 
@@ -169,7 +169,7 @@ def _in_circle(parts: Parts, centre: tuple[float, float], radius: float) -> tupl
     square = parts.dx * parts.dx + parts.dy * parts.dy
     still = square == 0.0
     inverse = 1.0 / np.where(still, 1.0, square)
-    # Solve for the line's nearest point to the centre, and go half the chord both ways from there.
+    # Find the point of the line nearest to the centre, and go half the chord both ways from there.
     middle = -(x * parts.dx + y * parts.dy) * inverse
     miss_x = x + middle * parts.dx
     miss_y = y + middle * parts.dy

@@ -38,7 +38,7 @@ def draw_comparison(comparison: Comparison) -> bytes:
 
 
 def _outcome(cell: Cell) -> str:
-    """Return what a controller did, with the unit of its time; a table has that in its heading."""
+    """Return a controller's result with its time, in the unit that the table's heading gives."""
     words = describe_outcome(cell)
     if cell.time is None:
         return words

@@ -255,7 +255,7 @@ class CompiledController:
         check_declared(self.name, self.senses, self.needs)
         check_fields(self.name, self.memory_fields)
         speed: object = self.start_speed
-        # The comparison is written so that nan fails it too.
+        # Written so that nan also fails the comparison.
         if not isinstance(speed, int | float | np.number) or not speed >= 0.0:
             raise InvalidParameter(
                 "out-of-range",
@@ -328,9 +328,9 @@ class VectorController(Protocol):
     """A controller as a Python class that acts for many robots at once, with NumPy.
 
     It runs millions of steps per second. Row i of everything belongs to robot i and must depend on
-    nothing else. The number of robots varies, may be 1, and falls as robots arrive. A run gives the
-    same bits alone and among others as long as NumPy computes each row the same way, which a matrix
-    product may not. Everything else is as for a :class:`PythonController`.
+    nothing else. The number of robots varies, may be 1, and falls as robots arrive. A robot gets
+    the same bits whether it runs alone or among others, as long as NumPy computes each row the same
+    way; matrix products may not. Everything else is as for a :class:`PythonController`.
     """
 
     def reset(self) -> Memory:

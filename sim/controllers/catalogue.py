@@ -83,7 +83,7 @@ class ControllerRegistry(Registry[Controller]):
                 check_code(name)
                 self._loaded[name] = library_controller(name)
             return self._loaded[name]
-        # A registered controller, or a class of the user's, may have options of its own.
+        # A registered controller or a user's class may have its own options.
         base, words = own_words(name)
         if words:
             return self._with_options(name, base, words)
@@ -102,7 +102,7 @@ class ControllerRegistry(Registry[Controller]):
         return (*(() if variants is None else variants.names()), *learned)
 
     def _with_options(self, name: str, base: str, words: dict[str, str | None]) -> Controller:
-        """Return a controller with options of its own, and with what it learned.
+        """Return a controller with its own options and with the numbers that it learned.
 
         Raises:
             InvalidParameter: If an option is unknown or out of range, or the file holds something
@@ -152,7 +152,7 @@ class ControllerRegistry(Registry[Controller]):
         if any(":" in part for part in parts):
             raise InvalidParameter(
                 "learned-names-code",
-                "{name} holds numbers for {controller!r}, which is code, and a file runs none",
+                "{name} holds numbers for {controller!r}, which is code, and such a file runs no code",
                 "name the code yourself: {controller}+learned={file}",
                 file=name.partition(":")[2],
                 name=name,

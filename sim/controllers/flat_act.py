@@ -16,7 +16,7 @@ from worldgen.plugins.installation import pip_install
 
 __all__ = ["compiled_act", "flat_address"]
 
-# Functions whose addresses the core may hold; dropping one would free its code.
+# Functions whose addresses the core may hold; dropping a function would free its code.
 _kept: list[Any] = []
 
 

@@ -40,7 +40,7 @@ _PREFIX = f"{LEARNED}:"
 _FORMAT = "worldgen-learned"
 _VERSION = 1
 
-# Bytes of a file, far above what the largest memory takes.
+# Limit on a file's size in bytes, far above the size of the largest memory.
 _MOST_BYTES = 1 << 26
 
 
@@ -151,7 +151,7 @@ def read_learned(path: Path) -> Learned:
 @functools.lru_cache(maxsize=16)
 def _read(path: Path, _modified: int, _size: int) -> Learned:
     """Read a file again only if it has changed; a campaign requests its controller in each run."""
-    # Check first that this is one of our files, and of a known version.
+    # First check that the file is ours and its version is known.
     try:
         read: Any = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError, RecursionError) as error:

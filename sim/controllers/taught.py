@@ -98,7 +98,7 @@ def restarted(
 
 @dataclass(frozen=True)
 class _TaughtClass:
-    """A controller in Python that starts with another memory; all else is its own."""
+    """A controller in Python that starts with another memory, and is otherwise unchanged."""
 
     controller: Any
     memory: tuple[float, ...]
@@ -107,7 +107,7 @@ class _TaughtClass:
 
     @property
     def made_of(self) -> tuple[object, ...]:
-        """The object whose class may have state that is not in the memory."""
+        """The object whose class may keep state outside the memory."""
         return (self.controller,)
 
     def reset(self) -> tuple[float, ...]:

@@ -1,7 +1,7 @@
 """The thesis's robot: seek the signal, drive, and turn by a fixed or random angle when it collides.
 
-Three behaviours (drive, seek, collide) compete under an arbiter, and the one in control keeps it
-until it is done. Under ``stepped`` the thesis's own program runs, faithful to the last bit
+Three behaviours (drive, seek, collide) compete under an arbiter, and the behaviour in control keeps
+it until it is done. Under ``stepped`` the thesis's own program runs, faithful to the last bit
 (``sim/core/thesis/thesis_episode.c``). For the other motion models,
 ``sim/core/controllers/thesis_rules.c`` implements the same idea on the pose lattice, with the same
 arbiter.

@@ -67,7 +67,7 @@ class Asker:
             self._memories = self._memory[:count]
             self._count = count
         else:
-            # `bump` is a copy, the one column that its view does not keep up to date.
+            # `bump` is a copy, because it is the one column that its view does not keep up to date.
             bump = self._seen[:count, layout.OBS_BUMP] != 0.0
             self._observed = Observations._make((bump, *self._observed[1:]))
         if neighbours is not None:

@@ -74,8 +74,8 @@ WgFound wg_first_not_clear(WgGrid grid, int state, WgDisc disc, WgSegment way);
 // Returns true if a segment, or a point if p = q, meets the open inside of a cell.
 bool wg_segment_crosses_box(WgSegment way, int64_t ix, int64_t iy);
 
-// Returns how deep a disc of a radius cuts a cell along a segment; 0 if it does not. The centre inside the cell
-// counts as the whole radius.
+// Returns how deep a disc of a radius cuts a cell along a segment; 0 if it does not. If the centre is inside the cell,
+// the cut is the whole radius deep.
 double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy);
 
 // motion.c

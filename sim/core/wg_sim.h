@@ -81,7 +81,7 @@ typedef struct WgCorner {
     int64_t time;   // in the step, 2^-32 steps
 } WgCorner;
 
-// Direction away from what the robot touched, of any length; (0, 0): nothing.
+// Direction away from the obstacle that the robot touched, of any length; (0, 0) if none.
 typedef struct WgNormal {
     double x;
     double y;
@@ -130,8 +130,8 @@ typedef struct WgArena {
     uint8_t *visited;          // (height, width) 1 where the centre has been
     const uint8_t *wanted;     // (height, width) 1: a coverage task wants the centre to be there; NULL for other tasks
 
-    // Tables for range beams in a world that does not change, which take a third of the time with
-    // them. Otherwise all three are NULL.
+    // Tables for range beams in a world that does not change; with them a run takes a third of the time. Otherwise all
+    // three are NULL.
     const WgRay *rays;      // (8193,) wg_ray_table
     const int64_t *spread;  // (beams,) wg_beam_spread
     const uint16_t *runs;   // (height + 2, width + 2, 4) wg_free_runs

@@ -160,7 +160,7 @@ def disturbances_in(trace: Trace) -> Disturbances:
         step = max(1, math.ceil(exact(push.time) / exact(trace.time_step)))
         if step > trace.steps:
             break
-        # A push is the last part of the path of its step. It began at the point that gives the best
+        # The push is the last part of its step's path. It began at the point that gives the best
         # match with the requested displacement.
         last = int(np.searchsorted(trace.path_step, step, side="right")) - 1
         first = max(int(np.searchsorted(trace.path_step, step)) - 1, 0)

@@ -1,9 +1,9 @@
 """Find robots that repeat themselves, each with a period of its own, and never meet.
 
 The joint state of such robots returns only after the least common multiple of their periods, which
-is soon longer than any budget: two loops of 515 and 689 steps take 354,835 steps. But if a robot is
-never near enough to another one to touch or sense it, the other one has no effect on it. So each
-loop goes on forever by itself, and the joint state provably returns, without being driven there.
+soon exceeds any budget: two loops of 515 and 689 steps take 354,835 steps. But if a robot is never
+near enough to another one to touch or sense it, that robot has no effect on it. So each loop
+continues forever independently, and the joint state provably returns, although no run is that long.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def separate_loops(
         repeats: How many periods the recording must show: 1, or 2 if a controller may hide memory.
 
     Returns:
-        The loops; ``None`` if a robot repeats nothing at the end of its recording.
+        The loops; ``None`` if a robot does not repeat itself at the end of its recording.
     """
     # Robots that have parked never change again, so only the others have periods.
     traces = {
@@ -125,7 +125,7 @@ def _entry(labels: npt.NDArray[np.int64], period: int) -> int:
 
 
 def _come_near(one: Trace, other: Trace, entry: int, reach: float) -> bool:
-    """Return True if two robots are in places that are not further apart than ``reach``.
+    """Return True if two robots are never farther apart than ``reach``.
 
     They count as near even if they are there at different times, because their periods differ.
     """

@@ -108,7 +108,7 @@ class FleetAskers:
                     return
 
     def _askers(self, fleet: CoreFleet) -> tuple[list[_One], list[_Many]]:
-        """Return what asks each robot's own controller, and each vector controller."""
+        """Return an object that calls each robot's own controller, and each vector controller."""
         alone: list[_One] = []
         many: dict[int, list[int]] = {}
         # Vector controllers act for all their robots together.

@@ -41,7 +41,7 @@ def _numbered_parts(text: str) -> dict[int, str]:
         InvalidParameter: If a number comes twice, or a robot has no controller.
     """
     found: dict[int, str] = {}
-    # Each part must have a number, and no number may come twice.
+    # Each part must have a number, and no number may occur twice.
     for part in _NEXT.split(text):
         numbered = _NUMBERED.fullmatch(part)
         if numbered is None:

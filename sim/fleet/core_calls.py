@@ -97,7 +97,7 @@ class CoreFleet:
         for run in runs:
             run.settings.steps = steps
             run.settings.find_loop = lib.WG_NO_LOOP
-        # Make the fleet; what it points to must live as long as it does.
+        # Make the fleet; everything that it points to must live as long as it does.
         made = ffi.new("WgFleet **")
         check(
             lib.wg_fleet_new(

@@ -50,7 +50,7 @@ class FleetEpisode(Episode):
 
     @property
     def went_into_a_wall(self) -> bool:
-        """Whether one of the robots went into a wall."""
+        """Whether one of the robots drove into a wall."""
         return any(one.went_into_a_wall for one in self.robots)
 
 
@@ -260,7 +260,7 @@ def _joint_loop(world: World, options: RunOptions, proof: JointProof) -> FleetEp
 
 
 def _decided(world: World, options: RunOptions, outcome: FleetOutcome) -> FleetEpisode:
-    # The verdict is about one robot, and decides what counts as evidence.
+    # The verdict concerns one robot, and decides which evidence counts.
     verdict, robot = _verdict(outcome)
     one = outcome.members[robot]
     number = robot + 1

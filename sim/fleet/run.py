@@ -144,7 +144,7 @@ class FleetRun:
             placed.append(number)
 
     def _gap_sq(self, one: int, other: int) -> int:
-        """Return by how much the squared distance of two robots exceeds what they must keep."""
+        """Return how much the squared distance of two robots exceeds the required one."""
         first = self.runs[one].settings
         second = self.runs[other].settings
         dx = int(first.start_x) - int(second.start_x)
@@ -198,7 +198,7 @@ class FleetRun:
         return self._recorded(proof) if record else proof
 
     def prove_apart(self, steps: int, *, record: bool) -> JointProof | None:
-        """Prove that robots repeat themselves apart from each other, each with its own period.
+        """Prove that robots loop independently, each with its own period.
 
         Use this if no joint state recurs within the budget.
 
@@ -223,7 +223,7 @@ class FleetRun:
         if loops is None:
             return None
         if not loops.are_shown:
-            # They may influence each other, so the joint period has to be driven.
+            # They may influence each other, so the joint period has to be simulated.
             together = (loops.entry + loops.joint_period) * len(self.runs)
             if together > _MOST_DRIVEN:
                 return None

@@ -37,7 +37,7 @@ static const double WG_NO_BEHAVIOUR = -1.0;
 // WG_NO_BEHAVIOUR.
 typedef struct WgShared {
     double behaviour;  // in charge: its index among the parts, or WG_NO_BEHAVIOUR
-    double counter;    // steps that it has left
+    double counter;    // steps left before it is done
     double target;     // heading units: the heading that the robot turns to; -1: none
     double speed;      // share of the top speed
     double old_speed;  // same, before a collision
@@ -60,7 +60,7 @@ typedef struct WgBehaviour {
     void (*begin)(const WgSituation *now);       // called when it takes control; may be NULL
     int64_t keeps_time;  // 1: its action counts `counter` down itself, such as one that turns before it drives
     int64_t restarts;    // 1: where it can be interrupted, a new trigger begins it again
-    int64_t state_size;  // numbers of its own that it needs
+    int64_t state_size;  // size of its own memory, in numbers
 } WgBehaviour;
 
 typedef struct WgPart {
@@ -111,7 +111,7 @@ static inline int64_t wg_act_part(const WgPart *part, int64_t begins, WgShared *
     return done;
 }
 
-// Lets one part act by priority; returns its index, or -1 if none applies: then the robot stands still.
+// Lets one part act by priority and returns its index. If none applies, the robot stands still and the result is -1.
 //
 // The part in charge keeps control until it is done. If it can be interrupted, a part of higher priority that applies
 // takes over, and if it restarts, its own trigger begins it again.
@@ -123,7 +123,7 @@ static inline int64_t wg_arbitrate(const WgPart *parts, int64_t count, WgShared 
     int64_t begins = 0;
     wg_watch(parts, count, shared, seen, command);
 
-    // Who is in charge. A trigger is only asked where its answer can matter.
+    // The part in control. A trigger is only asked where its answer can matter.
     if (active < 0 || parts[active].interruptible != 0.0) {
         chosen = -1;
         for (int64_t k = 0; k < count; k++) {

@@ -40,7 +40,7 @@ CMD_TURN_RATE = _place("WgCommand", "turn_rate")
 CMD_DRAW = _place("WgCommand", "used_random")
 CMD_SIZE = CMD_DRAW + 1
 CMD_MESSAGE = CMD_SIZE
-"""Where a message to the neighbours begins; it has as many numbers as the run allows."""
+"""Index of the first number of a message to the neighbours; the run's options set its length."""
 
 MESSAGE_SIZE = int(lib.WG_MOST_MESSAGE)
 """The most numbers that a message has."""

@@ -143,7 +143,7 @@ def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> str:
     # Places must not push it off the witness.
     if robot.push_places:
         if robot.pushes or robot.drift > 0.0:
-            return "a place may push the robot again after it was moved off the witness"
+            return "a place may push the robot again after the robot has left the witness"
         if _crosses(world.certificate, world, pushing_places_of(robot)):
             return "the witness leads through a place that pushes the robot"
     return ""

@@ -169,8 +169,8 @@ def copy_of(settings: Any, memory: CoreMemory = PRIVATE) -> Any:
 def most_points(arena: CoreArena, settings: Any, steps: int) -> int:
     """Return the most points that the path of this many steps can have.
 
-    Each move adds a few: one in a step, one more for each event and each push, and every step may
-    end in a place that pushes.
+    Each move adds a few corners: one for the step, one for each event and each push, and every step
+    may end in a place that pushes.
     """
     moves = steps * (2 if settings.place_count else 1) + len(arena.events)
     return MOST_CORNERS * (moves + int(settings.push_count))
@@ -291,7 +291,7 @@ def _buffer(owner: object, address: Any, count: int) -> Any:
     """Return a number of float64s in an owner's memory as a buffer.
 
     The owner lives as long as the buffer and every view of it, because a user's controller may keep
-    what it was given.
+    its arguments.
     """
     held = ffi.gc(address, lambda _, owner=owner: None)
     return ffi.buffer(held, 8 * count)

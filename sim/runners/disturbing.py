@@ -65,7 +65,7 @@ class PackedDisturbances:
 
     @property
     def corners(self) -> int:
-        """How many pushes one step may have."""
+        """Largest number of pushes in one step."""
         return len(self._pushes)
 
     def fill(self, settings: Any) -> None:

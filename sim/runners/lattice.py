@@ -75,7 +75,8 @@ _MANY = 64
 # Lattice units that robots of a fleet look further than they move, and what rounding adds to that.
 _FLEET_SLACK = 40
 
-# Columns of a recorded row: whether a wall was touched, then the state. Then those of a path point.
+# Columns of a recorded row: whether a wall was touched, then the state. Next, the same for a point
+# of the path.
 _BUMP = 0
 _STATE = 1
 _HEADING = 2  # index in a state, after x and y
@@ -105,7 +106,7 @@ class LatticeRun:
     def __init__(
         self, world: World, controller: Controller, options: RunOptions, *, lean: bool = False
     ) -> None:
-        # Without this, callers that know nothing of fleets would leave out all robots but one.
+        # Without this, callers that do not handle fleets would ignore all robots but one.
         if world.others:
             raise InvalidParameter(
                 "world-of-several-robots",
@@ -331,8 +332,8 @@ class LatticeRun:
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
 
-        A controller that is not compiled may have state that we cannot see, so it must repeat a
-        second period too.
+        A controller that is not compiled may have hidden state, so it must repeat a second period
+        too.
         """
         if not isinstance(self.controller, CompiledController):
             return self._prove_by_recording(entry, period, record)
@@ -380,7 +381,7 @@ class LatticeRun:
         a controller does not declare are not computed, so noise in them does not matter.
         """
         reads_clock = bool(self.settings.senses & lib.WG_SENSE_TIME)
-        # What moves the robot leaves its mark in the odometry, which is not part of the state.
+        # Disturbances show in the odometry, which is not part of the state.
         is_displaced = self.options.robot.moved
         reads_wrong_pose = is_displaced and bool(self.settings.senses & lib.WG_SENSE_ODOMETRY)
         noisy = is_noisy(self.controller, self.options)
@@ -566,7 +567,7 @@ class LatticeRun:
         return CoreEpisode(self.arena(), self.settings, Driver(controller, controller.memory))
 
     def _fault(self, controller: CompiledController, failed: CoreEpisode) -> ControllerError:
-        """Return what went wrong in the last step of an episode.
+        """Return the fault of an episode's last step.
 
         A function compiled by numba reports only that it raised. To find out what, the last step is
         run again from Python.
@@ -597,7 +598,7 @@ class LatticeRun:
         )
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
-        """Return the recording without the memory, which it can recall by running again."""
+        """Return the recording without the memory, which another run can restore."""
         settings = copy_of(self.settings, self.memory)
         size = len(controller.memory)
         settings.find_loop = lib.WG_NO_LOOP
@@ -695,7 +696,7 @@ def _with_stands(rows: Ints, path: Ints) -> Ints:
     """Return the path with a point added at the end of each step in which the robot stopped."""
     last = np.zeros(len(rows), np.int64)
     np.maximum.at(last, path[:, _POINT_STEP], path[:, _POINT_TIME])
-    last[0] = -1  # So that the start gets a point too.
+    last[0] = -1  # Reserve a point for the start too.
     stands = np.flatnonzero(last < _STEP_TIME)
     ends = np.empty((len(stands), _POINT_FIELDS), np.int64)
     ends[:, _POINT_STEP] = stands

@@ -39,7 +39,7 @@ def start_overlaps(world: World) -> InvalidWorld:
 
 
 def event_step(event: Event, time_step: float) -> int:
-    """Return the step at whose beginning an event takes effect: that in which it falls."""
+    """Return the number of the step in which an event falls, at whose beginning it takes effect."""
     return max(1, math.ceil(exact(event.time) / exact(time_step)))
 
 

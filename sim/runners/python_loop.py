@@ -85,7 +85,7 @@ class PythonLoop:
         """
         if isinstance(self._controller, ProcessController):
             self.complete = False
-            # Not guarded: if the program does not exist, that is not a crash of the controller.
+            # Not guarded: if the program does not exist, that is not the controller's crash.
             self._controller.start()
             self._settings.find_loop = lib.WG_NO_LOOP
             self._guarded(steps, record)

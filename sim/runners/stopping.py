@@ -50,7 +50,7 @@ _PATIENT = 2
 
 
 class _Watch(NamedTuple):
-    """What ends the runs, and the clock, in seconds, that measures their steps."""
+    """The conditions that end the runs, and the clock, in seconds, that measures their steps."""
 
     is_over: Callable[[], bool]
     clock: Callable[[], float]
@@ -60,7 +60,7 @@ _watch: ContextVar[_Watch | None] = ContextVar("watch", default=None)
 # Interrupted steps, over the life of this process.
 _broken_off = [0]
 
-# For each registered function, whether the code that it calls may be interrupted.
+# Whether the code that each registered function calls may be interrupted.
 _may_break: dict[CodeType, bool] = {}
 
 

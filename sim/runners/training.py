@@ -2,7 +2,7 @@
 
 Each episode is a run in one of the worlds, with some of the decisions drawn: many at first, none at
 the end. After every tenth of the episodes the controller is tried without drawing, in each world.
-What is kept is what did best in these tests: most worlds reached, then fewest steps. The same
+The memory with the best test result is kept: most worlds reached, then fewest steps. The same
 worlds, episodes and seed give the same numbers.
 """
 
@@ -142,7 +142,7 @@ def _episode(
 ) -> Floats:
     """Return what a controller has learned after one episode."""
     run = LatticeRun(world, controller, replace(scenario.run, seed=seed))
-    # A loop ends an episode that draws nothing: it would teach the same again.
+    # End an episode that draws nothing as soon as it loops, because it would teach nothing new.
     outcome, memory = run.run_and_recall(options.steps, find_loop=True)
     if outcome.ending in ARRIVALS and learning.arrives is not None:
         with user_code(f"controller {scenario.controller!r}: learning.arrives"):
@@ -152,7 +152,7 @@ def _episode(
         raise InvalidParameter(
             "not-finite",
             "controller {controller!r} learned a value that is not a finite number",
-            "bound what it learns",
+            "set bounds on the numbers that it learns",
             controller=scenario.controller,
         )
     return learned

@@ -1,4 +1,4 @@
-"""Run the thesis's simulator, which is in C: arrays in, a finished run out.
+"""Run the thesis's simulator, which is written in C: arrays in, a finished run out.
 
 Everything is in the thesis's own frame: pixels, y down, ten pixels per cell, ``cells[x, y]``;
 heading 0 is -x, pi/2 is -y (up), growing clockwise on the screen; times are in milliseconds.
@@ -162,8 +162,7 @@ class ThesisEpisode:
             first_row: Step of the first row.
 
         Returns:
-            False if there were too few draws. Then give more, after the same first ones, and call
-            again.
+            False if there were too few draws. Then append more draws and call again.
         """
         numbers = pointer(_ffi, np.ascontiguousarray(draws, np.float64), np.float64)
         table = _ffi.cast("WgThesisRow *", writable(_ffi, rows.view(np.float64), np.float64))

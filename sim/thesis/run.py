@@ -1,8 +1,9 @@
 """Pack a world for the thesis's simulator, run it, and convert the result to the world's frame.
 
 The thesis's frame is in pixels, with y down, headings that grow clockwise from -x, and ten pixels
-per cell. Its maps have a border of walls. A world whose border is open gets one added for its solid
-outside; the robot then enters the cells next to that border only as far as its disc fits.
+per cell. Its maps have a border of walls. A world with an open border gets a wall around it that
+stands for the solid outside; the robot then enters the cells next to that border only as far as its
+disc fits.
 """
 
 from __future__ import annotations
@@ -193,7 +194,8 @@ class ThesisRun:
         clear_sq, reach = disc_numbers(world)
         x = metres_to_lattice(world.start.x, side)
         y = metres_to_lattice(world.start.y, side)
-        # The robot must fit at its start; ask the same C function as the other motion models.
+        # The robot must fit at its start; this calls the same C function as the other motion
+        # models.
         solid = np.array(world.walls, np.uint8, order="C")
         grid = {
             "cells": pointer(_ffi, solid, np.uint8),

@@ -26,7 +26,7 @@ T = TypeVar("T")
 
 # For any other address, Dask leaves a half-built client behind.
 _ADDRESS = re.compile(r"([a-z]+://)?[^\s/]+:[0-9]{1,5}")
-# Units in progress per worker: one that it does, and one that waits there.
+# Units in progress per worker: one being done, and one waiting there.
 _PER_WORKER = 2
 # Seconds between two checks of the list of workers.
 _LOOK = 1.0
@@ -64,7 +64,7 @@ class DaskExecutor:
             raise InvalidParameter(
                 "not-an-address",
                 "{option} {address!r} is not an address",
-                "give the one that the scheduler prints, such as tcp://host:8786",
+                "give the address that the scheduler prints, such as tcp://host:8786",
                 option=_OPTION,
                 address=address,
             )
@@ -127,7 +127,7 @@ class DaskExecutor:
             raise InvalidParameter(
                 "no-scheduler",
                 "no Dask scheduler answers at {address!r} ({reason})",
-                "start one, and give the address it prints",
+                "start a scheduler, and give the address that it prints",
                 address=self._address,
                 reason=str(error),
             ) from error

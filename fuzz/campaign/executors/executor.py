@@ -55,7 +55,7 @@ class Executor(Protocol):
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        """End the executor, immediately if something went wrong.
+        """End the executor, immediately if there was an error.
 
         Raises:
             WorkersLost: If that is what went wrong.

@@ -165,7 +165,7 @@ class ProcessExecutor:
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        """End the processes, immediately if something went wrong or they were told to stop.
+        """End the processes, immediately if there was an error or they were told to stop.
 
         Raises:
             WorkersLost: If one of them died.

@@ -55,7 +55,7 @@ class CampaignStore:
     def cut_unit(self, unit: int) -> Done | None:
         """Return the findings of a unit that was cut short.
 
-        It is ``None`` if there are none, or the unit was done since.
+        It is ``None`` if there are none, or if the unit has been done since.
         """
         return None
 
@@ -197,7 +197,7 @@ class FolderStore(CampaignStore):
     def cut_unit(self, unit: int) -> Done | None:
         """Return the findings of a unit that was cut short.
 
-        It is ``None`` if there are none, or the unit was done since.
+        It is ``None`` if there are none, or if the unit has been done since.
         """
         done = self._read_unit(unit, self._cut_file(unit))
         return done and replace(done, result=replace(done.result, cut=True))

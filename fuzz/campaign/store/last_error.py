@@ -54,7 +54,7 @@ def record_error(out: Path, error: WorldgenError) -> None:
         "at_terminal": error.message.at_terminal,
         "templates": {"problem": problem, "remedy": remedy},
     }
-    # The disk may be full; ValueError is for a number of 5,000 digits.
+    # The disk may be full; a number of 5,000 digits raises ValueError.
     with contextlib.suppress(
         OutputError,
         ValueError,
@@ -107,7 +107,7 @@ def read_error(out: Path) -> WorldgenError | None:
 
 
 def _error(record: dict[str, Any]) -> WorldgenError:
-    """Return the error of a record, which may come from anywhere.
+    """Return the error of a record, which may come from an untrusted file.
 
     Its message is built here, so that a bad template fails now.
     """

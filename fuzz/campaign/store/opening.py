@@ -73,8 +73,8 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
             name.
 
     Raises:
-        OutputError: If the folder holds something else, another process is writing it, or it cannot
-            be written.
+        OutputError: If the folder holds other files, another process is writing it, or it cannot be
+            written.
         FormatError: If its store cannot be read.
     """
     stored = None if force else FolderStore.stored_in(out)
@@ -143,7 +143,7 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
         out,
         fingerprint,
         now,
-        "resume it in the same folder and with the same code with which it began",
+        "resume it in the folder where it began, with the code with which it began",
     )
     store = FolderStore(out)
     try:

@@ -193,7 +193,7 @@ def read_summary(folder: Path) -> Summary | None:
         raise FormatError(
             "invalid-summary",
             "not a campaign summary: {reason}",
-            "let the campaign write it again, or delete it to do without",
+            "let the campaign write it again, or delete it",
             reason=str(error),
             source=str(path),
         ) from error
@@ -262,7 +262,9 @@ class _SummaryReader:
 
 def _summary(folder: Path, said: _SummaryReader) -> Summary:
     if said.whole("version") != _VERSION:
-        raise _Fault(f"its version is {said.whole('version')}, but this program knows {_VERSION}")
+        raise _Fault(
+            f"its version is {said.whole('version')}, but this program reads version {_VERSION}"
+        )
     archive = said.part("archive")
     return Summary(
         folder=folder,

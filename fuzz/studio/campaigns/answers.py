@@ -91,7 +91,7 @@ class CampaignAnswers(Opened):
         }
 
     def begin(self, message: Message, part: Part) -> dict[str, Any]:
-        """Begin a campaign in a folder, or resume the one there.
+        """Begin a campaign in a folder, or resume the existing one.
 
         A part announces that it can be stopped.
         """
@@ -165,7 +165,7 @@ class CampaignAnswers(Opened):
     def _check_stored(self, out: Path, name: str) -> None:
         """Refuse a campaign that would run code that was not named at the start.
 
-        Its folder may come from anywhere.
+        Its folder may have any origin.
         """
         stored = FolderStore.stored_in(out)
         if stored is None:
@@ -248,10 +248,10 @@ class CampaignAnswers(Opened):
             started()
             why_not = _wait_until_begun(process, out, mark)
             if why_not is None and not mark.exists():
-                interrupt(process.pid)  # it was stopped just as it began
+                interrupt(process.pid)  # it was stopped while it was starting
         if why_not is None:
             return
-        # It did not begin: leave everything as it was.
+        # It did not begin, so leave everything unchanged.
         (memory / SAID).unlink(missing_ok=True)
         forget_error(out)
         for folder in made:

@@ -131,7 +131,7 @@ def baseline(message: Message, folder: Folder) -> list[str]:
 
 
 def _check_baseline(place: Path, name: str) -> None:
-    """Refuse failures that are elsewhere, and those whose oracles are code from files.
+    """Refuse failures outside the folder, and those whose oracles are code from files.
 
     Oracles of known failures would run again.
     """

@@ -87,7 +87,8 @@ def campaign_state(
         **_beginning(folder, named),
         **_totals(folder),
     }
-    # A process that was killed leaves the file behind, and a remote one may not write it.
+    # A process that was killed leaves the file behind, and a process on another machine may be
+    # unable to write it.
     live = read_live(folder / MEMORY) if running else None
     state["phase"] = live.phase if live is not None else "preparing" if running else ""
     state["elapsed"] = (0.0 if live is None else live.elapsed) if running else None
@@ -95,7 +96,8 @@ def campaign_state(
     failed = sum(count for verdict, count in state["verdicts"].items() if has_failed(verdict))
     state["failed"] = failed
     if live is not None:
-        # Earlier runs of a resumed campaign are in the summary until it has gone through them.
+        # The summary still counts a resumed campaign's earlier runs until the campaign has read
+        # them again.
         counted = {"worlds": live.worlds, "steps": live.steps, "failed": live.failed}
         state |= {name: max(state[name], count) for name, count in counted.items()}
     state["failures"] = _stamp(folder)

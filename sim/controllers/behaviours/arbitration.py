@@ -64,7 +64,7 @@ class Arbitration:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The parts' names; one that occurs twice gets a number."""
+        """The parts' names; a name that occurs twice gets a number."""
         found: list[str] = []
         for part in self.parts:
             again = sum(name.partition("#")[0] == part.name for name in found)

@@ -54,7 +54,7 @@ class ComposedController:
 
     @property
     def made_of(self) -> tuple[object, ...]:
-        """Objects whose classes may have state that is not in the memory."""
+        """Objects whose classes may keep state outside the memory."""
         functions = (one for part in self.others for one in (part.trigger, part.action))
         return tuple(getattr(one, "__self__", one) for one in functions)
 
@@ -109,7 +109,7 @@ class _Calls(NamedTuple):
 @functools.lru_cache(maxsize=64)
 def _calls_of(others: tuple[Behaviour, ...]) -> _Calls:
     now = _Now()
-    # The core keeps addresses of names and callbacks, so they must stay alive as long as it does.
+    # The core keeps addresses of names and callbacks, so they must live as long as it does.
     behaviours = ffi.new("WgBehaviour[]", len(others))
     held: list[Any] = []
     for into, one in zip(behaviours, others, strict=True):

@@ -31,7 +31,7 @@ class Example:
         """Return the command for the next step, and the new memory.
 
         Keep all state in the memory, which must not change its length. State in attributes of self
-        would hide from the simulator, which could then no longer prove that the robot is in a loop.
+        is invisible to the simulator, which could then no longer prove that the robot loops.
         """
         (waiting,) = memory
         # After a bump, turn away, and then drive straight on for some steps.

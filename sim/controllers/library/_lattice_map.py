@@ -41,7 +41,7 @@ _NODES_A_WORD = 12
 _REACH = 2
 
 SHOWN = (DOORS, *range(PLAN_LENGTH, OWN))
-"""Indices of numbers, besides those of the nodes, that blocked edges and plan depend on."""
+"""Indices of the other numbers that the blocked edges and the plan depend on."""
 
 
 def memory_size(side: int) -> int:

@@ -6,9 +6,9 @@ value of the best turn in the resulting situation. A turn that fails often enoug
 another, so the robot tries something else by itself.
 
 The memory is bounded: 768 situations times six values of 16 bits, in 1,536 numbers. All values are
-integers that converge, so a run in which nothing new is learned any more repeats its complete
-state. A proved ``loop`` is therefore a statement about the learner, too: the table repeats as well,
-so it never learns its way out.
+integers that converge, so once nothing new is learned, the run repeats its complete state. A proved
+``loop`` is therefore a statement about the learner, too: the table repeats as well, so it never
+learns its way out.
 
 ``worldgen train`` lets it practise with some random decisions, and keeps its table.
 

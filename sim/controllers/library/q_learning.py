@@ -2,9 +2,9 @@
 
 Every fourth step the robot observes the direction of the target (in eighths of a turn), which of
 five directions are blocked, and to which side it last turned, which makes 768 situations. For each
-of them the table has the value of six turns, and the robot takes the best. It was never told how to
-follow a wall. It must treat situations that it cannot distinguish alike, so in worlds where the
-table is right on average but wrong locally, it drives in circles forever.
+situation the table holds the values of six turns, and the robot takes the best. It was never told
+how to follow a wall. It must treat situations that it cannot distinguish alike, so in worlds where
+the table is right on average but wrong locally, it drives in circles forever.
 
 ``python -m benchmarks.train_q_learning`` writes the table to ``sim/core/controllers/shared/q_table.c``,
 and gives the same bits every time.

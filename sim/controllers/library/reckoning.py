@@ -1,6 +1,6 @@
 """Controllers that estimate where they are, or where the target is.
 
-``odometry-bug`` is Bug2 by odometry: it is told once where the target is, and from then on knows
+``odometry-bug`` is Bug2 by odometry: it learns once where the target is, and from then on derives
 its own position and heading only from its wheels. With ``odometry_noise`` its world turns and
 drifts away from the real one, and it ends where it believes the target to be.
 
@@ -9,11 +9,11 @@ corrects itself: the strength of the signal tells the distance of the target, an
 estimated position by a fifth of the error in that distance. This pulls its map back into place,
 whichever side it approaches from.
 
-``signal-three-layer`` knows its own position, but of the target only the signal. Two strengths,
-measured 0.25 m apart, leave two places where the source can be; the direction of the strongest
-signal decides between them. Without a signal it searches. It assumes that the signal falls to a
-half within a cell of 0.1 m, as in the families' worlds; :func:`signal_three_layer_robot` accepts
-another length.
+``signal-three-layer`` knows its own position, but senses only the target's signal. Two signal
+strengths measured 0.25 m apart leave two possible places for the source; the direction of the
+strongest signal decides between them. Without a signal it searches. It assumes that the signal
+falls to a half within a cell of 0.1 m, as in the families' worlds; :func:`signal_three_layer_robot`
+accepts another length.
 
 Sources: Johann Borenstein, H. R. Everett and Liqiang Feng, "Where am I? Sensors and methods for
     mobile robot positioning", University of Michigan (1996), chapters 1 and 6. They drive like

@@ -4,11 +4,11 @@ The robot drives to the target as long as it sees no wall in front of it. Otherw
 visible end of that wall through which the path to the target would be shortest. When that path
 stops getting shorter, it drives up to the wall and follows it by touch, on the side that it was
 heading for, until it sees a free place that is nearer to the target than any place on the wall.
-Then it goes there.
+Then it drives to that point.
 
 With a perfect scan and a point robot, it arrives if any robot can. Here the robot is a disc. It
-treats the points that its beams hit as walls as wide as itself, and between two beams it sees
-nothing, so a long line of sight past a thin wall can look free when it is not. The fuzzer shows the
+treats each point that a beam hits as a wall as wide as the robot, and sees nothing between two
+beams, so a long line of sight past a thin wall can look free when it is not. The fuzzer shows the
 cost of this.
 
 It needs ``beams`` in all directions with a ``beam_range`` of ``RANGE``, and gets them unless the

@@ -2,10 +2,10 @@
 
 At a place the robot notes its *exits*: directions, out of 16 and the one to the target, that are
 free for the whole disc and lead away from everything that the map holds. It leaves by the exit with
-the shortest way through it, as far as is known: along the map to the exit's place, and on straight
-to the target. So it goes back along its map when a place has no exit left. A leg ends where a wall
-is in the way, where an exit opens at the robot's side, or after four strides; there is the next
-place. When the map has no exit left, the robot forgets it and makes a finer one.
+the shortest known path to the target: along the map to the exit's place, and then straight on. So
+it drives back along its map when a place has no exits left. A leg ends at a wall, at an exit that
+opens at the robot's side, or after four strides; the next place is there. When the map has no exit
+left, the robot forgets it and makes a finer one.
 
 The map has room for so many places. When it is full, the oldest place is forgotten, with its links.
 A robot with few places explores the same part again, and then its run may be an endless loop.

@@ -1,7 +1,7 @@
 """Controllers for several robots: straight at the target, keeping to the right, and ORCA.
 
-None of them sees walls; the robot slides along them. ``naive`` ignores other robots too, and shows
-how demanding a world is. ``right-hand`` and ``orca`` sense robots up to 2 m away.
+None of them sees walls, so the robot slides along them. ``naive`` ignores other robots too, and
+shows how demanding a world is. ``right-hand`` and ``orca`` sense robots up to 2 m away.
 
 Sources: for ``right-hand``, the International Regulations for Preventing Collisions at Sea (1972),
     rules 14 and 15. For ``orca``, Jur van den Berg, Stephen J. Guy, Ming Lin and Dinesh Manocha,

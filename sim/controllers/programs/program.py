@@ -47,8 +47,8 @@ _KEPT = 64 << 10
 _LAST_LINES = 5
 _LINE_WIDTH = 200
 
-# Seconds between two checks of a silent program. A grandchild may hold its pipes open after it has
-# ended, so the pipes alone do not tell.
+# Seconds between two checks of a silent program. A grandchild may hold its pipes open after the
+# program has ended, so the pipes alone prove nothing.
 _LOOK_AGAIN = 0.05
 
 # Seconds that a program may take to exit after it has closed its output.
@@ -57,8 +57,8 @@ _TO_EXIT = 1.0
 # Seconds between SIGTERM and SIGKILL.
 _TO_TIDY_UP = 0.5
 
-# The keeper is a shell that outlives this process. Whatever ends this process, SIGKILL included,
-# also closes the pipe that the keeper reads, and then it kills the program's group. The spelling
+# The keeper is a shell that outlives this process. However this process ends, even by SIGKILL, the
+# pipe that the keeper reads is closed, and the keeper then kills the program's group. The spelling
 # `-s KILL --` is for dash, which does not take a group after -KILL.
 _SHELL = "/bin/sh"
 _KEEPER = 'read -r line || kill -s KILL -- "-$1"'

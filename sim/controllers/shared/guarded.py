@@ -4,7 +4,7 @@ A controller that crashes or hangs then ends a run, not the program. Campaigns r
 shared libraries this way. The other process is forked when it is first needed. It has the library
 loaded and makes whole calls at full speed, such as a run, or screening runs in a thousand worlds.
 Everything that a call works on is in memory that both processes share (:data:`SHARED`). If the
-other process dies, the memory is as it was when the controller was called, and tells which run it
+other process dies, the memory is as it was when the controller was called, and shows which run it
 was. ``sim/core/runs/wg_guard.h`` is the other side.
 """
 
@@ -57,7 +57,7 @@ _WAITING = 5.0
 # Seconds between two checks of the other process's progress, and for Ctrl-C.
 _LOOK = 0.1
 
-# Bytes by which the shared memory grows.
+# Number of bytes by which the shared memory grows.
 _CHUNK = 1 << 24
 
 # Bytes of the smallest block, a line of the processor's cache.
@@ -357,7 +357,7 @@ def call(
             asked.objects[k] = ffi.cast("void *", one)
         asked.number = number
         asked.report = ffi.cast("WgReport *", report)
-        # Make the call, and start a new process if the old one is gone.
+        # Make the call, in a new process if the old one has died.
         if not server.ask():  # The process was ended while it waited.
             renew()
             return call(work, act, objects, number, report=report, progress=progress)
@@ -390,7 +390,7 @@ def _server_for(functions: frozenset[int]) -> _Server:
 def renew() -> None:
     """End the other process.
 
-    The next call forks a new one, in which the library is in its original state, whatever a
+    The next call forks a new process, in which the library is in its original state, whatever a
     controller did to it.
     """
     with _here.one_call:

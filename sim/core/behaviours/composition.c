@@ -35,7 +35,7 @@ const WgBehaviour *wg_behaviour_at(int64_t index)
     return BEHAVIOURS[index];
 }
 
-// A memory's composition, taken apart.
+// The parts of a composition's memory.
 typedef struct Composed {
     WgComposition *own;
     int64_t count;
@@ -88,8 +88,7 @@ static double voted_direction(int64_t k)
     return wg_wrap(k % 2 == 0 ? -away : away);
 }
 
-// Returns the share of its weight that a part gives to a direction when it wants to turn by an
-// angle.
+// Returns the share of its weight that a part gives to a direction, if it wants to turn by a given angle.
 static double vote_for(double direction, double turn)
 {
     return wg_higher(0.0, 1.0 - fabs(wg_wrap(direction - turn)) / SPREAD);
@@ -155,8 +154,8 @@ static int64_t vote(Composed *made, const WgObservation *seen, WgCommand *comman
         }
     }
 
-    // Its speed is the mean over the parts that voted for it; if one of them wants nearly that direction, its own
-    // speed is used.
+    // Its speed is the mean over the parts that voted for it; a part that wants nearly that direction contributes its
+    // own speed.
     double weights = 0.0;
     double speed = 0.0;
     double heaviest = -INFINITY;
@@ -242,8 +241,8 @@ static void take_feedback(Composed *made, const WgObservation *seen)
     }
 }
 
-// Lets the part act that has proved most useful in the present condition. It keeps control until it is done, so that
-// the outcome is credited to it.
+// Lets the part act that has proved most useful in the present condition. It keeps control until it is done, so that it
+// gets the credit for the outcome.
 static int64_t act_as_learned(Composed *made, const WgObservation *seen, WgCommand *command)
 {
     take_feedback(made, seen);

@@ -15,8 +15,8 @@ enum {
     CELLS_A_WORD = 12,  // of 4 bits: 48 bits, which a double holds exactly
     MOST_DEGREE = 15,   // of goodness; 0 is unknown
     BAD = 4,            // an arc ends before a cell of this degree or below
-    UNKNOWN_IS = 6,     // degree that counts for a cell that it knows nothing about
-    FIRST_IS = 8,       // degree of a cell before what is seen there first changes it
+    UNKNOWN_IS = 6,     // degree that counts for an unknown cell
+    FIRST_IS = 8,       // degree of a cell before its first observation
     HIT = 8,            // degrees that a beam's end takes from a cell
     PASS = 1,           // degrees that a beam gives to a cell that it passes
     HEADINGS = 16,      // directions of the world in which an arc can begin, besides the target's
@@ -80,7 +80,7 @@ static void forget_line(WgGestaltMemory *own, int64_t place, bool is_column)
     }
 }
 
-// Moves the window along an axis so that it begins at a place, and forgets what leaves it.
+// Moves the window along an axis so that it begins at a place, and forgets the cells that leave it.
 static void move_along(WgGestaltMemory *own, double *low, int64_t place, bool columns)
 {
     while ((int64_t)*low > place) {
@@ -130,7 +130,7 @@ static void look(const WgObservation *seen, WgGestaltMemory *own)
     }
 }
 
-// Makes the ground bad where the robot touched something, near enough to be under it if it drove there.
+// Marks the ground as bad where the robot touched something, if the robot would cover that spot when it drives there.
 static void feel(const WgObservation *seen, WgGestaltMemory *own)
 {
     double touched = seen->heading + seen->bump_bearing;
@@ -157,8 +157,8 @@ static int64_t degree_under(const WgGestaltMemory *own, double x, double y, doub
     return least;
 }
 
-// How good an arc is: the mean goodness along it and the progress that it makes, or -INFINITY if it is bad at once. The arc
-// is shortened to what comes before the first bad cell.
+// Returns how good an arc is: the mean goodness along it plus the progress that it makes, or -INFINITY if it starts
+// with a bad cell. The arc ends before its first bad cell.
 static double score(const WgObservation *seen, const WgGestaltMemory *own, Arc *arc)
 {
     double target_x = seen->x + seen->target_distance * wg_cos(seen->target_heading);
@@ -231,7 +231,7 @@ void wg_gestalt_act(const WgObservation *seen, double *memory, WgCommand *comman
     if (touches || own->left <= 0.0) {
         look(seen, own);
         if (touches) {
-            feel(seen, own);  // after the beams, which do not see what it touches at once
+            feel(seen, own);  // after the beams, because they cannot see an obstacle that the robot touches
         }
         choose(seen, own);
     }

@@ -25,7 +25,7 @@ static const double CONTINUES = 0.5;  // share of its distance by which a wall m
 static const double NEARER = 0.03;
 static const double PATIENCE = 60.0;  // steps within which the path must have become shorter
 
-// A place in sight, with what makes it better than others: a length, m.
+// A place in sight, and the length in m by which places are ranked.
 typedef struct Sighting {
     double worth;    // m: infinity if there is none
     double bearing;  // rad, from the heading
@@ -150,7 +150,7 @@ static void go(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *co
     wg_drive(seen, &own->body, command, direction, wg_lower(step, chosen.length));
 }
 
-// Updates how near the followed wall comes to the target, from what is seen on one side, 1 or -1.
+// Updates how near the followed wall comes to the target, from the points seen on one side, 1 or -1.
 static void see_wall(const WgObservation *seen, WgTangentBugMemory *own, int64_t side)
 {
     int64_t beams = seen->beam_count;

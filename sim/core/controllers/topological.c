@@ -1,5 +1,5 @@
-// A topological map: places where the robot decided, joined by the ways that it drove. It explores from place to place, the
-// most promising exit first, and goes back along its map when a place has no exit left.
+// A topological map: places where the robot decided, joined by the ways that it drove. It explores from place to place,
+// the most promising exit first, and drives back along its map when a place has no exits left.
 //
 // Sources: Benjamin Kuipers and Yung-Tai Byun, "A robot exploration and mapping strategy based on a semantic hierarchy of
 // spatial representations", Robotics and Autonomous Systems 8 (1991), for places that the sensors single out, joined by ways
@@ -29,13 +29,13 @@ static const double TRAVEL = 2.0;
 static const double STRIDE = 3.5;  // radii of the robot that must be free for an exit to be open
 static const double SCALE[LEVELS] = {1.0, 0.6, 0.35};  // of a stride, by how fine the map is
 static const double REACH = 4.0;   // strides from one place to the next, at most
-static const double NEAR = 0.6;    // of a stride: what is nearer to a way that it drove is explored
+static const double NEAR = 0.6;    // of a stride: points nearer than this to a driven path are explored
 static const double SEES = 1.5;    // strides within which two places are joined if nothing is between them
 static const double CLOSE = 0.95;  // of the radius: width of the way that must be free, so that it may slide along walls
-static const double APART = 0.25;  // of the radius: nearer to the place that it left there is no new one
-static const double THERE = 0.02;  // of the radius: within this of a place, the robot is there
-static const double STANDS = 0.1;  // of the radius: within this, too, if it comes no nearer
-static const double ALONG = 0.9;   // share of a step by which it must get ahead if a wall bent it
+static const double APART = 0.25;  // of the radius: no new place is made within this distance of the place that it left
+static const double THERE = 0.02;  // of the radius: the robot is at a place within this distance
+static const double STANDS = 0.1;  // of the radius: also within this distance, if it comes no nearer
+static const double ALONG = 0.9;   // share of a step by which it must advance if a wall bent the step
 static const double ACROSS = 0.5;  // an exit opens at the side if the cosine from the direction of driving is at most this
 
 // What the beams see, in the world's frame, m from the robot.
@@ -95,7 +95,7 @@ static void set_link(WgMapPlace *place, int64_t slot, int64_t to)
     place->links = (double)(((int64_t)place->links & ~mask) | ((to + 1) << (LINK_BITS * slot)));
 }
 
-// The slot of a link; -1 if the place has none to there.
+// Returns the slot of the link from a place to another; -1 if there is none.
 static int64_t slot_of(const WgMapPlace *place, int64_t to)
 {
     for (int64_t slot = 0; slot < LINKS; slot++) {
@@ -106,7 +106,7 @@ static int64_t slot_of(const WgMapPlace *place, int64_t to)
     return -1;
 }
 
-// Removes the links between two places; a place may be the other's neighbour alone.
+// Removes the links between two places, which may exist in one direction only.
 static void part(WgTopologicalMemory *own, int64_t one, int64_t other)
 {
     int64_t slot = slot_of(&own->places[one], other);
@@ -228,7 +228,7 @@ static double look_of(const WgObservation *seen, int64_t exit, double stride)
     return exit == TO_TARGET ? wg_lower(stride, seen->target_distance) : stride;
 }
 
-// Bits of the exits whose way is free for a stride.
+// Bits of the exits that are free for a whole stride.
 static double open_exits(const WgObservation *seen, const Points *points, double stride)
 {
     int64_t bits = 0;
@@ -245,8 +245,8 @@ static double open_exits(const WgObservation *seen, const Points *points, double
     return (double)bits;
 }
 
-// Returns whether an exit leads from where the robot is to where it has not been: away from the map, and from the way that it
-// has driven since the last place. The target itself is always new.
+// Returns true if an exit leads somewhere new: away from the map, and from the path driven since the last place. The
+// target itself is always new.
 static bool is_new(const WgObservation *seen, const WgTopologicalMemory *own, int64_t exit, double stride)
 {
     double far = look_of(seen, exit, stride);
@@ -304,7 +304,7 @@ static void look_point(const WgObservation *seen, const WgMapPlace *place, int64
     *y = place->y + far * wg_sin(direction);
 }
 
-// Closes the exits that lead to a way, which is explored now.
+// Closes the exits that lead to the path just driven, which is explored now.
 static void close_exits(const WgObservation *seen, WgTopologicalMemory *own, int64_t one, int64_t other, double stride)
 {
     const WgMapPlace *from = &own->places[one];
@@ -325,7 +325,7 @@ static void close_exits(const WgObservation *seen, WgTopologicalMemory *own, int
     }
 }
 
-// Returns the number of a new place. Without room, the oldest one is forgotten, but not the one that the robot comes from.
+// Returns the number of a new place. If the map is full, the oldest place is forgotten, unless the robot comes from it.
 static int64_t make_place(WgTopologicalMemory *own)
 {
     int64_t most = (int64_t)own->most;
@@ -344,7 +344,7 @@ static int64_t make_place(WgTopologicalMemory *own)
     return number;
 }
 
-// Makes the robot's position a place, joined with the one that it comes from and with those that it sees near by. Where it
+// Makes the robot's position a place, joined to the place that it comes from and to those in sight nearby. If the robot
 // has hardly moved, it stays at the place that it comes from.
 static void settle(const WgObservation *seen, WgTopologicalMemory *own, const Points *points, double open)
 {
@@ -363,7 +363,7 @@ static void settle(const WgObservation *seen, WgTopologicalMemory *own, const Po
         return;
     }
 
-    // If the other has room for no more links, it loses one, so that there is always a way back.
+    // If the other place has no free slot, it loses a link, so that a path back always exists.
     if (!join(own, from, number)) {
         part(own, from, link_of(&own->places[from], LINKS - 1));
         join(own, from, number);
@@ -382,7 +382,7 @@ static void settle(const WgObservation *seen, WgTopologicalMemory *own, const Po
 
 // ---- Decisions
 
-// The exit with the shortest way through it, as far as is known: to its place along the map, and on straight to the target.
+// Returns the exit with the shortest known path to the target: along the map to its place, and then straight on.
 static Choice best_exit(const WgObservation *seen, const WgTopologicalMemory *own, const Ways *ways, double stride)
 {
     Choice best = {-1, 0};
@@ -419,8 +419,8 @@ static void leave(const WgObservation *seen, WgTopologicalMemory *own, int64_t e
     own->open = open;
 }
 
-// Chooses where to go from the robot's place. When the map has no exit left, it is forgotten, and the next one is finer; the
-// finest is followed by the coarsest.
+// Chooses where to go from the robot's place. When the map has no exits left, it is forgotten, and the next map is
+// finer; the coarsest follows the finest.
 static void decide(const WgObservation *seen, WgTopologicalMemory *own, const Points *points, double open)
 {
     Ways ways = {0};
@@ -456,7 +456,7 @@ static bool is_barred(const WgObservation *seen, const WgTopologicalMemory *own)
     return seen->bump != 0.0 && along < ALONG * own->step;
 }
 
-// Returns whether the robot is at a place, or as near as its steps get it.
+// Returns true if the robot is at a place, or as near as its steps allow.
 static bool is_at(const WgObservation *seen, const WgTopologicalMemory *own, const WgMapPlace *place)
 {
     double left = wg_distance(seen->x, seen->y, place->x, place->y);

@@ -304,7 +304,7 @@ typedef struct WgGestaltMemory {
     double window_y;  // lowest row
     double heading;   // rad: direction of the chosen arc where the robot is
     double bend;      // rad/m: its curvature
-    double left;      // m of it that are left
+    double left;      // m: its remaining length
     double cells[];   // degrees of goodness, 4 bits for each cell of the window, 12 cells in each number
 } WgGestaltMemory;
 
@@ -312,7 +312,7 @@ typedef struct WgGestaltMemory {
 typedef struct WgMapPlace {
     double x;      // m
     double y;
-    double exits;  // bits of the exits that are open and lead to where it has not been
+    double exits;  // bits of the exits that are open and lead somewhere new
     double links;  // 10 bits for each of five neighbours: its number, and 1
 } WgMapPlace;
 

@@ -67,7 +67,7 @@ static inline void move(Plain *plain, int64_t drive, int64_t step)
     observation->y = (double)state->y * settings->metres;
 }
 
-// Senses what changes without a move, and lets the controller act. Returns false if it failed.
+// Senses everything that changes without a move, and lets the controller act. Returns false if it failed.
 static inline bool act(Plain *plain, bool touches, int64_t step)
 {
     const WgSettings *settings = plain->settings;

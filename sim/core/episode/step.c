@@ -209,7 +209,7 @@ static void push(const WgArena *arena, const WgSettings *settings, int64_t step,
     WgState *state = &robot->body->state;
     state->heading = wg_reduced_heading(state->heading + by->turn);
     bool stays = by->dx == 0 && by->dy == 0;
-    // Under `endpoint` a robot may stand in a wall, and then nothing moves it, because no path out is clear.
+    // Under `endpoint` a robot may stand in a wall, and then it can never move, because no path out is clear.
     if (stays || !wg_disc_is_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), state->x, state->y)) {
         return;
     }

@@ -2,8 +2,8 @@
 // time, then sensing, then the controller, whose turn takes effect immediately and whose speed
 // drives the next step.
 //
-// What every step needs is inline, so that the compiler keeps the loop around it in registers; the
-// rest is in step.c.
+// The code that every step needs is inline, so that the compiler keeps the loop around it in registers; the rest is in
+// step.c.
 
 #ifndef WG_STEP_H
 #define WG_STEP_H
@@ -98,15 +98,15 @@ void wg_catch(const WgArena *arena, const WgSettings *settings, int64_t step, Wg
 // The part of a displacement covered by a time in the step, lattice units.
 int64_t wg_share_of(int64_t whole, int64_t time);
 
-// The nearest point of a coarser lattice that the robot can reach on a clear line; its own place if
-// there is none.
+// Returns the nearest point of a coarser lattice that the robot can reach on a clear line, or its own place if there is
+// none.
 WgVector wg_rounded_place(const WgArena *arena, const WgSettings *settings, const WgState *state);
 
 // Moves the robot to the nearest point of a coarser lattice that it can reach on a clear line, if
 // there is one.
 void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
 
-// Displaces and turns a robot that something pushes in a step, after its own move.
+// Displaces and turns a robot that is pushed in a step, after its own move.
 void wg_disturb(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
 
 // Counts a cell that a coverage task wants, and ends the run with the last one.
@@ -126,7 +126,7 @@ void wg_measure_turn(const WgSettings *settings, int64_t step, int64_t turn, WgR
 // Adds a step to the digest: whether a wall was touched, the corners of its path, the state after it.
 void wg_hash_step(WgRobot *robot, int64_t words, bool bumped);
 
-// Writes a step into a recording: its state, and the corners of its path after those of the steps before.
+// Adds a step to a recording: its state, and the corners of its path.
 void wg_write_step(const WgRecording *recording, const WgRobot *robot, int64_t words, int64_t step, bool bumped);
 
 // Functions that every step needs.

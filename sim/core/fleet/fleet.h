@@ -24,13 +24,13 @@ struct WgMover {
     WgPlace begin;       // where it was when the move began
     WgPlace place;       // where it is
     WgVector left;       // rest of its displacement
-    WgPlace goal;        // where the phase should take it
-    int64_t far;         // no point of its disc gets farther than this from its place in this move
+    WgPlace goal;        // goal of this phase
+    int64_t far;         // the disc stays within this distance of its place during this move
     WgContact wall;      // its first contact with a wall in the phase
-    WgNormal normal;     // away from what it touched last in this move
-    WgNormal touch;      // away from what it touches in this phase
+    WgNormal normal;     // normal of its last contact in this move
+    WgNormal touch;      // normal of its contacts in this phase
     int64_t touching;    // number of things that it touches
-    int64_t contacts;    // phases of this move in which it touched something
+    int64_t contacts;    // number of phases of this move with a contact
     int64_t since;       // time in the step of its last corner, 2^-32 steps
     int64_t candidate;   // number of the lattice point near the desired one that `goal` is
     int64_t column;      // of its cell in the grid of robots
@@ -61,7 +61,7 @@ struct WgNear {
     int64_t buckets;      // a power of two
 };
 
-// Robots of which each may meet another one, directly or through others.
+// Robots that may meet, directly or through others.
 typedef struct WgCluster {
     int64_t first;       // index of a robot; the others follow by `next`
     int64_t first_pair;  // index of a pair; same

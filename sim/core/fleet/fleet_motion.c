@@ -1,11 +1,10 @@
 // Moves several robots at once: exactly, and independently of their numbering.
 //
 // Robots that cannot meet any other in a part of a step move as if alone. The others form clusters, and a cluster
-// moves in phases. In a phase each of its robots moves uniformly along one straight segment between lattice points,
-// all in the same time, so two discs touch exactly when the segment of their relative motion comes as near to the
-// origin as the sum of their radii: a test in integers, as against a wall's corner. Floating point only proposes the
-// end of the phase, the first contact, where robots that touch lose the part of their displacement that leads into
-// each other.
+// moves in phases. In each phase all robots move uniformly along straight segments between lattice points, all in the
+// same time, so two discs touch exactly when the segment of their relative motion comes within the sum of their radii
+// of the origin. This is a test in integers, as for a wall's corner. Floating point only proposes the end of the phase,
+// the first contact, where robots that touch lose the part of their displacement that leads into each other.
 //
 // No disc overlaps another disc or a wall: a segment that is not clear of everything is never driven, and robots that
 // stand still are clear of each other.
@@ -66,7 +65,7 @@ static bool are_clear(const WgFleet *fleet, const WgPair *pair)
     return wg_point_is_clear(pair->clear_sq, way, 0, 0);
 }
 
-// Returns what a robot touched last: in this phase, or before.
+// Returns the normal of a robot's last contact, in this phase or before.
 static WgNormal last_normal(const WgMover *mover)
 {
     return mover->touching > 0 ? mover->touch : mover->normal;
@@ -97,8 +96,7 @@ static void set_goal(WgMover *mover, double share)
     mover->goal.y = y + (is_last ? sy : away * (fabs(normal.y) >= fabs(normal.x) ? sy : 0));
 }
 
-// Returns true if another goal is left to try: to the side only for a robot that touches something, back only if
-// allowed.
+// Returns true if a robot has another goal to try: sideways only if it touches something, back only if that is allowed.
 static bool has_another_goal(const WgMover *mover, bool back)
 {
     if (!is_moving(mover) || mover->candidate >= STAND) {
@@ -144,8 +142,8 @@ static bool look_for_violations(const WgFleet *fleet, WgCluster cluster, bool ba
 }
 
 // Finds goals at a share of the displacements so that all paths to them are clear of walls and of each other. Robots
-// whose paths are not clear try their next goals together. If they may step back, the last goal is to stand still, so
-// goals are always found.
+// whose paths are not clear try their next goals together. If stepping back is allowed, the last goal is to stand
+// still, so goals are always found.
 static bool find_goals(const WgFleet *fleet, WgCluster cluster, double share, bool back)
 {
     WgMover *movers = fleet->movers;
@@ -167,8 +165,8 @@ static bool find_goals(const WgFleet *fleet, WgCluster cluster, double share, bo
     return true;
 }
 
-// Notes a contact of this phase. Of several, it keeps the largest normal, by x and then by y, which does not depend
-// on the robots' numbers.
+// Notes a contact of this phase. Of several normals it keeps the largest, by x and then by y, which does not depend on
+// the robots' numbers.
 static void touch(WgMover *mover, WgNormal normal)
 {
     bool greater = normal.x > mover->touch.x || (normal.x == mover->touch.x && normal.y > mover->touch.y);
@@ -259,7 +257,7 @@ static void go_to_goals(WgFleet *fleet, WgCluster cluster, int64_t step, double 
         WgMover *mover = &fleet->movers[k];
         if (!is_at_goal(mover)) {
             WgEpisode *member = member_of(fleet, k);
-            // If it stood still before, its path records until when, because others moved in the meantime.
+            // If it stood still before, its path records the time until which it waited for others.
             if (mover->since < whole_time(begin)) {
                 wg_add_corner(&member->robot, mover->place.x, mover->place.y, whole_time(begin));
             }
@@ -306,7 +304,7 @@ static void slide(WgMover *mover, double share, double friction)
     double dx = (1.0 - share) * (double)mover->left.x;
     double dy = (1.0 - share) * (double)mover->left.y;
     if (mover->touching == 0) {
-        // A robot that had to stand still has lost that time; all others drive to the very end of their displacement.
+        // A robot that had to wait has lost that time; all others drive to the very end of their displacement.
         bool stood = is_at_goal(mover);
         mover->left.x = stood ? wg_round_away(dx) : mover->left.x - (mover->goal.x - mover->place.x);
         mover->left.y = stood ? wg_round_away(dy) : mover->left.y - (mover->goal.y - mover->place.y);
@@ -542,7 +540,7 @@ static void change_world(WgFleet *fleet, int64_t step)
     }
 }
 
-// Moves robots whose poses are on a coarser lattice to its nearest points, all those that can at once.
+// Moves robots with coarser poses to the nearest points of their lattices, as many as can move at the same time.
 static void round_poses(WgFleet *fleet, int64_t step)
 {
     WgMover *movers = fleet->movers;

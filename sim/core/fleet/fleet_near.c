@@ -89,7 +89,8 @@ int64_t wg_next_in(const WgFleet *fleet, int64_t robot)
     return one_in(fleet, fleet->near->chain[robot], mover->column, mover->row);
 }
 
-// For each robot, examines its cell and four of the eight around it: of two neighbouring cells, one sees the other.
+// For each robot, examines its own cell and four of the eight around it, because each pair of neighbouring cells needs
+// only one look.
 static void look_around(WgFleet *fleet)
 {
     static const int64_t OTHER_CELLS[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};

@@ -32,7 +32,7 @@ static bool make_search(WgFleet *fleet, int64_t words)
     search->prints = array(&is_made, wg_blocks(words) + 1, sizeof(uint64_t));
     search->known = array(&is_made, words, sizeof(uint64_t));
     if (fleet->settings->log_steps > 0) {
-        // This is not cleared, so a long log takes memory only as the run progresses.
+        // Not cleared, so a long log takes memory only as the run progresses.
         search->log_size = fleet->settings->log_steps + 1;
         search->log = malloc((size_t)search->log_size * sizeof(uint64_t));
         is_made = is_made && search->log != NULL;

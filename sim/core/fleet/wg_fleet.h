@@ -67,7 +67,7 @@ typedef struct WgFleet {
     int64_t next_event;     // index of the first event that has not happened
     int64_t quiet;          // step of the last event: states before it prove nothing
     int64_t step;           // steps done
-    int64_t waits;          // 1 while controllers outside the core are to act: those of members whose `waits` is 1
+    int64_t waits;          // 1 while controllers outside the core have to act: those of members whose `waits` is 1
     int64_t over;           // 1 when the run has ended
 } WgFleet;
 

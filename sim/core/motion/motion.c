@@ -160,8 +160,8 @@ static WgPlace stop_at(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64
 
 // Finds the first contact of a path that isn't clear, and where it lets the disc stop.
 //
-// Corners that the path only grazes count if nothing else explains why it isn't clear: they do not
-// take part in a slide along a wall, though they are as near as possible.
+// Corners that the path only grazes count if nothing else explains why the path isn't clear: they play no part in a
+// slide along a wall, however near they are.
 static Stop first_stop(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64_t dy)
 {
     double radius = sqrt((double)disc.clear_sq);

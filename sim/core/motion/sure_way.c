@@ -25,7 +25,7 @@ static bool is_clear(const Flood *flood, int64_t x, int64_t y)
     return wg_disc_is_clear(flood->grid, WG_SOLID, flood->disc, x, y);
 }
 
-// Returns true if the disc, which is clear at both ends, may go from one to the other.
+// Returns true if the disc, which is clear at both ends, may move from one to the other.
 static bool goes_straight(const Flood *flood, WgSegment way)
 {
     return !wg_first_not_clear(flood->grid, WG_SOLID, flood->disc, way).found;

@@ -31,9 +31,9 @@ enum { WG_NEXT_STEP = 0, WG_SAME_STEP = 1, WG_NO_AUTORESET = 2 };
 
 // Constants for the numbers of observations, commands and rewards.
 typedef struct WgRules {
-    double extent;      // m: what counts as 1 in distances
-    double beam_range;  // m: what counts as 1 in range beams
-    double turn_rate;   // rad/s: what counts as 1 in actions
+    double extent;      // m: length that counts as 1 in distances
+    double beam_range;  // m: length that counts as 1 in range beams
+    double turn_rate;   // rad/s: turn rate that counts as 1 in actions
     double slowest;     // smallest share of the top speed that an action may request
     double progress;    // reward for a metre nearer to the target
     double time;        // for a second
@@ -52,7 +52,7 @@ typedef struct WgPlace {
                           // half a cell, infinite if there is none; NULL: distances are straight
 } WgPlace;
 
-// n robots, and what they share.
+// Settings shared by n robots, and the robots' own data.
 typedef struct WgCrew {
     int64_t count;
     const WgRules *rules;

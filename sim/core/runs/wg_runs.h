@@ -1,8 +1,7 @@
 // Many runs in one call: of one world from many starts, of edited copies of a world, or of one step
 // from many states.
 //
-// Each takes an episode with the caller's own arena and settings; it changes them and leaves them
-// changed.
+// Each takes an episode with the caller's own arena and settings, and modifies them.
 
 #ifndef WG_RUNS_H
 #define WG_RUNS_H
@@ -72,9 +71,8 @@ typedef struct WgTried {
     int64_t running;  // 1: the run of the edit before `next` is not over; the next call continues it
 } WgTried;
 
-// Tries edits from tried->next on, until one is found or wanted->steps steps are done. A run that
-// was not over after the last call continues first, so nothing that the arguments point to may
-// change in between.
+// Tries edits from tried->next on, until one is found or wanted->steps steps are done. A run that was not over after
+// the last call continues first, so the memory behind the arguments must not change in between.
 //
 // settings:  those of the episode, whose arena has the shape after the edits and its events.
 // before:    those of the world before the edit, with the world's start.

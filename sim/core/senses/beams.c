@@ -1,10 +1,9 @@
 // Range beams: many rays from one place, in a world that does not change.
 //
-// Amanatides and Woo's walk visits every cell. Here a ray goes from lane to lane: along rows of
-// cells if it runs more along x than along y, otherwise along columns. A table gives how far the
-// lane is free from where the ray enters it, so the ray either leaves the lane before that, or hits
-// the face there. All rays of an eighth of a turn share their first lane, and a second table holds
-// the directions. In a maze this takes 10 ns per beam; the walk takes 30.
+// Amanatides and Woo's walk visits every cell. Here a ray moves from lane to lane: along rows of cells if it runs more
+// along x than along y, otherwise along columns. A table gives how far the lane is free beyond the ray's entry, so the
+// ray either leaves the lane before that, or hits the face there. All rays of an eighth of a turn share their first
+// lane, and a second table holds the directions. In a maze this takes 10 ns per beam; the walk takes 30.
 //
 // The result equals the walk's to the last bit: the distance is the same exact difference divided
 // by the same direction. The point where a ray leaves its lane is known to 1/32 of a lattice unit,
@@ -27,7 +26,7 @@ enum {
 // What follows a cell in a table of wg_free_runs.
 enum { RIGHT = 0, LEFT = 1, UP = 2, DOWN = 3, DIRECTIONS = 4 };
 
-// The distance at which a ray may pass a corner, and the exit of a ray that never leaves its lane.
+// How far a ray may pass a corner, and the exit of a ray that never leaves its lane.
 static const int64_t CLOSE = INT64_C(1) << (FRACTION_BITS - 5);
 static const int64_t NEVER = (INT64_C(1) << 60) + (INT64_C(1) << (CELL_BITS - 1));
 

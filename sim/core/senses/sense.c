@@ -7,7 +7,7 @@
 
 static const double PER_RADIAN = (double)WG_TURN / (2.0 * 3.141592653589793);
 
-// A place at which a signal may be read: the middle of a cell, or the target in its own cell.
+// A place whose signal may be read: the middle of a cell, or the target in its own cell.
 typedef struct Place {
     int64_t x;
     int64_t y;
@@ -160,8 +160,7 @@ static Place strongest_of_nine(WgGrid grid, int64_t ix, int64_t iy, int64_t targ
 {
     const int64_t middle = WG_UNIT / 2;
 
-    // If the target's cell isn't among the nine, one of them is nearest: if it is free, it is the
-    // answer.
+    // If the target's cell isn't among the nine, the nearest of them is the answer if it is free.
     int64_t away_x = ix * WG_UNIT + middle - target_x;
     int64_t away_y = iy * WG_UNIT + middle - target_y;
     bool is_far = wg_most(wg_abs(away_x), wg_abs(away_y)) > 2 * WG_UNIT;

@@ -12,7 +12,7 @@
 
 static const double MOST_OPEN = 60.0;  // px: side of the largest box that is checked before a move
 
-// What one pixel's step hits: nothing; a wall that one of the two single-axis moves, or both, would
+// The obstacle in the path of one pixel's step: none; a wall that one of the two single-axis moves, or both, would
 // touch too; or only the corner of a cell. TOUCH_BOTH is the sum of the two before it.
 enum { TOUCH_NOTHING = 0, TOUCH_X = 1, TOUCH_Y = 2, TOUCH_BOTH = 3, TOUCH_CORNER = 4 };
 
@@ -122,7 +122,7 @@ static bool is_open(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path,
 
 // Sets the centre after a pixel's step that meets a wall, and returns WG_SLIDE or WG_BACK_OFF.
 //
-// A slide continues along one axis, and goes back along the other by one pixel's share.
+// A slide continues along one axis, and moves back along the other by one pixel's share.
 static int64_t meet_wall(const ThesisGrid *grid, ThesisPoint *here, ThesisPoint next,
                          ThesisPoint unit, double radius, int touched, int64_t repairs,
                          double wall_friction)

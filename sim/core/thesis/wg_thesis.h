@@ -26,8 +26,8 @@ enum { WG_NEEDS_DRAWS = 6 };
 // Rules: how the robot turns after a collision.
 enum { WG_RULE_ADD = 1, WG_RULE_SUBTRACT = 2, WG_RULE_RANDOM = 3 };
 
-// How a tick's move ends: as it began; sliding; backing off, or standing still if that is repaired;
-// and, instead of WG_STRAIGHT, having continued past a corner that it touched.
+// How a tick's move ends: as it began; sliding; backing off, or standing still if that is repaired; and, in place of
+// WG_STRAIGHT, having continued past a corner that it touched.
 enum { WG_STRAIGHT = 0, WG_SLIDE = 1, WG_BACK_OFF = 2, WG_CORNER = 3 };
 
 // Faults of the motion that can be repaired: bits of WgThesisSettings.repairs.
@@ -123,13 +123,13 @@ typedef struct WgThesisRow {
     double escapes;
 } WgThesisRow;
 
-// Where something happened for the first time, and the move that let the robot into the wall.
+// First occurrence of something, and the move that let the robot into the wall.
 typedef struct WgThesisPlace {
     int64_t step; // -1: never
     int64_t x;    // cell
     int64_t y;
     int64_t state; // WG_SOLID (debris) or WG_BURNING, of a hit
-    int64_t began; // step in which the overlap began that lasted then; -1: none lasted
+    int64_t began; // step in which the overlap that lasted then began; -1: none lasted
     int64_t cause; // the move of that step
 } WgThesisPlace;
 

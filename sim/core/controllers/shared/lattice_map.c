@@ -225,8 +225,8 @@ static int64_t at_least(const WgMapperMemory *map, WgNode node)
 
 // Searches from a node by A*; returns the number of the window's node where the plan ends, -1 if there is no path.
 //
-// A plan ends next to the target. It may also end where it leaves the window; that costs the
-// remaining distance plus a charge that makes it the last resort.
+// A plan ends next to the target. It may also end at the edge of the window; that costs the remaining distance plus a
+// charge that makes it the last resort.
 static int64_t find(WgMapperMemory *map, WgNode start, Search *search)
 {
     int64_t side = side_of(map);
@@ -246,7 +246,7 @@ static int64_t find(WgMapperMemory *map, WgNode start, Search *search)
         }
         WgNode node = {low_x + number % side, low_y + number / side};
         if (bound > search->cost[number] + at_least(map, node)) {
-            continue;  // a better path to it was found since
+            continue;  // a better path to this node was found since
         }
         if (has_door(map, node)) {
             return number;

@@ -3,7 +3,7 @@
 //
 // A node has eight neighbours and four bits: its edges to the east, north-east, north and
 // north-west; the others are its neighbours'. Twelve nodes are packed into one number of a
-// controller's memory. The window moves with the robot and forgets what it leaves behind. A* plans
+// controller's memory. The window moves with the robot and forgets everything outside it. A* plans
 // the path as if everything not known to be blocked were free.
 //
 // Sources: P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination of minimum cost
@@ -40,7 +40,7 @@ void wg_map_block_door(WgMapperMemory *map, WgNode node);
 // Clears the map.
 void wg_map_forget(WgMapperMemory *map);
 
-// Moves the window so that a node has a quarter of it on each side, and forgets what leaves it.
+// Moves the window so that a node has a quarter of it on each side, and forgets everything outside.
 void wg_map_move_window(WgMapperMemory *map, WgNode node);
 
 // Returns the next move of the plan and marks it as done; -1 if there is none.
