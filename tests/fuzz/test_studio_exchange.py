@@ -2,6 +2,7 @@
 
 import base64
 import io
+import json
 import zipfile
 
 import pytest
@@ -143,9 +144,15 @@ READ = [
 OTHERS = {
     "agent": "b",
     "layer": "solid",
+    "slice_height": 0.3,
+    "unit": "cm",
     "cell_size": {"png": 0.099},
     "threshold": {"irsim": 0.3, "png": 200},
 }
+
+
+# What else a value needs: a world of 3 m is one of 3 cm in centimetres.
+ALONG = {"unit": {"slice_height": 0.005, "cell_size": 0.001}}
 
 
 def file_of(name, folder, tmp_path):
@@ -157,6 +164,11 @@ def file_of(name, folder, tmp_path):
     elif name == "pogema":
         place.parent.mkdir()
         place.write_text("a....\n.###.\nb...B\n....A\n")
+    elif name == "gltf":  # it is read and not written; GLB holds the same
+        by_command(place.parent, folder / "w.grid", "glb", "--no-sidecar")
+        (glb,) = place.parent.iterdir()
+        place.write_text(json_of(glb.read_bytes()))
+        glb.unlink()
     else:
         by_command(place.parent, folder / "w.grid", name, "--no-sidecar")
     if name == "movingai":
@@ -164,6 +176,15 @@ def file_of(name, folder, tmp_path):
     if name == "tiled":
         place.write_text(place.read_text().replace('"walls"', '"solid"'))
     return place
+
+
+def json_of(glb):
+    """The JSON of a GLB file, with its binary part in it."""
+    length = int.from_bytes(glb[12:16], "little")
+    tree = json.loads(glb[20 : 20 + length])
+    binary = base64.b64encode(glb[28 + length :]).decode()
+    tree["buffers"][0]["uri"] = f"data:application/octet-stream;base64,{binary}"
+    return json.dumps(tree)
 
 
 @pytest.mark.nightly
@@ -178,9 +199,11 @@ def test_every_option_of_a_format_that_is_read_is_offered_and_does_what_it_does_
     value = OTHERS.get(option.name) or other_than_usual(offered)
     value = value.get(name, 0.05) if isinstance(value, dict) else value
     main = file_of(name, folder, tmp_path)
-    words = ["--from", f"{name}+{option.name}={value}", "--radius", "0.01", "--seed", "5"]
+    options = {option.name: value} | ALONG.get(option.name, {})
+    named = "+".join([name, *(f"{key}={one}" for key, one in options.items())])
+    words = ["--from", named, "--radius", "0.001", "--seed", "5"]
     assert worldgen("import", main, *words, "--out", tmp_path / "again.grid").code == 0
-    asked = {"format": name, "options": {option.name: value}, "radius": 0.01, "seed": "5"}
+    asked = {"format": name, "options": options, "radius": 0.001, "seed": "5"}
     brought = answers.bring(dropped(*main.parent.iterdir()) | asked, print)
     assert brought["world"] == message_of(read_world(tmp_path / "again.grid"))
     assert brought["format"] == name

@@ -14,6 +14,7 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.exported_meshes import any_worlds, solid_volume
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
+from worldgen.families import maze
 from worldgen.files.grid import read_world
 from worldgen.interop import export_world, import_world, read_map
 from worldgen.reach import REACHABLE, decide
@@ -87,6 +88,18 @@ def test_a_y_up_obj_file_is_turned(tmp_path):
     )
     path = put(tmp_path, "b.obj", building_file("obj", mesh))
     assert np.array_equal(read_map(path, "obj+up=y+cell-size=0.1").walls, ground_floor(0.2))
+
+
+@pytest.mark.parametrize(("kind", "option", "value"), [("glb", "up", "z"), ("stl", "unit", "cm")])
+def test_facts_of_a_worldgen_file_are_not_used_for_another_axis_or_unit(
+    kind, option, value, tmp_path
+):
+    world = maze(seed=1, size=20)
+    path = put(tmp_path, f"w.{kind}", export_world(world, kind, sidecar=False).data)
+    assert read_map(path).start is not None
+    options = {option: value, "slice_height": 0.005, "cell_size": 0.01}
+    turned = read_map(path, options=options)
+    assert turned.start is None and turned.params["format"] == kind
 
 
 def test_a_mesh_of_odd_size_is_warned_of(tmp_path):
