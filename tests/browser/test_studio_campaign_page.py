@@ -83,7 +83,7 @@ def test_a_campaign_from_the_form_is_watched_stopped_resumed_and_its_smallest_fa
     stands(page, "ing")
     page.wait_for_function(
         "before => Number(document.querySelector('.progress-line').innerText.match(/unit "
-        "(\\d+)/)[1]) > before",
+        "(\\d+)/)?.[1]) > before",
         arg=before,
         timeout=CAMPAIGN,
     )

@@ -56,6 +56,6 @@ def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like
     assert more.get_by_label("Cell size").input_value() == "0.1"
     page.get_by_text("Options of the import").click()
     page.locator("#import").set_input_files(tmp_path / "x.bin")
-    page.get_by_text("choose it in Options of the import").wait_for()
+    page.get_by_text("choose one of the formats listed in Options of the import").wait_for()
     more.get_by_label("Format").wait_for()  # it has opened
     assert page.complaints == []

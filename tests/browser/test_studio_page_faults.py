@@ -238,11 +238,10 @@ def test_after_a_new_start_with_other_controllers_an_open_page_offers_those(brow
         page.get_by_text("The studio does not answer.").wait_for()
         again = both.enter_context(studio_of(folder, port=first.port, named=[new]))
         another_tab(page, again.address)
-        page.get_by_label(new, exact=True).wait_for()
-        assert (
-            page.get_by_label(new, exact=True).is_checked()
-            and page.get_by_label(old, exact=True).count() == 0
-        )
+        robots = page.locator("#play .robots")
+        robots.get_by_label(new, exact=True).wait_for()
+        assert robots.get_by_label(new, exact=True).is_checked()
+        assert robots.get_by_label(old, exact=True).count() == 0
         page.keyboard.press("3")
         page.locator("#campaign-controller option", has_text=new).wait_for(state="attached")
         assert page.locator("#campaign-controller option", has_text=old).count() == 0

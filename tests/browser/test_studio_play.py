@@ -268,8 +268,8 @@ def test_a_controller_that_never_answers_is_stopped_by_its_button_and_the_others
         assert page.locator("#stop-run").is_hidden() and page.locator("#run").evaluate(
             "e => e === document.activeElement"
         )
-        page.get_by_label("mine.py:Stuck").uncheck()
-        page.get_by_label("thesis-1").check()
+        page.locator("#play .robots").get_by_label("mine.py:Stuck").uncheck()
+        page.locator("#play .robots").get_by_label("thesis-1").check()
         page.locator("#run").click()
         page.locator(".result", has_text="thesis-1").wait_for()
         page.locator("#run-said").wait_for(state="hidden")

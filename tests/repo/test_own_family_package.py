@@ -62,7 +62,7 @@ def test_an_installed_family_is_a_command_like_any_other(installed):
         installed,
         "-m",
         "worldgen",
-        "warehouse",
+        "depot",
         "--layout",
         "fishbone",
         "--seed",
@@ -73,7 +73,7 @@ def test_an_installed_family_is_a_command_like_any_other(installed):
     assert made.returncode == 0, made.stderr
     checked = run(installed, "-m", "worldgen", "verify", "w.grid")
     assert checked.returncode == 0 and "witness checked" in checked.stdout
-    assert "warehouse" in run(installed, "-m", "worldgen", "--help").stdout
+    assert "depot" in run(installed, "-m", "worldgen", "--help").stdout
 
 
 @pytest.mark.nightly

@@ -17,7 +17,7 @@ from worldgen.testing import CHECKS, FAMILY_CHECKS, BrokenContract, check_family
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
 
-WAREHOUSE = "./examples/own-family/warehouse_worlds.py:warehouse"
+DEPOT = "./examples/own-family/depot_worlds.py:depot"
 BY_NAME = {check.name: check for check in (*FAMILY_CHECKS, *CHECKS)}
 COUNTER = itertools.count()
 
@@ -150,18 +150,18 @@ def test_all_that_is_broken_is_told_at_once_with_its_case():
 
 
 def test_a_pinned_digest_that_changed_is_told():
-    warehouse = FAMILIES.get(WAREHOUSE)
+    depot = FAMILIES.get(DEPOT)
     with pytest.raises(BrokenContract, match="but 0000 is pinned; raise the version") as caught:
         check_family(
-            warehouse,
-            golden={"aisles": "0000", "fishbone": layout_digest(warehouse, {"layout": "fishbone"})},
+            depot,
+            golden={"aisles": "0000", "fishbone": layout_digest(depot, {"layout": "fishbone"})},
         )
     assert len(str(caught.value).splitlines()) == 2
 
 
 def test_the_example_of_an_own_family_keeps_its_promises():
-    done = worldgen("check-family", WAREHOUSE)
-    assert done.code == 0 and "warehouse version 1: 21 of 21 checks hold" in done.out
+    done = worldgen("check-family", DEPOT)
+    assert done.code == 0 and "depot version 1: 21 of 21 checks hold" in done.out
 
 
 def test_the_command_says_what_is_broken_and_ends_with_1():
@@ -182,7 +182,11 @@ def test_an_unknown_check_is_refused_by_name():
 
 
 def test_the_golden_digests_of_the_example_are_those_of_its_test():
-    text = Path("examples/own-family/tests/test_warehouse.py").read_text()
-    warehouse = FAMILIES.get(WAREHOUSE)
+    text = Path("examples/own-family/tests/test_depot.py").read_text()
+    depot = FAMILIES.get(DEPOT)
     for layout in ("aisles", "fishbone"):
-        assert f'"{layout}": "{layout_digest(warehouse, {"layout": layout})}"' in text
+        assert f'"{layout}": "{layout_digest(depot, {"layout": layout})}"' in text
+
+
+def test_the_example_takes_no_name_that_a_family_of_worldgen_has():
+    assert FAMILIES.get(DEPOT).name not in FAMILIES.names()

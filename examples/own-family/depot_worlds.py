@@ -1,4 +1,4 @@
-"""A warehouse: racks in rows, aisles between them, and pallets left standing in the aisles."""
+"""A depot: racks in rows, aisles between them, and pallets left standing in the aisles."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World
 
 
-@family("warehouse", version=1)
-def warehouse(
+@family("depot", version=1)
+def depot(
     rng: RandomStream,
     *,
     size: int = 40,
@@ -27,7 +27,7 @@ def warehouse(
     robot_radius: float = 0.07,
     robot_speed: float = 2.0,
 ) -> World:
-    """Build a warehouse: racks in rows with aisles between them, and pallets in the aisles.
+    """Build a depot: racks in rows with aisles between them, and pallets in the aisles.
 
     From one end of an aisle the other looks the same, and a pallet turns an aisle into a dead end.
 
