@@ -357,7 +357,7 @@ def test_a_world_grows_where_it_does_not_stay_down_to_one_row_and_up_to_four_mil
         page.locator("#proof.good, #proof.bad").wait_for()
     page.get_by_label("Columns").first.fill("20001")
     page.get_by_role("button", name="Resize").click()
-    page.get_by_text("at most 4,194,304 cells in all").wait_for()
+    page.get_by_text("at most 4,194,304 cells in total").wait_for()
     assert page.complaints == []
 
 

@@ -22,10 +22,12 @@ FROM_PYTHON = {
 }
 # Of the C library, as ELF names them.
 FROM_C = {
-    "_ITM_deregisterTMCloneTable", "_ITM_registerTMCloneTable", "_exit", "bcmp", "bzero", "calloc", "clock_gettime",
-    "close", "floor", "fmax", "fmin", "fmod", "fork", "free", "getpid", "kill", "ldexp", "malloc", "memchr", "memcmp",
-    "memcpy", "memmove", "memset", "memset_pattern16", "nanosleep", "pipe", "poll", "prctl", "realloc", "round",
-    "sched_yield", "snprintf", "sqrt", "strcmp", "strlen", "strncpy", "syscall", "waitpid",
+    "_ITM_deregisterTMCloneTable", "_ITM_registerTMCloneTable", "_exit", "bcmp", "bzero", "calloc", "ceil",
+    "clock_getcpuclockid", "clock_gettime", "close", "dup2", "floor", "fmax", "fmin", "fmod", "fork", "free",
+    "getpid", "getppid", "kill", "ldexp", "malloc", "memchr", "memcmp", "memcpy", "memmove", "memset",
+    "memset_pattern16", "nanosleep", "open", "pipe", "poll", "prctl", "pthread_sigmask", "qsort", "read", "realloc",
+    "round", "sched_yield", "setitimer", "setrlimit", "sigaction", "sigemptyset", "sigfillset", "signal",
+    "sigprocmask", "snprintf", "sqrt", "strcmp", "strlen", "strncpy", "syscall", "waitpid", "write",
 }  # fmt: skip
 OLDEST_GLIBC = (2, 17)
 

@@ -145,7 +145,7 @@ function jumpButtons(player, parts) {
   const { run } = player.drawn,
     jumps = [...run.marks];
   if (run.loop) {
-    parts.period = keyButton("One period", "Repeat one period", "l", () => playPeriod(player));
+    parts.period = keyButton("One period", "One period, repeated", "l", () => playPeriod(player));
     jumps.push({
       step: run.loop[0] + run.loop[1],
       name: "End of period",

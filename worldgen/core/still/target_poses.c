@@ -589,8 +589,8 @@ int64_t wg_poses_count(const WgPoses *poses)
 void wg_poses_round(const WgPoses *poses, int64_t index, int64_t *x, int64_t *y)
 {
     const ExactPose *pose = &poses->list[index];
-    *x = poses->base_x * WG_UNIT + (int64_t)floor(pose->x * WG_UNIT + 0.5);
-    *y = poses->base_y * WG_UNIT + (int64_t)floor(pose->y * WG_UNIT + 0.5);
+    *x = poses->base_x * WG_UNIT + (int64_t)floor(pose->x * (double)WG_UNIT + 0.5);
+    *y = poses->base_y * WG_UNIT + (int64_t)floor(pose->y * (double)WG_UNIT + 0.5);
 }
 
 void wg_poses_describe(const WgPoses *poses, int64_t index, WgPoseOf *described)
