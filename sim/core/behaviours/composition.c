@@ -58,13 +58,13 @@ static Composed composed_of(double *memory, const WgBehaviour *others)
 
     // Memory that only some arbiters use.
     made.left = rest;
-    if (made.own->arbiter == WG_BY_VOTE) {
+    if (made.own->arbiter == (double)WG_BY_VOTE) {
         rest += made.count;
     }
     made.learning = (WgLearning *)rest;
     made.all = (WgFeedback *)(made.learning + 1);
     made.of_part = made.all + WG_CONDITIONS;
-    if (made.own->arbiter == WG_BY_LEARNING) {
+    if (made.own->arbiter == (double)WG_BY_LEARNING) {
         rest = (double *)(made.of_part + made.count * WG_CONDITIONS);
     }
 
@@ -263,9 +263,9 @@ void wg_compose(const WgBehaviour *others, const WgObservation *seen, double *me
 {
     Composed made = composed_of(memory, others);
     int64_t acted = -1;
-    if (made.own->arbiter == WG_BY_VOTE) {
+    if (made.own->arbiter == (double)WG_BY_VOTE) {
         acted = vote(&made, seen, command);
-    } else if (made.own->arbiter == WG_BY_LEARNING) {
+    } else if (made.own->arbiter == (double)WG_BY_LEARNING) {
         acted = act_as_learned(&made, seen, command);
     } else {
         acted = wg_arbitrate(made.parts, made.count, &made.own->shared, seen, command);

@@ -138,7 +138,7 @@ static void search(const WgObservation *seen, WgReckoning *own)
         return;
     }
     double direction = 0.375 * WG_WHOLE_TURN * own->search;
-    own->search = own->search >= SEARCHES ? 1.0 : own->search + 1.0;
+    own->search = own->search >= (double)SEARCHES ? 1.0 : own->search + 1.0;
     own->target_x = seen->x + SEARCH * wg_cos(direction);
     own->target_y = seen->y + SEARCH * wg_sin(direction);
 }
