@@ -38,6 +38,15 @@ def test_an_example_and_the_tour_are_there_to_begin_with_and_links_lead_to_run_a
             "#play?world=config-05.grid&robots=thesis-1,thesis-2&motion=stepped"
         )
 
+        # A failure brings its own robot, whichever ran before.
+        page.goto(f"{base}#campaign?folder=found&failure=found/thesis-1-loop-104.grid")
+        page.locator("#open-play").click()
+        page.locator("#name", has_text="thesis-1-loop-104.grid").wait_for()
+        page.wait_for_function("() => document.querySelectorAll('.result').length === 1")
+        assert page.locator("#play .robots input:checked").evaluate_all(
+            "boxes => boxes.map(box => box.value)"
+        ) == ["thesis-1"]
+
         page.locator("#start-menu summary").click()
         page.locator("[data-example=fire]").first.click()
         page.locator("#board-time").wait_for()

@@ -357,8 +357,8 @@ function begin() {
   });
   listen(studio);
   takeDrops();
-  addEventListener("hashchange", () => {
-    const { shows } = readLink(location.hash);
+  addEventListener("hashchange", ({ newURL }) => {
+    const { shows } = readLink(new URL(newURL).hash); // by now, showLink may have written a link into the address
     if (followed && Object.keys(shows).length > 0) followLink(); // another link was put into the address
     route();
   });
