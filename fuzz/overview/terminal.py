@@ -72,10 +72,12 @@ class Headline:
 
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     """Return the summary for the terminal, in colour; ``click.echo`` removes the colours if necessary."""
+    # Say first whether it works and how often the robot arrives.
     causes = overview.causes
     lines = [_verdict_line(overview, headline)]
     if overview.natural is not None and overview.natural.worlds:
         lines.append(f"  {describe_rate(overview.natural, causes)}")
+    # Describe the worst cause in full, the next ones in short, and name the others.
     if causes:
         lines += _in_full(causes[0], overview.natural, headline)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
@@ -90,6 +92,7 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     # Known classes have their own line, and the report lists what was tried.
     if overview.natural is not None and overview.natural.worlds and not headline.is_known:
         lines.append(describe_coverage(overview.natural))
+    # End with what to do next.
     folder = shown(shlex.quote(str(headline.folder)))
     if causes and headline.lasts:
         lines.append(f"look at it: worldgen report {folder} --out report.html")

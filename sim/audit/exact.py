@@ -1,8 +1,8 @@
 """Decide close calls in rational numbers.
 
-They decide whether the centre really entered a wall or really left the grid. A float
-stands for its shortest decimal, as in the world's file: with cells of 0.1 m, 0.3 m is exactly on
-the face of cell 3.
+The close calls are whether the centre really entered a wall, and whether it really left the grid.
+A float stands for its shortest decimal, as in the world's file: with cells of 0.1 m, 0.3 m is
+exactly on the face of cell 3.
 """
 
 from __future__ import annotations

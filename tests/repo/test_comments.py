@@ -24,14 +24,6 @@ LEAST_DENSITY = 40
 #: Packages with fewer lines of such code are too small for a rate.
 LEAST_LINES = 500
 
-#: Long functions that still lack comments. Remove one when it has them, and add none.
-STILL_BARE = {
-    "fuzz/overview/terminal.py: overview_lines",
-    "worldgen/interop/formats/dbcbs.py: _lines",
-    "worldgen/interop/formats/movingai.py: write_movingai",
-    "worldgen/interop/formats/pogema.py: write_pogema",
-}
-
 _DIRECTIVE = re.compile(r"#\s*(type:|noqa|fmt:|pragma)")
 
 
@@ -97,7 +89,6 @@ def test_a_long_function_has_comments_above_its_phases():
         f"{path.relative_to(ROOT)}:{place}"
         for path in _sources
         for place in uncommented(path.read_text("utf-8"))
-        if f"{path.relative_to(ROOT).as_posix()}: {place.partition(': ')[2]}" not in STILL_BARE
     ]
     assert not found, "\n".join(found)
 

@@ -90,7 +90,10 @@ def test_a_y_up_obj_file_is_turned(tmp_path):
     assert np.array_equal(read_map(path, "obj+up=y+cell-size=0.1").walls, ground_floor(0.2))
 
 
-@pytest.mark.parametrize(("kind", "option", "value"), [("glb", "up", "z"), ("obj", "unit", "cm")])
+@pytest.mark.parametrize(
+    ("kind", "option", "value"),
+    [("glb", "up", "z"), ("obj", "unit", "cm"), ("ply", "up", "y"), ("3mf", "up", "y")],
+)
 def test_facts_of_a_worldgen_file_are_not_used_for_another_axis_or_unit(
     kind, option, value, tmp_path
 ):

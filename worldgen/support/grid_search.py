@@ -102,7 +102,10 @@ def steps_from(windows: Bools, start: int) -> tuple[npt.NDArray[np.int32], npt.N
 def components(windows: Bools) -> tuple[npt.NDArray[np.int32], int]:
     """Return the number of each place's component, -1 if there is none, flat.
 
-    Also return the number of components.
+    Also return the number of components. Steps lead to the four neighbours.
+
+    Args:
+        windows: (rows, columns) bool, with a rim of False.
     """
     ffi = _core.ffi
     lib = _core.lib

@@ -181,6 +181,7 @@ def write_dbcbs(world: World, destination: Destination) -> Exported:
 
 
 def _lines(world: World, destination: Destination) -> Iterator[str]:
+    # Compute the far corner exactly, so that the bounds are short decimals.
     side = exact(world.cell_size)
     x, y = (exact(value) for value in destination.origin)
     high = [decimal_text(x + world.width * side), decimal_text(y + world.height * side)]
@@ -197,6 +198,7 @@ def _lines(world: World, destination: Destination) -> Iterator[str]:
         yield "    - type: box"
         yield f"      center: [{middle}]"
         yield f"      size: [{size}]"
+    # The format requires a heading at the goal too; ours is free.
     yield "robots:"
     for robot in world.robots:
         start = robot.start

@@ -522,10 +522,11 @@ def write_movingai(world: World, destination: Destination) -> Exported:
     """
     from worldgen.interop.octile import octile_moves
 
+    # Draw the map.
     cells = np.where(flip_rows(world.walls), np.uint8(BLOCKED[0]), np.uint8(PASSABLE[0]))
     head = f"type octile\nheight {world.height}\nwidth {world.width}\nmap\n".encode()
     files = {destination.name: head + b"".join(row.tobytes() + b"\n" for row in cells)}
-    # Other programs split the fields at any white space.
+    # Write each robot's problem. Other programs split the fields at any white space.
     name = re.sub(r"\s", "_", destination.name)
     rows: list[str] = []
     altered: dict[str, str] = {}
@@ -540,6 +541,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
             )
             lost = "the robot's radius is not stored"
             return Exported(files, {"start": why, "target": why, "robot_radius": lost})
+        # By custom, problems are grouped in buckets by the optimal length, 4 cells each.
         optimal = _decimals(*moves)
         bucket = int(optimal.partition(".")[0]) // 4
         fields = (bucket, name, world.width, world.height, *start, *goal, optimal)

@@ -166,6 +166,7 @@ def write_pogema(world: World, destination: Destination) -> Exported:
         world: The world.
         destination: Where the file is written.
     """
+    # An agent is a letter, so their number has a limit.
     if len(world.robots) > len(ascii_lowercase):
         raise InvalidWorld(
             "too-many-robots",

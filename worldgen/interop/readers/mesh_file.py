@@ -38,6 +38,8 @@ class RawMesh(NamedTuple):
     """A mesh as stored in its file.
 
     Args:
+        kind: The file's format.
+        up: The axis that points up by the format's convention, ``y`` or ``z``.
         vertices: (n, 3) float64, in the file's unit and axes.
         faces: (m, 3) int64.
         held: Facts about the world in a file from worldgen, by the names of
@@ -47,6 +49,8 @@ class RawMesh(NamedTuple):
         sha_data: The bytes of the file.
     """
 
+    kind: str
+    up: str
     vertices: npt.NDArray[np.float64]
     faces: npt.NDArray[np.int64]
     held: dict[str, Any]
@@ -70,11 +74,13 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
     held: dict[str, Any] = {}
     unit: float | None = None
     left_out = 0
+    up = "z"
     # Check the file before a library reads it; 3MF has its own reader.
     if kind == "3mf":
         vertices, faces, held, unit = read_threemf(data, source)
     else:
         if kind in ("glb", "gltf"):
+            up = "y"
             document = gltf_json(data, source)
             check_gltf(document, source)
             held = root_extras(document)
@@ -83,7 +89,7 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
             held = _held(data, kind)
         vertices, faces, left_out = _in_one_frame(_loaded(data, kind, path), source)
     _check_arrays(vertices, faces, source)
-    return RawMesh(vertices, faces, held, unit, left_out, data)
+    return RawMesh(kind, up, vertices, faces, held, unit, left_out, data)
 
 
 def _check_counts(data: bytes, kind: str, source: str) -> None:

@@ -88,7 +88,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     """
     check_between("slice_height", plane.height, 0.0, 1000.0, "m")
     mesh = load_mesh(path, kind)
-    held = _checked(mesh.held) if _as_written(mesh, kind, plane) else {}
+    held = _checked(mesh.held) if _as_written(mesh, plane) else {}
     cell_size = plane.cell_size or held.get("cell_size", _USUAL_CELL)
     check_between("cell_size", cell_size, *CELL_SIZES, "m")
 
@@ -129,9 +129,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     size = held.get("size") if held.get("cell_size") == cell_size else None
     origin, width, height = _frame(vertices, cell_size, held.get("origin"), size, str(path))
     solid = _cells(section, cell_size, origin, width, height)
-    return _map(
-        path, kind, mesh, solid, cell_size, origin, held, _Told(plane, floors, bodies, vertices)
-    )
+    return _map(path, mesh, solid, cell_size, origin, held, _Told(plane, floors, bodies, vertices))
 
 
 @dataclass(frozen=True)
@@ -144,13 +142,12 @@ class _Told:
     vertices: npt.NDArray[np.float64]
 
 
-def _as_written(mesh: RawMesh, kind: str, plane: Plane) -> bool:
+def _as_written(mesh: RawMesh, plane: Plane) -> bool:
     """Return whether a file from worldgen is read with the up axis and the unit it was written in.
 
     In any other frame, the facts it holds would describe another world.
     """
-    up = "y" if kind in ("glb", "gltf") else "z"
-    return plane.up == up and (mesh.unit is not None or plane.unit == 1.0)
+    return plane.up == mesh.up and (mesh.unit is not None or plane.unit == 1.0)
 
 
 def _checked(held: dict[str, Any]) -> dict[str, Any]:
@@ -269,7 +266,6 @@ def _cells(
 
 def _map(
     path: Path,
-    kind: str,
     mesh: RawMesh,
     solid: npt.NDArray[np.bool_],
     cell_size: float,
@@ -279,9 +275,13 @@ def _map(
 ) -> ForeignMap:
     plane = told.plane
     params: dict[str, Value] = {
-        "format": kind, "source": path.name, "sha256": digest(mesh.sha_data), "slice_height": plane.height,
-        "floor": plane.floor, "up": plane.up,
-    }  # fmt: skip
+        "format": mesh.kind,
+        "source": path.name,
+        "sha256": digest(mesh.sha_data),
+        "slice_height": plane.height,
+        "floor": plane.floor,
+        "up": plane.up,
+    }
     start = held.get("start")
     target = held.get("target")
     return ForeignMap(

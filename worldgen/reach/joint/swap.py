@@ -13,18 +13,18 @@ free cells that a walk over cell sides leads to, and to the box around them.
 from __future__ import annotations
 
 import itertools
-from collections import deque
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.lattice import exact, in_cells
 from worldgen.reach.decision import Swap
+from worldgen.support.grid_search import components
 from worldgen.world import World
 
 __all__ = ["find_swap"]
 
-# Limit on the pairs examined. Each robot's room is flooded once.
+# Limit on the pairs examined.
 _MOST_PAIRS = 2000
 
 
@@ -35,17 +35,16 @@ def find_swap(world: World, radius: float | None = None) -> Swap | None:
         world: A world of several robots.
         radius: Radius of every robot, m; each one's own if None.
     """
-    solid = world.still_walls
-    rooms: list[npt.NDArray[np.bool_]] = []
+    # Number the rooms: free cells that a walk over cell sides connects.
+    free = np.pad(~world.still_walls, 1)
+    rooms = components(free)[0].reshape(free.shape)[1:-1, 1:-1]
     pairs = itertools.combinations(range(len(world.robots)), 2)
     for one, other in itertools.islice(pairs, _MOST_PAIRS):
-        cell = _cell_of(world, one)
-        room = next((known for known in rooms if known[cell]), None)
-        if room is None:
-            room = _room(solid, cell)
-            rooms.append(room)
+        room = rooms[_cell_of(world, one)]
+        if room != rooms[_cell_of(world, other)]:
+            continue
         for axis in (0, 1):
-            if _must_swap(world, (one, other), room, axis, radius):
+            if _must_swap(world, (one, other), rooms == room, axis, radius):
                 return Swap(one + 1, other + 1, "xy"[axis])
     return None
 
@@ -55,21 +54,6 @@ def _cell_of(world: World, robot: int) -> tuple[int, int]:
     start = world.robots[robot].start
     row = min(int(in_cells(start.y, world.cell_size)), world.height - 1)
     return row, min(int(in_cells(start.x, world.cell_size)), world.width - 1)
-
-
-def _room(solid: npt.NDArray[np.bool_], start: tuple[int, int]) -> npt.NDArray[np.bool_]:
-    """Return the free cells that a walk over cell sides leads to from a robot's start."""
-    height, width = solid.shape
-    seen = np.zeros(solid.shape, np.bool_)
-    seen[start] = True
-    queue = deque([start])
-    while queue:
-        y, x = queue.popleft()
-        for v, u in ((y, x + 1), (y, x - 1), (y + 1, x), (y - 1, x)):
-            if 0 <= v < height and 0 <= u < width and not solid[v, u] and not seen[v, u]:
-                seen[v, u] = True
-                queue.append((v, u))
-    return seen
 
 
 def _must_swap(
@@ -84,8 +68,6 @@ def _must_swap(
     left, right = (world.robots[index] for index in pair)
     if (left.start.x, left.start.y)[axis] > (right.start.x, right.start.y)[axis]:
         left, right = right, left
-    if not room[_cell_of(world, pair[1])]:
-        return False
     across = np.flatnonzero(room.any(axis=1 - axis if axis == 0 else 0))
     height = (int(across[-1]) - int(across[0]) + 1) * exact(size)
     radii = [exact(robot.radius if radius is None else radius) for robot in (left, right)]
