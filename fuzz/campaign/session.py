@@ -15,7 +15,7 @@ import click
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, WorkersLost
-from fuzz.campaign.live import shown_in
+from fuzz.campaign.live import has_failed, shown_in
 from fuzz.campaign.options import CampaignOptions, SearchOptions
 from fuzz.campaign.run import Campaign, Discovery, Progress, UnitDone
 from fuzz.campaign.store import MEMORY, CampaignRun, record_error
@@ -46,7 +46,7 @@ from sim.options.run import RunOptions
 from sim.runners.stopping import stopping_when
 from sim.runners.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
-from sim.verdict import ARRIVALS, Verdict
+from sim.verdict import Verdict
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.grid import read_world
@@ -428,7 +428,8 @@ class CampaignSession:
         classes = counted(
             len(state.best.keys() | self._campaign.pending().keys()), "class", "classes"
         )
-        return f"{counted(live.worlds, 'world')}, {live.failed} failed, {classes}{to_shrink}"
+        # A run that does not arrive is a failure only once it and a path to the target are proved.
+        return f"{counted(live.worlds, 'world')}, {live.failed} not arrived, {classes}{to_shrink}"
 
     def _see(self, event: Progress) -> None:
         if isinstance(event, Discovery):
@@ -487,9 +488,10 @@ class CampaignSession:
             is_failing=bool(self._failing()),
             is_known=bool(state.known),
             lasts=self._lasts,
-            open_worlds=0
-            if state.units
-            else sum(count for verdict, count in state.verdicts.items() if verdict not in ARRIVALS),
+            not_arrived=sum(
+                count for verdict, count in state.verdicts.items() if has_failed(verdict)
+            ),
+            has_units=state.units > 0,
         )
         color = wants_color(sys.stdout)
         for line in overview_lines(self._overview, headline):

@@ -56,8 +56,8 @@ class Headline:
         is_failing: True if failures were found that make the exit code 1.
         is_known: True if known failures were found.
         lasts: False if the folder is gone after the command, so that no command can use it.
-        open_worlds: Worlds in which the robot did not arrive, if the time was too short for even
-            one unit to prove failures; else 0.
+        not_arrived: Worlds of the search in which the robot did not arrive.
+        has_units: False if the time was too short for even one unit, so that nothing was proved.
     """
 
     who: str
@@ -67,7 +67,8 @@ class Headline:
     is_failing: bool = True
     is_known: bool = False
     lasts: bool = True
-    open_worlds: int = 0
+    not_arrived: int = 0
+    has_units: bool = True
 
 
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
@@ -147,7 +148,8 @@ def _listed(names: Sequence[str]) -> str:
 
 def _is_open(overview: Overview, headline: Headline) -> bool:
     """Return True if the time was too short to tell whether there are failures."""
-    return headline.open_worlds > 0 and not headline.is_failing and not overview.causes
+    tried = headline.not_arrived > 0 and not headline.has_units
+    return tried and not headline.is_failing and not overview.causes
 
 
 def _verdict_line(overview: Overview, headline: Headline) -> str:
@@ -159,7 +161,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         too_short = click.style("too little time for an answer", fg="yellow", bold=True)
         return (
             f"{shown(headline.who)}: {too_short}; {searched}, it did not arrive in "
-            f"{headline.open_worlds}, and none of these is proved to be a failure yet"
+            f"{headline.not_arrived}, and none of these is proved to be a failure yet"
         )
     # Without failures, mention the runs that the search did not count as failures.
     if not headline.is_failing:
@@ -169,6 +171,11 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         others = len(own) < len(overview.causes)
         hazards = f", except for hazards that it cannot {beyond}" if others else ""
         found = f"no {what} of {shown(headline.who)} found{hazards}"
+        if headline.not_arrived and not overview.causes and not headline.is_known:
+            searched += (
+                f"; it did not arrive in {headline.not_arrived}, but no path to the target is "
+                "proved there, or it arrives with more time"
+            )
         return f"{click.style(found, fg='green', bold=True)}; {searched}"
     # Otherwise the worst cause determines the verdict.
     who = click.style(shown(headline.who), bold=True)

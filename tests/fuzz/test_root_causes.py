@@ -345,14 +345,20 @@ def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
 
 
 def test_a_campaign_without_a_whole_unit_does_not_say_that_nothing_fails(tmp_path):
-    headline = Headline("mine under swept", tmp_path, 107, 0, is_failing=False, open_worlds=13)
+    headline = Headline(
+        "mine under swept", tmp_path, 107, 0, is_failing=False, not_arrived=13, has_units=False
+    )
     lines = [click.unstyle(line) for line in overview_lines(Overview(()), headline)]
     assert "too little time for an answer" in lines[0] and "did not arrive in 13" in lines[0]
     assert lines[-1].startswith("give it more time: worldgen fuzz --resume ")
-    done = replace(headline, open_worlds=0)
-    assert "no failure of mine under swept found" in click.unstyle(
-        overview_lines(Overview(()), done)[0]
-    )
+
+
+def test_runs_that_do_not_arrive_are_told_even_if_none_is_a_failure(tmp_path):
+    headline = Headline("mine under swept", tmp_path, 107, 0, is_failing=False, not_arrived=13)
+    line = click.unstyle(overview_lines(Overview(()), headline)[0])
+    assert "no failure of mine under swept found" in line and "did not arrive in 13" in line
+    none = overview_lines(Overview(()), replace(headline, not_arrived=0))
+    assert "did not arrive" not in none[0]
 
 
 def test_a_robot_that_surely_fails_in_most_natural_worlds_rarely_arrives(tmp_path):

@@ -138,7 +138,7 @@ function line(status, classes) {
   const facts = [
     [grouped(state.worlds), "worlds"],
     [short(state.steps), "steps"],
-    state.running ? [grouped(state.failed), "failed"] : [grouped(met), met === 1 ? "failure met" : "failures met"],
+    state.running ? [grouped(state.failed), "not arrived"] : [grouped(met), met === 1 ? "failure met" : "failures met"],
     ...(smallest ? [[grouped(classes.length), classWords(classes)]] : []),
     [grouped(speed(status)), state.running ? "worlds/s now" : "worlds/s"],
   ];
