@@ -149,10 +149,10 @@ class Family:
         raise GenerationFailed(
             "no-layout-found",
             "{family}: none of {layouts} layouts lets "
-            + ("the robot" if robots == 1 else f"{robots} robots")
+            + (f"{complete[ROBOTS]} robots" if is_fleet else "the robot")
             + " through (seed {seed}; {settings})",
             "give it more room: a larger size, a smaller robot_radius, or fewer obstacles"
-            + ("" if robots == 1 else " or robots"),
+            + (" or robots" if is_fleet else ""),
             family=self.name,
             layouts=attempt + 1,
             seed=number,

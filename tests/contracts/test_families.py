@@ -78,7 +78,7 @@ GOLDEN: dict[str, tuple[str, str]] = {
     "doorway": ("204803fda2b7fc76", "dc428ca8fa8cea50"),
     "junction-X": ("789056e7d5a3ab94", "87ecf0effaa26f69"),
     "junction-T": ("8bfe91da583fe3dc", "a4be0030a9cadd56"),
-    "alley": ("d7ec662a348f565c", "97e2d8ea84a1b97d"),
+    "alley": ("d7ec662a348f565c", "9d08361ae3035a00"),
     "crossing": ("66d1c495f7924dfc", "ecd3ebf1e2eb8930"),
     "warehouse": ("9b9861de2e0e161c", "9f6e3e7580099ae5"),
     "fire-alley": ("e8c5ce59351eb022", "6267396ad0225fc0"),

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from worldgen._core import ffi, lib
@@ -270,6 +270,75 @@ def test_the_searches_agree_with_plain_python(world):
     expected = lib.WG_FOUND if solvable else lib.WG_EXHAUSTED
     assert _searched(lib.wg_joint_exhaust, question) == expected
     assert _searched(lib.wg_joint_lacam, question) == expected
+
+
+# In these, the second robot has to wait or to step aside.
+MEETINGS = [
+    fleet(ALLEY, ((1, 2), (7, 2)), ((7, 2), (1, 2))),
+    fleet(ALLEY, ((7, 2), (1, 2)), ((4, 2), (4, 1)), radius=0.05),
+    fleet(TUBE, ((3, 1), (7, 1)), ((2, 1), (6, 1)), radius=0.05),
+    fleet(["####", "#..#", "#..#", "####"], ((1, 1), (2, 2)), ((2, 1), (1, 2)), radius=0.05),
+]
+
+
+@example(MEETINGS[0])
+@example(MEETINGS[1])
+@example(MEETINGS[2])
+@example(MEETINGS[3])
+@settings(max_examples=60, deadline=None)
+@given(small_fleets(most=2))
+def test_a_robot_is_planned_to_arrive_as_early_as_the_one_before_it_permits(world):
+    question = joint_question(world, k=2, radius=None, margin=0.0)
+    assume(question is not None and (question.distances[[0, 1], _starts(question)] >= 0).all())
+    described, held = question.described()
+    made = ffi.new("WgJointPlan **")
+    failed = ffi.new("int64_t *")
+    order = ffi.new("int64_t[]", [0, 1])
+    check(lib.wg_joint_prioritised(described, order, 200_000, made, failed))
+    if made[0] == ffi.NULL:
+        first = None
+        arrives = None
+    else:
+        nodes = np.empty((lib.wg_joint_length(made[0]) + 1, 2), np.int64)
+        lib.wg_joint_nodes(made[0], ffi.from_buffer("int64_t[]", nodes))
+        lib.wg_joint_free(made[0])
+        first = nodes[:, 0].tolist()
+        arrives = int(np.argmax(question.distances[1][nodes[:, 1]] == 0))
+    del held
+    if first is None:
+        # The first robot goes straight to its target; only then is its path known without a plan.
+        assume(failed[0] == 1 and question.distances[0][_starts(question)[0]] == 0)
+        first = [_starts(question)[0]]
+    assert _earliest(world, question, first) == arrives
+
+
+def _starts(question):
+    return [end.node for end in question.ends]
+
+
+def _earliest(world, question, first):
+    """The earliest arrival of the second robot around the first one's nodes: tick by tick, with no C."""
+    graph = question.rasters.ever(sorted(set(question.radii)).index(question.radii[1]))
+    distances = question.distances[1]
+    here = {_starts(question)[1]}
+    last = len(first) - 1
+    for tick in range(last + graph.clear.size):
+        one = [first[min(tick, last)], first[min(tick + 1, last)]]
+        for node in here:
+            stays = [
+                _all_apart(question, (first[t], node), (first[min(t + 1, last)], node))
+                for t in range(min(tick, last), last + 1)
+            ]
+            if distances[node] == 0 and all(stays):
+                return tick
+        here = {
+            after
+            for node in here
+            if distances[node] > 0
+            for after in _steps(graph, node, distances, world.robots[1].target)
+            if _all_apart(question, (one[0], node), (one[1], after))
+        }
+    return None
 
 
 def _solvable(world, question):

@@ -192,6 +192,11 @@ def test_a_file_that_is_cut_off_is_refused(kind, share, tmp_path):
         assert kind == "obj" and found.walls.size
 
 
+def test_vertices_without_three_coordinates_are_refused(tmp_path):
+    with raises(FormatError, "wrong-count"):
+        read_map(put(tmp_path, "b.obj", b"v 0\nv 1\nv 2\nf 1 2 3\n"))
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_height_at_which_nothing_stands_is_refused(kind, tmp_path):
     path = put(tmp_path, f"b.{kind}", building_file(kind))

@@ -429,10 +429,10 @@ typedef struct WgJoint {
 // Paths of all robots: for each tick the node of each.
 typedef struct WgJointPlan WgJointPlan;
 
-// Plans one robot after the other, each around those before it: space-time A*.
+// Plans one robot after the other, each around those before it, by safe intervals.
 //
 // order:      (robots,) their numbers from 0, the first planned first.
-// most:       states that one robot may take.
+// most:       states that one robot may reach.
 // made:       receives the plan, or NULL.
 // failed:     receives the robot that has no path; -1 if there is a plan.
 WgStatus wg_joint_prioritised(const WgJoint *joint, const int64_t *order, int64_t most, WgJointPlan **made,

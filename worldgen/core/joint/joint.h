@@ -65,17 +65,25 @@ static inline bool wg_crosses_target(const WgJoint *joint, int64_t robot, int64_
     return false;
 }
 
+// Returns true if two robots at these nodes are near enough to conflict within a tick, whatever their moves.
+static inline bool wg_could_meet(const WgJoint *joint, int64_t one, int64_t other)
+{
+    int64_t across = one % joint->stride - other % joint->stride;
+    int64_t up = one / joint->stride - other / joint->stride;
+    return wg_abs(across) <= joint->reach + 2 && wg_abs(up) <= joint->reach + 2;
+}
+
 // Returns true if two robots of these classes come closer than allowed while one moves from u to v and the other from
 // w to z.
 static inline bool wg_moves_conflict(const WgJoint *joint, int64_t one, int64_t u, int64_t v, int64_t other, int64_t w,
                                      int64_t z)
 {
+    if (!wg_could_meet(joint, u, w)) {
+        return false;
+    }
     int64_t stride = joint->stride;
     int64_t px = u % stride - w % stride;
     int64_t py = u / stride - w / stride;
-    if (wg_abs(px) > joint->reach + 2 || wg_abs(py) > joint->reach + 2) {
-        return false;
-    }
     int64_t qx = v % stride - z % stride;
     int64_t qy = v / stride - z / stride;
     const int64_t *limits = joint->limits + (one * joint->classes + other) * 9;

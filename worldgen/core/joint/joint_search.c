@@ -344,7 +344,37 @@ typedef struct Lacam {
     int64_t assigned;
     const int32_t *here;
     int64_t tick;
+    int64_t *near_from;  // (robots + 1,) where the list of each robot in `near` begins
+    int32_t *near;       // of each robot in turn, the others that it could meet in this tick, by number
+    int64_t near_room;
 } Lacam;
+
+// Lists for each robot the others that it could meet in this tick; returns false if memory runs out.
+static bool find_near(Lacam *search)
+{
+    int64_t count = 0;
+    for (int64_t robot = 0; robot < search->robots; robot++) {
+        search->near_from[robot] = count;
+        for (int64_t other = 0; other < search->robots; other++) {
+            if (other == robot ||
+                !wg_could_meet(search->states.joint, search->here[robot], search->here[other])) {
+                continue;
+            }
+            if (count == search->near_room) {
+                int64_t room = 2 * search->near_room + 256;
+                int32_t *near = realloc(search->near, (size_t)room * sizeof *near);
+                if (near == NULL) {
+                    return false;
+                }
+                search->near = near;
+                search->near_room = room;
+            }
+            search->near[count++] = (int32_t)other;
+        }
+    }
+    search->near_from[search->robots] = count;
+    return true;
+}
 
 static void unassign(Lacam *search, int64_t mark)
 {
@@ -362,9 +392,10 @@ static void assign(Lacam *search, int64_t robot, int64_t node)
 
 static bool fits_assigned(const Lacam *search, int64_t robot, int64_t to)
 {
-    for (int64_t i = 0; i < search->assigned; i++) {
-        int64_t other = search->trail[i];
-        if (robots_conflict(search->states.joint, robot, search->here[robot], to, other, search->here[other],
+    for (int64_t i = search->near_from[robot]; i < search->near_from[robot + 1]; i++) {
+        int64_t other = search->near[i];
+        if (search->next[other] >= 0 &&
+            robots_conflict(search->states.joint, robot, search->here[robot], to, other, search->here[other],
                             search->next[other])) {
             return false;
         }
@@ -409,7 +440,8 @@ static bool push(Lacam *search, int64_t robot)
         }
         assign(search, robot, to);
         bool all_moved = true;
-        for (int64_t other = 0; other < search->robots && all_moved; other++) {
+        for (int64_t k = search->near_from[robot]; k < search->near_from[robot + 1] && all_moved; k++) {
+            int64_t other = search->near[k];
             bool in_the_way = search->next[other] < 0 &&
                               robots_conflict(joint, robot, search->here[robot], to, other, search->here[other],
                                               search->here[other]);
@@ -497,6 +529,10 @@ static WgStatus dive(Lacam *search, int64_t most, WgJointPlan **made, WgProgress
         search->states.nodes[at].first_wish = search->wishes[index].next;
         memcpy(here, places_of(&search->states, at), (size_t)robots * sizeof *here);
         search->tick = search->states.nodes[at].tick;
+        if (!find_near(search)) {
+            status = WG_OUT_OF_MEMORY;
+            break;
+        }
 
         // Its refinements come later: one more robot at each of the nodes it can reach.
         Wish wish = search->wishes[index];
@@ -554,8 +590,9 @@ WgStatus wg_joint_lacam(const WgJoint *joint, int64_t most, WgJointPlan **made, 
     search.order = malloc(size);
     search.next = malloc(size);
     search.trail = malloc(size);
+    search.near_from = malloc(((size_t)search.robots + 1) * sizeof *search.near_from);
     status = WG_OUT_OF_MEMORY;
-    if (search.order != NULL && search.next != NULL && search.trail != NULL) {
+    if (search.order != NULL && search.next != NULL && search.trail != NULL && search.near_from != NULL) {
         order_by_distance(joint, search.order);
         status = begin_states(&search.states, joint);
     }
@@ -567,5 +604,7 @@ WgStatus wg_joint_lacam(const WgJoint *joint, int64_t most, WgJointPlan **made, 
     free(search.order);
     free(search.next);
     free(search.trail);
+    free(search.near_from);
+    free(search.near);
     return status;
 }

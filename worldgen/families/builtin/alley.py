@@ -27,7 +27,7 @@ MOST_BAYS = 200
 MOST_DRAWN = 3
 
 
-@family("alley", version=1)
+@family("alley", version=2)
 def alley(
     rng: RandomStream,
     *,

@@ -20,7 +20,7 @@ from worldgen.world import World
 __all__ = ["crossing"]
 
 
-@family("crossing", version=1)
+@family("crossing", version=2)
 def crossing(
     rng: RandomStream,
     *,

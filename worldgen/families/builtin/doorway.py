@@ -20,7 +20,7 @@ from worldgen.world import World
 __all__ = ["doorway"]
 
 
-@family("doorway", version=1)
+@family("doorway", version=2)
 def doorway(
     rng: RandomStream,
     *,

@@ -25,7 +25,7 @@ __all__ = ["junction"]
 Shape: TypeAlias = Literal["X", "T"]
 
 
-@family("junction", version=1)
+@family("junction", version=2)
 def junction(
     rng: RandomStream,
     *,

@@ -24,7 +24,7 @@ __all__ = ["warehouse"]
 SHELF_ASPECTS = (2, 5)
 
 
-@family("warehouse", version=1)
+@family("warehouse", version=2)
 def warehouse(
     rng: RandomStream,
     *,

@@ -218,6 +218,14 @@ def _in_one_frame(
             )
         vertices = np.asarray(part.vertices, np.float64)
         corners = np.asarray(part.faces, np.int64)
+        # A damaged OBJ file may have a vertex of one or two numbers; trimesh keeps as many of all.
+        if vertices.ndim != 2 or vertices.shape[1] != 3:
+            raise FormatError(
+                "wrong-count",
+                "has vertices without three coordinates",
+                "export it again",
+                source=source,
+            )
         if corners.min() < 0 or corners.max() >= len(vertices):
             raise FormatError(
                 "out-of-range", "has a triangle without vertices", "export it again", source=source
