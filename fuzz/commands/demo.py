@@ -101,7 +101,7 @@ def _replay_and_draw(folder: Path) -> list[dict[str, object]]:
     from fuzz.describe import run_to_draw
     from fuzz.failure import Failure
     from fuzz.triage.judging import replay
-    from sim.drawing.picture import trail_of
+    from sim.drawing.picture import trails_of
     from worldgen.cli.output import write_bytes
     from worldgen.render import draw_png
 
@@ -111,7 +111,7 @@ def _replay_and_draw(folder: Path) -> list[dict[str, object]]:
         failure = Failure.read(path)
         picture = path.with_suffix(".png")
         again = replay(failure)
-        trail = trail_of(run_to_draw(failure)[0], failure.world)
+        trail = trails_of(run_to_draw(failure)[0], failure.world)
         write_bytes(picture, draw_png(failure.stored, trail=trail, title=path.stem), force=True)
         said = "confirmed" if again.confirmed else f"not confirmed: {again.reason}"
         note(f"{path.name}: {again.verdict} {said}; drawn in {picture}")

@@ -111,7 +111,8 @@ def drawn_robots(
 
     Returns:
         ``run``; with several robots also ``colour`` and ``number`` of the first one, and
-        ``others``, each with ``run``, ``colour``, ``number`` and ``radius`` in cells.
+        ``others``, each with ``run``, ``colour``, ``number`` and ``radius`` in cells. Their runs
+        also have ``blocked_by``: the numbers of the robots that they drive into forever.
     """
     if not isinstance(shown, FleetEpisode):
         return {"run": drawn_run(shown, cell_size, judged, most=most, controller=controller)}
@@ -120,6 +121,7 @@ def drawn_robots(
     for number, robot in enumerate(shown.robots, start=1):
         run = drawn_run(robot, cell_size, most=share, controller=controller)
         if run is not None:
+            run["blocked_by"] = [*shown.blockers(number)]
             drawn.append(
                 {"run": run, "colour": f"robot-{(number - 1) % COLOURS}", "number": number}
             )

@@ -32,7 +32,7 @@ from fuzz.studio.running import check_record, check_registered, scenario_of
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
 from sim.describe import describe_evidence
-from sim.drawing.picture import drive_of, trail_of
+from sim.drawing.picture import drive_of, trails_of
 from sim.episode import Episode, simulate
 from sim.evidence import FaultEvidence
 from sim.options.run import RunOptions, step_budget
@@ -342,7 +342,7 @@ def _as_file(kind: str, title: str, world: World, drives: Sequence[_Driven]) -> 
         return draw_gif(
             world, [drive_of(driven.episode, world, driven.name) for driven in drives], title=said
         )
-    return draw_svg(world, trail=trail_of(front.episode, world), title=said).encode()
+    return draw_svg(world, trail=trails_of(front.episode, world), title=said).encode()
 
 
 def _digest(place: Path) -> str:

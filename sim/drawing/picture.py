@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -122,10 +123,12 @@ def trails_of(episode: Episode, world: World) -> Trail | list[Trail] | None:
     """Return the line that a recorded episode drove; for several robots, one for each."""
     if not isinstance(episode, FleetEpisode):
         return trail_of(episode, world)
-    found = [
-        trail_of(one, world_of_robot(world, number)) for number, one in enumerate(episode.robots)
-    ]
-    return [trail for trail in found if trail is not None]
+    found: list[Trail] = []
+    for number, one in enumerate(episode.robots):
+        trail = trail_of(one, world_of_robot(world, number))
+        if trail is not None:
+            found.append(replace(trail, blocked_by=episode.blockers(number + 1)))
+    return found
 
 
 def drives_of(episode: Episode, world: World) -> list[Drive]:

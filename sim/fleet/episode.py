@@ -53,6 +53,12 @@ class FleetEpisode(Episode):
         """Whether one of the robots drove into a wall."""
         return any(one.went_into_a_wall for one in self.robots)
 
+    def blockers(self, robot: int) -> tuple[int, ...]:
+        """Return the robots that a robot drives into forever, all numbered from 1."""
+        evidence = self.evidence
+        pairs = evidence.blocked if isinstance(evidence, JointLoopEvidence) else ()
+        return tuple(other for one, other in pairs if one == robot)
+
 
 def simulate_fleet(
     world: World,

@@ -7,8 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from fuzz.player.runs import drawn_robots
 from sim import simulate
 from sim.controllers import Command, controller_of
+from sim.drawing.picture import trails_of
 from sim.fleet import FleetRun
 from sim.fleet.run import robot_seed, world_of_robot
 from sim.options.run import options_of
@@ -26,6 +28,7 @@ from tests.helpers.fleets import (
 )
 from worldgen import generate
 from worldgen.errors import InvalidParameter
+from worldgen.render import draw_svg
 from worldgen.world import Pose, Robot, Target
 
 
@@ -97,6 +100,21 @@ def test_two_robots_that_meet_in_a_narrow_passage_are_a_proved_deadlock():
     assert [one.verdict for one in episode.robots] == [Verdict.DEADLOCK] * 2
     gap = closest(episode.robots[0].trace, episode.robots[1].trace)
     assert 0.14 <= gap < 0.1402
+
+
+def test_pictures_show_which_robot_blocks_which():
+    world = passage()
+    episode = simulate(world, Ahead, steps=2_000, record=True)
+    assert (episode.blockers(1), episode.blockers(2)) == ((2,), (1,))
+    assert [trail.blocked_by for trail in trails_of(episode, world)] == [(2,), (1,)]
+    drawn = drawn_robots(episode, world.cell_size)
+    assert [one["run"]["blocked_by"] for one in (drawn, *drawn["others"])] == [[2], [1]]
+    # The legend names the arrows, of which there are two.
+    blocked = draw_svg(world, trail=trails_of(episode, world))
+    moving = simulate(world, "turn-right", steps=4_000, record=True)
+    assert moving.verdict == Verdict.LIVELOCK and not moving.blockers(1)
+    assert "is blocked by" in blocked
+    assert "is blocked by" not in draw_svg(world, trail=trails_of(moving, world))
 
 
 def test_robots_that_go_back_and_forth_are_a_proved_livelock():

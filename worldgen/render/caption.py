@@ -33,7 +33,7 @@ from worldgen.render.palette import (
     mix,
 )
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
-from worldgen.render.trail_parts import arrow_head, cross, stays_put
+from worldgen.render.trail_parts import arrow, arrow_head, cross, stays_put
 from worldgen.world import Cut, JointWitness, Witness, World
 
 __all__ = ["BAR", "caption", "facts", "printable", "scale_bar", "text_width"]
@@ -222,14 +222,15 @@ def _robot_keys(content: Content) -> list[tuple[str, Sample]]:
     robots = content.world.robots
     shown = min(len(robots), len(COLOURS))
     keys: list[tuple[str, Sample]] = [
-        (f"robot {number + 1}", _line(colour_of(number), 2.4, arrow=bool(content.trails)))
-        for number in range(shown)
+        (f"robot {number + 1}", _line(colour_of(number), 2.4)) for number in range(shown)
     ]
     keys.append(("target", _target_sample))
     if content.witness and isinstance(content.world.certificate, JointWitness):
         keys.append(("paths that fit", _line(GREY, 1.4, dash=(5.0, 5.0))))
     if any(trail.loop_from is not None for trail in content.trails):
         keys.append(("strong: repeats forever", _line(GREY, 3.2)))
+    if any(trail.blocked_by for trail in content.trails):
+        keys.append(("is blocked by", _blocked_sample))
     return keys
 
 
@@ -369,6 +370,10 @@ def _pierced_sample(x: float, y: float, unit: float) -> list[Primitive]:
         *(DrawnLine(np.array((x, y)) + line * unit, stripe) for line in stripes),
         _square(x, y, unit, Paint(stroke=PIERCED, width=2.0 * unit)),
     ]
+
+
+def _blocked_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return arrow((x, y), (x + (ICON - 8.0) * unit, y), unit, INK, INK)
 
 
 def _push_sample(x: float, y: float, unit: float) -> list[Primitive]:

@@ -14,7 +14,7 @@ from worldgen.render.frame import Frame
 from worldgen.render.overlay import Disturbances, Shove
 from worldgen.render.palette import MISSED, PAPER, PUSH, PUSH_HEAD, TARGET, mix
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
-from worldgen.render.trail_parts import arrow_head
+from worldgen.render.trail_parts import arrow, arrow_head
 
 __all__ = ["above_the_trail", "decoy_mark", "missed_cells", "push_arrow", "under_the_walls"]
 
@@ -105,13 +105,7 @@ def push_arrow(
     if math.dist(start, end) < 1.0:
         ring = Paint(stroke=PUSH, width=2.4 * unit)
         return [DrawnCircle(*start, 8.0 * unit, ring)]
-    line = np.array((start, end))
-    angle = math.atan2(end[1] - start[1], end[0] - start[0])
-    return [
-        DrawnLine(line, Paint(stroke=PAPER, width=5.4 * unit, opacity=0.8)),
-        DrawnLine(line, Paint(stroke=PUSH, width=3.0 * unit)),
-        arrow_head(*end, angle, 13.0 * unit, PUSH_HEAD),
-    ]
+    return arrow(start, end, unit, PUSH, PUSH_HEAD)
 
 
 def decoy_mark(x: float, y: float, unit: float) -> list[Primitive]:

@@ -13,6 +13,7 @@ from worldgen.render.overlay import Trail
 from worldgen.render.palette import INK, PAPER, mix
 from worldgen.render.polyline import simplified
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
+from worldgen.render.trail_parts import arrow
 from worldgen.world import JointWitness, Robot, World
 
 __all__ = ["COLOURS", "colour_of", "joint_witness_parts", "robot_parts"]
@@ -65,6 +66,9 @@ def robot_parts(world: World, trails: Sequence[Trail], frame: Frame) -> list[Pri
         parts += _target(robot, number, frame)
     for number, trail in enumerate(trails):
         parts += _end(robots[number], trail, number, frame)
+    for number, trail in enumerate(trails):
+        for other in trail.blocked_by:
+            parts += _blocked(robots[number], trail, trails[other - 1], frame)
     if not trails:
         for number, robot in enumerate(robots):
             parts.append(_number(robot.start.x, robot.start.y, number, frame))
@@ -136,6 +140,23 @@ def _end(robot: Robot, trail: Trail, number: int, frame: Frame) -> list[Primitiv
         DrawnCircle(x, y, shown, Paint(stroke=mix(colour, "#000000", 0.3), width=2.0 * unit)),
         _number(float(trail.x[-1]), float(trail.y[-1]), number, frame),
     ]
+
+
+def _blocked(robot: Robot, trail: Trail, other: Trail, frame: Frame) -> list[Primitive]:
+    """Return an arrow from where a robot ended to the one that blocks it."""
+    start = np.array(frame.to_pixels(float(trail.x[-1]), float(trail.y[-1])))
+    end = np.array(frame.to_pixels(float(other.x[-1]), float(other.y[-1])))
+    radius = max(robot.radius * frame.scale, _HIDDEN * frame.unit)
+    length = math.dist(start, end)
+    if length == 0.0:
+        return []
+    # Keep to the right and off the middles, so that two that block each other have an arrow each,
+    # and their numbers stay readable.
+    ahead = 0.3 * radius * (end - start) / length
+    aside = 1.8 * np.array((-ahead[1], ahead[0]))
+    tail = start + ahead + aside
+    tip = end - ahead + aside
+    return arrow((tail[0], tail[1]), (tip[0], tip[1]), frame.unit, INK, INK)
 
 
 def _number(x: float, y: float, number: int, frame: Frame) -> Primitive:

@@ -154,6 +154,7 @@ class Trail:
         missed: (height, width) bool, cells of a coverage task that the robot missed;
             ``None`` for another task.
         memory: What the robot remembers at the end; ``None`` if it does not say.
+        blocked_by: The robots, numbered from 1, that this one drives into forever.
 
     Raises:
         InvalidParameter: If the arrays do not match, are empty or not finite, or the index is out
@@ -168,6 +169,7 @@ class Trail:
     disturbances: Disturbances = Disturbances()
     missed: npt.NDArray[np.bool_] | None = None
     memory: Remembered | None = None
+    blocked_by: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         # Copy and lock the arrays: the caller may change its own afterwards.

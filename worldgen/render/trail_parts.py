@@ -28,6 +28,7 @@ from worldgen.render.polyline import along, arc_length, arrow_places, corners, s
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
 
 __all__ = [
+    "arrow",
     "arrow_head",
     "breach_crosses",
     "cross",
@@ -262,6 +263,19 @@ def cross(x: float, y: float, reach: float, colour: str, width: float) -> list[P
     paint = Paint(stroke=colour, width=width)
     arms = (((-1.0, -1.0), (1.0, 1.0)), ((-1.0, 1.0), (1.0, -1.0)))
     return [DrawnLine(np.array((x, y)) + reach * np.array(arm), paint) for arm in arms]
+
+
+def arrow(
+    start: tuple[float, float], end: tuple[float, float], unit: float, colour: str, head: str
+) -> list[Primitive]:
+    """Return an arrow between two points of the picture, px, with a head of its own colour."""
+    line = np.array((start, end))
+    angle = math.atan2(end[1] - start[1], end[0] - start[0])
+    return [
+        DrawnLine(line, Paint(stroke=PAPER, width=5.4 * unit, opacity=0.8)),
+        DrawnLine(line, Paint(stroke=colour, width=3.0 * unit)),
+        arrow_head(*end, angle, 13.0 * unit, head),
+    ]
 
 
 def arrow_head(x: float, y: float, angle: float, size: float, colour: str) -> DrawnLine:

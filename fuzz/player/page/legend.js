@@ -21,6 +21,7 @@ function marksOf({ world, run, others, colour }) {
     !several && run !== null && run.loop !== null && ["way", "the path into the loop"],
     !several && run !== null && ["loop", run.loop ? "the period, repeated forever" : "the robot's path"],
     several && run !== null && run.loop !== null && [`${colour} thick`, "its period, repeated forever"],
+    several && [{ run }, ...(others ?? [])].some((one) => one.run?.blocked_by?.length) && ["blocked", "is blocked by"],
     run !== null && [ "ahead", "still to be driven"],
     run !== null && ["square touched", "wall touched"],
     run !== null && run.marks.some(({ cell }) => cell) && ["square pierced", "wall entered, or cell that did harm"],

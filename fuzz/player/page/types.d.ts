@@ -103,6 +103,8 @@ interface DrawnRun {
   /** Entry and period. */
   loop: [number, number] | null;
   marks: Mark[];
+  /** Of several robots: the numbers of those that this one drives into forever. */
+  blocked_by?: number[];
   open?: OpenRun;
 }
 

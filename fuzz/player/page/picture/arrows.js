@@ -54,10 +54,21 @@ export function drawHeads(pen, open, from, to, colour) {
   for (const [x, y, angle] of headsOn(pen, open, Math.max(0, from), to)) {
     if (placed.some(([left, top]) => Math.hypot(left - x, top - y) < 2 * SIZE)) continue;
     placed.push([x, y]);
-    context.beginPath();
-    for (const [reach, turn] of [[SIZE, 0], [SIZE, 2.5], [0.45 * SIZE, Math.PI], [SIZE, -2.5]]) context.lineTo(x + reach * Math.cos(angle + turn), y + reach * Math.sin(angle + turn));
-    context.closePath();
-    context.fill();
+    drawHead(pen, x, y, angle);
     context.stroke();
   }
+}
+
+/**
+ * Fills a head with the context's colour.
+ * @param {Pen} pen
+ * @param {number} x - Its middle, pixels
+ * @param {number} y
+ * @param {number} angle - rad, in pixel axes
+ */
+export function drawHead({ context }, x, y, angle) {
+  context.beginPath();
+  for (const [reach, turn] of [[SIZE, 0], [SIZE, 2.5], [0.45 * SIZE, Math.PI], [SIZE, -2.5]]) context.lineTo(x + reach * Math.cos(angle + turn), y + reach * Math.sin(angle + turn));
+  context.closePath();
+  context.fill();
 }

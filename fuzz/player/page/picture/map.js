@@ -1,6 +1,7 @@
 // Draws a world and a run at one time on a canvas, layer by layer.
 
 import { bodyRadius, drawOther, drawRobot } from "#player/picture/body.js";
+import { drawBlocked } from "#player/picture/blocked.js";
 import { drawCertificate } from "#player/picture/certificate.js";
 import { drawComing, drawOpenings } from "#player/picture/changes.js";
 import { cellsAt, poseAt, stepWithin } from "#player/decode.js";
@@ -60,6 +61,7 @@ function drawRun(pen, scene, cells) {
   drawStart(pen, world);
   drawPierced(pen, scene);
   drawRobot(pen, world, pose, scene);
+  drawBlocked(pen, scene);
   drawNumbers(pen, scene);
 }
 

@@ -1,0 +1,67 @@
+// Arrows between robots that block each other forever: from each one to the robot that it drives into.
+
+import { drawHead } from "#player/picture/arrows.js";
+import { bodyRadius } from "#player/picture/body.js";
+import { poseAt, stepWithin } from "#player/decode.js";
+
+const ASIDE = 0.55; // radii to the right of the line between the middles: two that block each other have an arrow each
+const SHORT = 0.3; // radii from the middles to the arrow's ends
+
+/**
+ * Draws the arrows, once the part of the run that repeats forever has begun.
+ * @param {Pen} pen
+ * @param {RunScene} scene
+ */
+export function drawBlocked(pen, { world, run, step, number, others }) {
+  const all = [{ run, number }, ...(others ?? [])].map((one) => ({
+    number: one.number,
+    blockers: hasBegun(one.run, step * run.dt) ? (one.run.blocked_by ?? []) : [],
+    pose: poseAt(one.run, stepWithin(one.run, (step * run.dt) / one.run.dt)),
+  }));
+  const radius = bodyRadius(pen, world) * pen.scale;
+  for (const { pose, blockers } of all)
+    for (const blocker of blockers) {
+      const other = all.find((one) => one.number === blocker);
+      if (other) drawArrow(pen, pose, other.pose, radius);
+    }
+}
+
+/**
+ * @param {DrawnRun} run
+ * @param {number} time - s
+ * @returns {boolean}
+ */
+function hasBegun(run, time) {
+  return run.loop !== null && time >= run.loop[0] * run.dt;
+}
+
+/**
+ * @param {Pen} pen
+ * @param {Pose} from
+ * @param {Pose} to
+ * @param {number} radius - pixels
+ */
+function drawArrow(pen, from, to, radius) {
+  const x = pen.px(from.x),
+    y = pen.py(from.y);
+  const angle = Math.atan2(pen.py(to.y) - y, pen.px(to.x) - x),
+    length = Math.hypot(pen.py(to.y) - y, pen.px(to.x) - x) - SHORT * radius;
+  if (length <= SHORT * radius) return;
+  const at = (/** @type {number} */ along) => [
+    x + along * Math.cos(angle) - ASIDE * radius * Math.sin(angle),
+    y + along * Math.sin(angle) + ASIDE * radius * Math.cos(angle),
+  ];
+  const [left, top] = at(SHORT * radius);
+  const [right, bottom] = at(length);
+  const { context, colours } = pen;
+  for (const [colour, width] of [[colours.floor, 4], [colours.robot, 2]]) {
+    context.beginPath();
+    context.moveTo(left, top);
+    context.lineTo(right, bottom);
+    context.strokeStyle = String(colour);
+    context.lineWidth = Number(width);
+    context.stroke();
+  }
+  context.fillStyle = colours.robot;
+  drawHead(pen, right, bottom, angle);
+}
