@@ -63,7 +63,7 @@ test("preparing counts for no budget, and shrinking says how many wait", () => {
   made.show({ ...RUNNING, phase: "preparing", worlds: 0, budget: { units: null, seconds: 30 }, elapsed: 0 });
   assert.match(line(), /^Preparing.*the 30 s begin after that0 worlds/);
   made.show({ ...RUNNING, phase: "shrinking", shrinking: 3 });
-  assert.match(line(), /^Shrinking 3 failures.*31 failed/);
+  assert.match(line(), /^Shrinking 3 failures.*31 not arrived/);
 });
 
 test("one class has the words of one", () => {
