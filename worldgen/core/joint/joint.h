@@ -65,11 +65,9 @@ static inline bool wg_crosses_target(const WgJoint *joint, int64_t robot, int64_
     return false;
 }
 
-// Returns true if two robots at these nodes are near enough to conflict within a tick, whatever their moves.
-static inline bool wg_could_meet(const WgJoint *joint, int64_t one, int64_t other)
+// Returns true if two robots so many nodes apart are near enough to conflict within a tick, whatever their moves.
+static inline bool wg_could_meet(const WgJoint *joint, int64_t across, int64_t up)
 {
-    int64_t across = one % joint->stride - other % joint->stride;
-    int64_t up = one / joint->stride - other / joint->stride;
     return wg_abs(across) <= joint->reach + 2 && wg_abs(up) <= joint->reach + 2;
 }
 
@@ -78,12 +76,12 @@ static inline bool wg_could_meet(const WgJoint *joint, int64_t one, int64_t othe
 static inline bool wg_moves_conflict(const WgJoint *joint, int64_t one, int64_t u, int64_t v, int64_t other, int64_t w,
                                      int64_t z)
 {
-    if (!wg_could_meet(joint, u, w)) {
-        return false;
-    }
     int64_t stride = joint->stride;
     int64_t px = u % stride - w % stride;
     int64_t py = u / stride - w / stride;
+    if (!wg_could_meet(joint, px, py)) {
+        return false;
+    }
     int64_t qx = v % stride - z % stride;
     int64_t qy = v / stride - z / stride;
     const int64_t *limits = joint->limits + (one * joint->classes + other) * 9;

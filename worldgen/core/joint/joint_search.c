@@ -344,6 +344,8 @@ typedef struct Lacam {
     int64_t assigned;
     const int32_t *here;
     int64_t tick;
+    int32_t *x;  // (robots,) column of each robot's node
+    int32_t *y;  // (robots,) row
     int64_t *near_from;  // (robots + 1,) where the list of each robot in `near` begins
     int32_t *near;       // of each robot in turn, the others that it could meet in this tick, by number
     int64_t near_room;
@@ -352,12 +354,17 @@ typedef struct Lacam {
 // Lists for each robot the others that it could meet in this tick; returns false if memory runs out.
 static bool find_near(Lacam *search)
 {
+    const WgJoint *joint = search->states.joint;
+    for (int64_t robot = 0; robot < search->robots; robot++) {
+        search->x[robot] = search->here[robot] % (int32_t)joint->stride;
+        search->y[robot] = search->here[robot] / (int32_t)joint->stride;
+    }
     int64_t count = 0;
     for (int64_t robot = 0; robot < search->robots; robot++) {
         search->near_from[robot] = count;
         for (int64_t other = 0; other < search->robots; other++) {
-            if (other == robot ||
-                !wg_could_meet(search->states.joint, search->here[robot], search->here[other])) {
+            if (other == robot || !wg_could_meet(joint, search->x[robot] - search->x[other],
+                                                 search->y[robot] - search->y[other])) {
                 continue;
             }
             if (count == search->near_room) {
@@ -590,9 +597,13 @@ WgStatus wg_joint_lacam(const WgJoint *joint, int64_t most, WgJointPlan **made, 
     search.order = malloc(size);
     search.next = malloc(size);
     search.trail = malloc(size);
+    search.x = malloc(size);
+    search.y = malloc(size);
     search.near_from = malloc(((size_t)search.robots + 1) * sizeof *search.near_from);
     status = WG_OUT_OF_MEMORY;
-    if (search.order != NULL && search.next != NULL && search.trail != NULL && search.near_from != NULL) {
+    bool fits = search.order != NULL && search.next != NULL && search.trail != NULL && search.x != NULL &&
+                search.y != NULL && search.near_from != NULL;
+    if (fits) {
         order_by_distance(joint, search.order);
         status = begin_states(&search.states, joint);
     }
@@ -604,6 +615,8 @@ WgStatus wg_joint_lacam(const WgJoint *joint, int64_t most, WgJointPlan **made, 
     free(search.order);
     free(search.next);
     free(search.trail);
+    free(search.x);
+    free(search.y);
     free(search.near_from);
     free(search.near);
     return status;
