@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from worldgen._core import ffi, lib
@@ -24,6 +24,7 @@ from worldgen.reach import (
 from worldgen.reach.joint.plan import find_plan
 from worldgen.reach.joint.question import crossing_steps, joint_question
 from worldgen.reach.still.disc import disc_of
+from worldgen.reach.still.lattice_graph import Graph
 from worldgen.support.ccall import check
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Cut, JointWitness, Pose, Robot, Target, World
@@ -272,71 +273,147 @@ def test_the_searches_agree_with_plain_python(world):
     assert _searched(lib.wg_joint_lacam, question) == expected
 
 
-# In these, the second robot has to wait or to step aside.
-MEETINGS = [
+# Later robots have to wait, to step aside, or to take a longer path than the first one.
+CROWDED = [
     fleet(ALLEY, ((1, 2), (7, 2)), ((7, 2), (1, 2))),
     fleet(ALLEY, ((7, 2), (1, 2)), ((4, 2), (4, 1)), radius=0.05),
-    fleet(TUBE, ((3, 1), (7, 1)), ((2, 1), (6, 1)), radius=0.05),
     fleet(["####", "#..#", "#..#", "####"], ((1, 1), (2, 2)), ((2, 1), (1, 2)), radius=0.05),
+    # The first path has more than 130 ticks; the other robot passes it, or follows behind it.
+    fleet(["." * 68] * 2, ((0, 0), (67, 0)), ((67, 0), (0, 0)), radius=0.05),
+    fleet(["." * 68], ((0, 0), (67, 0)), ((1, 0), (66, 0)), radius=0.05),
+    # Six robots change sides in a field of several buckets.
+    fleet(
+        ["." * 10] * 6,
+        *(((0, y), (9, 5 - y)) for y in range(0, 6, 2)),
+        *(((9, y), (0, 5 - y)) for y in range(0, 6, 2)),
+    ),
+    # Robots of two sizes, and a door that opens and closes while they wait.
+    replace(
+        fleet(["...#...", "...#..."], ((0, 0), (6, 0)), ((0, 1), (6, 1)), radius=0.03),
+        others=(Robot(Pose(0.05, 0.15, 0.0), Target(0.65, 0.15, 0.05), 0.05, 1.0),),
+        timeline=Timeline.of(
+            [
+                Event(0.7, 3, 0, CellState.FREE),
+                Event(1.0, 3, 0, CellState.SOLID),
+                Event(1.9, 3, 0, CellState.FREE),
+            ]
+        ),
+    ),
 ]
 
 
-@example(MEETINGS[0])
-@example(MEETINGS[1])
-@example(MEETINGS[2])
-@example(MEETINGS[3])
-@settings(max_examples=60, deadline=None)
-@given(small_fleets(most=2))
-def test_a_robot_is_planned_to_arrive_as_early_as_the_one_before_it_permits(world):
+@st.composite
+def changing_fleets(draw):
+    """Small fleets whose cells become solid or free."""
+    world = draw(small_fleets())
+    events = draw(
+        st.lists(st.tuples(st.integers(1, 12), _cells(6, 4), st.booleans()), min_size=1, max_size=4)
+    )
+    timeline = Timeline.of(
+        [
+            Event(0.1 * time, x, y, CellState.SOLID if solid else CellState.FREE)
+            for time, (x, y), solid in events
+            if x < world.width and y < world.height
+        ]
+    )
+    try:
+        return replace(world, timeline=timeline)
+    except InvalidWorld:
+        assume(False)
+
+
+SLOW = (3, 5)
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(number, marks=[pytest.mark.gate] if number in SLOW else [])
+        for number in range(len(CROWDED))
+    ],
+)
+def test_crowded_robots_are_planned_to_arrive_as_early_as_possible(number):
+    _check_arrivals(CROWDED[number])
+
+
+@settings(max_examples=150, deadline=None)
+@given(changing_fleets())
+def test_robots_are_planned_to_arrive_as_early_as_those_before_them_permit(world):
+    _check_arrivals(world)
+
+
+def _check_arrivals(world):
+    """Compare each robot's arrival with a search of every node in every tick, with no C."""
     question = joint_question(world, k=2, radius=None, margin=0.0)
-    assume(question is not None and (question.distances[[0, 1], _starts(question)] >= 0).all())
+    if question is None:
+        return
+    assert not question.has_first_leg
+    nodes = np.empty((1, 0), np.int64)
+    for robot in range(len(world.robots)):
+        after = _prioritised(question, robot + 1)
+        arrives = (
+            None
+            if after is None
+            else int(np.argmax(question.distances[robot][after[:, robot]] == 0))
+        )
+        assert arrives == _earliest(world, question, nodes)
+        if after is None:
+            return
+        nodes = after
+
+
+def _prioritised(question, robots):
+    """Plan the first robots in their order; (ticks + 1, robots) nodes, or ``None``."""
     described, held = question.described()
+    described.robots = robots
     made = ffi.new("WgJointPlan **")
     failed = ffi.new("int64_t *")
-    order = ffi.new("int64_t[]", [0, 1])
+    order = ffi.new("int64_t[]", list(range(robots)))
     check(lib.wg_joint_prioritised(described, order, 200_000, made, failed))
-    if made[0] == ffi.NULL:
-        first = None
-        arrives = None
-    else:
-        nodes = np.empty((lib.wg_joint_length(made[0]) + 1, 2), np.int64)
-        lib.wg_joint_nodes(made[0], ffi.from_buffer("int64_t[]", nodes))
-        lib.wg_joint_free(made[0])
-        first = nodes[:, 0].tolist()
-        arrives = int(np.argmax(question.distances[1][nodes[:, 1]] == 0))
     del held
-    if first is None:
-        # The first robot goes straight to its target; only then is its path known without a plan.
-        assume(failed[0] == 1 and question.distances[0][_starts(question)[0]] == 0)
-        first = [_starts(question)[0]]
-    assert _earliest(world, question, first) == arrives
+    if made[0] == ffi.NULL:
+        return None
+    nodes = np.empty((lib.wg_joint_length(made[0]) + 1, robots), np.int64)
+    lib.wg_joint_nodes(made[0], ffi.from_buffer("int64_t[]", nodes))
+    lib.wg_joint_free(made[0])
+    return nodes
 
 
-def _starts(question):
-    return [end.node for end in question.ends]
+def _earliest(world, question, nodes):
+    """The earliest tick at which the next robot can park, around the robots whose nodes are given."""
+    robot = nodes.shape[1]
+    distances = question.distances[robot]
+    rasters = question.rasters
+    which = sorted(set(question.radii)).index(question.radii[robot])
+    last = max(len(nodes), len(rasters.raster_of)) - 1
 
+    def graph_at(tick):
+        raster = rasters.raster_of[min(tick, len(rasters.raster_of) - 1)]
+        return Graph(rasters.k, rasters.clear[raster, which], rasters.middle[raster, which])
 
-def _earliest(world, question, first):
-    """The earliest arrival of the second robot around the first one's nodes: tick by tick, with no C."""
-    graph = question.rasters.ever(sorted(set(question.radii)).index(question.radii[1]))
-    distances = question.distances[1]
-    here = {_starts(question)[1]}
-    last = len(first) - 1
-    for tick in range(last + graph.clear.size):
-        one = [first[min(tick, last)], first[min(tick + 1, last)]]
-        for node in here:
-            stays = [
-                _all_apart(question, (first[t], node), (first[min(t + 1, last)], node))
-                for t in range(min(tick, last), last + 1)
-            ]
-            if distances[node] == 0 and all(stays):
-                return tick
+    def is_safe(tick, node, after):
+        now, then = (nodes[min(t, len(nodes) - 1)].tolist() for t in (tick, tick + 1))
+        return _all_apart(question, [*now, node], [*then, after], [robot])
+
+    def can_stay(tick, node):
+        return all(
+            graph_at(t).clear.ravel()[node] and is_safe(t, node, node)
+            for t in range(min(tick, last), last + 1)
+        )
+
+    here = {question.ends[robot].node}
+    if distances[question.ends[robot].node] < 0:
+        return None
+    for tick in range(last + distances.size):
+        if any(distances[node] == 0 and can_stay(tick, node) for node in here):
+            return tick
+        graph = graph_at(tick)
         here = {
             after
             for node in here
-            if distances[node] > 0
-            for after in _steps(graph, node, distances, world.robots[1].target)
-            if _all_apart(question, (one[0], node), (one[1], after))
+            if distances[node] > 0 and graph.clear.ravel()[node]
+            for after in _steps(graph, node, distances, world.robots[robot].target)
+            if distances[after] >= 0 and is_safe(tick, node, after)
         }
     return None
 
@@ -383,8 +460,11 @@ def _steps(graph, node, distances, target):
     return found
 
 
-def _all_apart(question, state, following):
+def _all_apart(question, state, following, robots=None):
+    """Whether robots, all of them unless some are given, keep apart from the others in a tick."""
     for one, other in itertools.combinations(range(len(state)), 2):
+        if robots is not None and one not in robots and other not in robots:
+            continue
         px, py = np.subtract(question.point(state[one]), question.point(state[other])).tolist()
         qx, qy = np.subtract(
             question.point(following[one]), question.point(following[other])

@@ -8,7 +8,8 @@ WgStatus wg_joint_check(const WgJoint *joint)
 {
     bool sized = joint->robots >= 1 && joint->robots <= INT16_MAX && joint->classes >= 1 && joint->stride >= 3 &&
                  joint->nodes >= joint->stride && joint->nodes % joint->stride == 0 && joint->nodes < INT32_MAX &&
-                 joint->rasters >= 1 && joint->ticks >= 1;
+                 joint->rasters >= 1 && joint->ticks >= 1 && joint->ticks < INT32_MAX / 4 && joint->reach >= 0 &&
+                 joint->reach < INT32_MAX / 4;
     if (!sized) {
         return WG_BAD_SIZE;
     }
