@@ -11,7 +11,7 @@ from fuzz.failure import Failure
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.hazards import HAZARD
 from sim.describe import describe_evidence, describe_frames
-from sim.drawing.picture import trail_of
+from sim.drawing.picture import trails_of
 from sim.episode import Episode
 from sim.evidence import Evidence
 from sim.runners.stopping import OutOfTime
@@ -56,7 +56,7 @@ def describe(
     evidence: Evidence | None
     try:
         episode, words = run_to_draw(failure)
-        trail = trail_of(episode, world)
+        trail = trails_of(episode, world)
         evidence = episode.evidence
     except OutOfTime:
         # The controller is slow. The picture is not worth the wait, so it has no trail.

@@ -15,8 +15,8 @@ from hypothesis.database import DirectoryBasedExampleDatabase
 # each time: nobody should fail to land by luck. New examples are tried at night, and those that
 # failed are kept: --hypothesis-profile.
 #
-# Without the phase "explain": it traces a failing test, and CPython 3.11.7 then never returns from
-# some calls, so the test hangs instead of failing.
+# Leave out the phase "explain": it traces a failing test, and CPython 3.11.7 then never returns
+# from some calls, so the test hangs instead of failing.
 settings.register_profile(
     "worldgen",
     phases=tuple(phase for phase in Phase if phase is not Phase.explain),

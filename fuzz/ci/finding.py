@@ -11,7 +11,7 @@ from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
 from fuzz.triage.diagnosis import cause_of
 from sim.describe import describe_frames
-from sim.drawing.picture import trail_of
+from sim.drawing.picture import trails_of
 from sim.runners.stopping import OutOfTime
 from worldgen.errors import WorldgenError
 from worldgen.files.grid.writer import world_digest
@@ -93,7 +93,7 @@ class CiFinding:
         # Run the controller for the picture. If it cannot run, or is too slow, draw the world only.
         try:
             episode, words = run_to_draw(failure)
-            trail = trail_of(episode, world)
+            trail = trails_of(episode, world)
             frames = describe_frames(episode.evidence)
         except WorldgenError as error:
             words = f", but it cannot be run here: {error}"

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from fuzz.corpus.entry import CorpusEntry
 from fuzz.failure import Failure
 from sim.controllers.programs.process import is_process_name
-from sim.drawing.picture import trail_of
+from sim.drawing.picture import trails_of
 from worldgen.errors import InvalidParameter, WorldgenError
-from worldgen.render import Trail, draw_png
+from worldgen.render import draw_png
+from worldgen.render.overlay import Trails, each_trail
 from worldgen.render.sheet import Panel, draw_sheet
 
 __all__ = ["contact_sheet", "draw_failure"]
@@ -22,7 +23,7 @@ def draw_failure(entry: CorpusEntry, failure: Failure) -> bytes:
     """Return a picture of a failure as the bytes of a PNG file."""
     facts = entry.facts
     title = f"{facts.controller}, {facts.motion}: {facts.kind}"
-    return draw_png(failure.stored, trail=_trail(failure), title=title, pixels=_PIXELS)
+    return draw_png(failure.stored, trail=_trails(failure), title=title, pixels=_PIXELS)
 
 
 def contact_sheet(entries: Sequence[CorpusEntry]) -> bytes:
@@ -56,12 +57,14 @@ def _panel(entry: CorpusEntry) -> Panel:
         if is_process_name(facts.controller)
         else facts.controller.rpartition("/")[2]
     )
-    return Panel(failure.stored, facts.kind, (_trail(failure),), (f"{name}, {facts.motion}",))
+    return Panel(
+        failure.stored, facts.kind, each_trail(_trails(failure)), (f"{name}, {facts.motion}",)
+    )
 
 
-def _trail(failure: Failure) -> Trail | None:
-    """Return the robot's current path; ``None`` if its controller cannot be run."""
+def _trails(failure: Failure) -> Trails:
+    """Return the robots' current paths; none if their controller cannot be run."""
     try:
-        return trail_of(failure.run(through_walls=failure.is_breach), failure.world)
+        return trails_of(failure.run(through_walls=failure.is_breach), failure.world)
     except WorldgenError:
         return None

@@ -173,8 +173,8 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         found = f"no {what} of {shown(headline.who)} found{hazards}"
         if headline.not_arrived and not overview.causes and not headline.is_known:
             searched += (
-                f"; it did not arrive in {headline.not_arrived}, but no path to the target is "
-                "proved there, or it arrives with more time"
+                f"; it did not arrive in {headline.not_arrived}, and none of these is proved to "
+                "be a failure"
             )
         return f"{click.style(found, fg='green', bold=True)}; {searched}"
     # Otherwise the worst cause determines the verdict.

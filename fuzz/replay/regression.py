@@ -16,7 +16,7 @@ from fuzz.replay.fixed import Checked, RegressionRun, arrives, is_fixed, who_dri
 from fuzz.triage.judging import failure_of
 from sim.controllers.contract import check_contract
 from sim.describe import describe_evidence
-from sim.drawing.picture import trail_of
+from sim.drawing.picture import trails_of
 from sim.episode import Episode, simulate
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
@@ -154,7 +154,7 @@ def tell(seen: RegressionRun, path: Path | None) -> FailingWorld:
         lines.append(
             f"{who_drives(seen.scenario)}: {seen.episode.verdict}{describe_evidence(seen.episode)}"
         )
-    trail = None if seen.episode is None else trail_of(seen.episode, seen.world)
+    trail = None if seen.episode is None else trails_of(seen.episode, seen.world)
     lines.append(draw_terminal(seen.world, trail=trail, color=False).rstrip("\n"))
     # Add the command to replay it: the stored file's if that shows the same, otherwise that of a
     # newly saved file.

@@ -353,7 +353,7 @@ def test_a_campaign_without_a_whole_unit_does_not_say_that_nothing_fails(tmp_pat
     assert lines[-1].startswith("give it more time: worldgen fuzz --resume ")
 
 
-def test_runs_that_do_not_arrive_are_told_even_if_none_is_a_failure(tmp_path):
+def test_runs_that_do_not_arrive_are_reported_even_if_none_is_a_failure(tmp_path):
     headline = Headline("mine under swept", tmp_path, 107, 0, is_failing=False, not_arrived=13)
     line = click.unstyle(overview_lines(Overview(()), headline)[0])
     assert "no failure of mine under swept found" in line and "did not arrive in 13" in line

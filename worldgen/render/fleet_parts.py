@@ -25,6 +25,11 @@ COLOURS = ("#C85400", "#0072B2", "#A8447F", "#00825F", "#7A6200", "#4F5BB8")
 _HIDDEN = 6.0
 _NUMBER_SIZE = 12.0
 
+# Arrows from a robot to the one that blocks it, in radii: how far to the right of the line between
+# their middles, and how far from the middles they begin and end.
+_ASIDE = 0.55
+_INSET = 0.3
+
 
 def colour_of(robot: int) -> str:
     """Return the colour of a robot, given its index."""
@@ -68,7 +73,8 @@ def robot_parts(world: World, trails: Sequence[Trail], frame: Frame) -> list[Pri
         parts += _end(robots[number], trail, number, frame)
     for number, trail in enumerate(trails):
         for other in trail.blocked_by:
-            parts += _blocked(robots[number], trail, trails[other - 1], frame)
+            if 0 < other <= len(trails):
+                parts += _blocked(robots[number], trail, trails[other - 1], frame)
     if not trails:
         for number, robot in enumerate(robots):
             parts.append(_number(robot.start.x, robot.start.y, number, frame))
@@ -152,10 +158,11 @@ def _blocked(robot: Robot, trail: Trail, other: Trail, frame: Frame) -> list[Pri
         return []
     # Keep to the right and off the middles, so that two that block each other have an arrow each,
     # and their numbers stay readable.
-    ahead = 0.3 * radius * (end - start) / length
-    aside = 1.8 * np.array((-ahead[1], ahead[0]))
-    tail = start + ahead + aside
-    tip = end - ahead + aside
+    ahead = (end - start) / length
+    aside = _ASIDE * radius * np.array((-ahead[1], ahead[0]))
+    inset = min(_INSET * radius, 0.25 * length) * ahead
+    tail = start + inset + aside
+    tip = end - inset + aside
     return arrow((tail[0], tail[1]), (tip[0], tip[1]), frame.unit, INK, INK)
 
 

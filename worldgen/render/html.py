@@ -6,7 +6,8 @@ import html
 
 from worldgen.render.caption import facts, printable
 from worldgen.render.frame import DEFAULT_PIXELS
-from worldgen.render.scene import Trails, compose
+from worldgen.render.overlay import Trails
+from worldgen.render.scene import compose
 from worldgen.render.svg import svg_element
 from worldgen.support.plain_text import describe_value
 from worldgen.world import JointWitness, Witness, World

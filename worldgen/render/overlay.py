@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,9 @@ __all__ = [
     "Remembered",
     "Shove",
     "Trail",
+    "Trails",
     "WallPenetration",
+    "each_trail",
 ]
 
 MarkKind = Literal["bump", "tunnel", "overlap", "end"]
@@ -275,3 +277,14 @@ class Drive:
         )
         step = min(int(time / self.time_step + 1e-6), len(self.headings) - 1)
         return x, y, float(self.headings[step])
+
+
+Trails: TypeAlias = Trail | Sequence[Trail] | None
+"""What a robot did, or what each of several robots did; ``None`` without a run."""
+
+
+def each_trail(trails: Trails) -> tuple[Trail, ...]:
+    """Return trails as a tuple."""
+    if trails is None:
+        return ()
+    return (trails,) if isinstance(trails, Trail) else tuple(trails)

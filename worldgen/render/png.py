@@ -15,6 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from worldgen.render.coverage import coverage
 from worldgen.render.frame import DEFAULT_PIXELS, Frame
+from worldgen.render.overlay import Trails
 from worldgen.render.palette import rgb
 from worldgen.render.polyline import dashes
 from worldgen.render.primitives import (
@@ -26,7 +27,7 @@ from worldgen.render.primitives import (
     Primitive,
     Text,
 )
-from worldgen.render.scene import Trails, compose
+from worldgen.render.scene import compose
 from worldgen.world import World
 
 __all__ = ["draw_parts", "draw_png"]

@@ -6,9 +6,7 @@ The result is a list of primitives in pixels.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +18,7 @@ from worldgen.render.fleet_parts import joint_witness_parts, robot_parts
 from worldgen.render.frame import BAND, Frame
 from worldgen.render.memory_parts import floor_of_memory, lines_of_memory
 from worldgen.render.outline import corner_count, outlines
-from worldgen.render.overlay import Trail
+from worldgen.render.overlay import Trail, Trails
 from worldgen.render.palette import (
     FIRE,
     FLOOR,
@@ -37,10 +35,7 @@ from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow,
 from worldgen.render.trail_parts import breach_crosses, pierced_parts, swept_parts, trail_parts
 from worldgen.world import Cut, JointWitness, Witness, World
 
-__all__ = ["Picture", "Trails", "compose", "map_parts", "moment_parts"]
-
-Trails: TypeAlias = Trail | Sequence[Trail] | None
-"""What a robot did, or what each of several robots did; ``None`` without a run."""
+__all__ = ["Picture", "compose", "map_parts", "moment_parts"]
 
 # A robot with a smaller radius, units, gets a ring of this radius.
 HIDDEN = 6.0

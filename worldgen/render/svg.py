@@ -15,9 +15,10 @@ from worldgen.render.caption import printable
 from worldgen.render.coverage import coverage
 from worldgen.render.frame import DEFAULT_PIXELS
 from worldgen.render.outline import corner_count, outlines
+from worldgen.render.overlay import Trails
 from worldgen.render.palette import mix, rgb
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Text
-from worldgen.render.scene import Picture, Trails, compose
+from worldgen.render.scene import Picture, compose
 from worldgen.world import World
 
 __all__ = ["draw_svg", "svg_element"]

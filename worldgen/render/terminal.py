@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import shutil
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TextIO
 
@@ -13,7 +14,7 @@ import numpy.typing as npt
 
 from worldgen.render.caption import facts
 from worldgen.render.content import Changes
-from worldgen.render.overlay import Trail
+from worldgen.render.overlay import Trail, Trails, each_trail
 from worldgen.render.palette import (
     APPROACH,
     FIRE,
@@ -93,7 +94,7 @@ def wants_color(stream: TextIO) -> bool:
 def draw_terminal(
     world: World,
     *,
-    trail: Trail | None = None,
+    trail: Trails = None,
     width: int | None = None,
     color: bool = True,
     truecolor: bool | None = None,
@@ -107,7 +108,7 @@ def draw_terminal(
 
     Args:
         world: What to draw.
-        trail: What a robot did in it.
+        trail: What a robot did in it; for several robots, one trail for each.
         width: Columns to use; the terminal's width if omitted.
         color: True for half-block characters with ANSI colours, False for plain ASCII.
         truecolor: True for 24-bit colours instead of 256; taken from COLORTERM if omitted.
@@ -117,7 +118,7 @@ def draw_terminal(
     """
     columns = max(8, shutil.get_terminal_size((80, 24)).columns if width is None else width)
     grid = _Grid.of(world, columns, color=color)
-    dots = grid.dots(world, trail)
+    dots = grid.dots(world, each_trail(trail))
     deep = os.environ.get("COLORTERM") in {"truecolor", "24bit"} if truecolor is None else truecolor
     if color:
         lines = _half_blocks(_colours(dots, grid, world, deep=deep), deep=deep)
@@ -167,7 +168,7 @@ class _Grid:
         ]
         return np.asarray(sums / np.outer(*sizes), np.float64)
 
-    def dots(self, world: World, trail: Trail | None) -> Dots:
+    def dots(self, world: World, trails: Sequence[Trail]) -> Dots:
         """Return a (rows, columns) uint8 array: the meaning of each dot, row 0 the lowest."""
         solid = self.shrunk(world.walls)
         dots = np.where(solid >= 1.0, SOLID, np.where(solid > 0.0, PARTLY, FREE)).astype(np.uint8)
@@ -180,21 +181,24 @@ class _Grid:
                 (changes.burns, BURNS),
             ):
                 dots[self.shrunk(mask) > 0.0] = sign
-        if trail is not None:
-            # Paths above the map, then target and start above the paths.
+        # Paths above the map, then target and start above the paths.
+        for trail in trails:
             self._line(dots, trail.approach, WAY)
+        for trail in trails:
             self._line(dots, trail.loop, LOOPS)
-        elif isinstance(world.certificate, Witness) and self.dots_per_cell > 1:
-            self._line(dots, np.column_stack((world.certificate.x, world.certificate.y)), WITNESS)
-        if isinstance(world.certificate, JointWitness) and trail is None and self.dots_per_cell > 1:
-            for path in world.certificate.paths:
-                self._line(dots, np.column_stack((path.x, path.y)), WITNESS)
+        # Without a run, show the paths that fit.
+        if not trails and self.dots_per_cell > 1:
+            proof = world.certificate
+            paths = proof.paths if isinstance(proof, JointWitness) else (proof,)
+            for path in paths:
+                if isinstance(path, Witness):
+                    self._line(dots, np.column_stack((path.x, path.y)), WITNESS)
         for robot in world.robots:
             target = robot.target
             self._disc(dots, target.x, target.y, target.radius, TARGET_DOT)
         for robot in world.robots:
             self._disc(dots, robot.start.x, robot.start.y, robot.radius, START_DOT)
-        if trail is not None:
+        for trail in trails:
             for x, y in trail.places("tunnel"):
                 dots[self._place(dots, x, y)] = TUNNELS
         return dots

@@ -518,6 +518,7 @@ static WgStatus dive(Lacam *search, int64_t most, WgJointPlan **made, WgProgress
     search->here = here;
     WgStatus status = add_wish(search, 0, (Wish){-1, -1, 0, -1, -1}) ? WG_OK : WG_OUT_OF_MEMORY;
     int64_t at = 0;  // the state at the top; the states below it are its parents
+    int64_t listed = -1;  // the state whose near robots are listed
     while (status == WG_OK && at >= 0) {
         if (is_end(&search->states, at)) {
             *progress = WG_FOUND;
@@ -536,10 +537,12 @@ static WgStatus dive(Lacam *search, int64_t most, WgJointPlan **made, WgProgress
         search->states.nodes[at].first_wish = search->wishes[index].next;
         memcpy(here, places_of(&search->states, at), (size_t)robots * sizeof *here);
         search->tick = search->states.nodes[at].tick;
-        if (!find_near(search)) {
+        // The lists of a state serve all of its constraints.
+        if (at != listed && !find_near(search)) {
             status = WG_OUT_OF_MEMORY;
             break;
         }
+        listed = at;
 
         // Its refinements come later: one more robot at each of the nodes it can reach.
         Wish wish = search->wishes[index];

@@ -218,7 +218,7 @@ def _in_one_frame(
             )
         vertices = np.asarray(part.vertices, np.float64)
         corners = np.asarray(part.faces, np.int64)
-        # A damaged OBJ file may have a vertex of one or two numbers; trimesh keeps as many of all.
+        # A damaged OBJ file may have vertices of one or two numbers.
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise FormatError(
                 "wrong-count",

@@ -15,7 +15,7 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-import numpy.typing as npt
+from scipy.ndimage import find_objects
 
 from worldgen.lattice import exact, in_cells
 from worldgen.reach.decision import Swap
@@ -35,16 +35,19 @@ def find_swap(world: World, radius: float | None = None) -> Swap | None:
         world: A world of several robots.
         radius: Radius of every robot, m; each one's own if None.
     """
-    # Number the rooms: free cells that a walk over cell sides connects.
+    # Number the rooms: free cells that a walk over cell sides connects. Each start is in one.
     free = np.pad(~world.still_walls, 1)
     rooms = components(free)[0].reshape(free.shape)[1:-1, 1:-1]
+    boxes = find_objects(rooms + 1)
     pairs = itertools.combinations(range(len(world.robots)), 2)
     for one, other in itertools.islice(pairs, _MOST_PAIRS):
         room = rooms[_cell_of(world, one)]
         if room != rooms[_cell_of(world, other)]:
             continue
         for axis in (0, 1):
-            if _must_swap(world, (one, other), rooms == room, axis, radius):
+            # Rows come first in a box, so the strip along x is as high as the first side.
+            side = boxes[room][axis]
+            if _must_swap(world, (one, other), side.stop - side.start, axis, radius):
                 return Swap(one + 1, other + 1, "xy"[axis])
     return None
 
@@ -59,17 +62,24 @@ def _cell_of(world: World, robot: int) -> tuple[int, int]:
 def _must_swap(
     world: World,
     pair: tuple[int, int],
-    room: npt.NDArray[np.bool_],
+    cells: int,
     axis: int,
     radius: float | None,
 ) -> bool:
-    """Return True if the strip along an axis is too narrow and the targets are in reversed order."""
+    """Return True if the strip along an axis is too narrow and the targets are in reversed order.
+
+    Args:
+        world: The world.
+        pair: The robots, from 0.
+        cells: Width of the strip, across the axis.
+        axis: 0 for a strip along x, 1 for one along y.
+        radius: Radius of every robot, m; each one's own if None.
+    """
     size = world.cell_size
     left, right = (world.robots[index] for index in pair)
     if (left.start.x, left.start.y)[axis] > (right.start.x, right.start.y)[axis]:
         left, right = right, left
-    across = np.flatnonzero(room.any(axis=1 - axis if axis == 0 else 0))
-    height = (int(across[-1]) - int(across[0]) + 1) * exact(size)
+    height = cells * exact(size)
     radii = [exact(robot.radius if radius is None else radius) for robot in (left, right)]
     if height >= 2 * sum(radii):
         return False

@@ -5,7 +5,7 @@ import { bodyRadius } from "#player/picture/body.js";
 import { poseAt, stepWithin } from "#player/decode.js";
 
 const ASIDE = 0.55; // radii to the right of the line between the middles: two that block each other have an arrow each
-const SHORT = 0.3; // radii from the middles to the arrow's ends
+const INSET = 0.3; // radii from the middles to the arrow's ends, at most a quarter of the distance
 
 /**
  * Draws the arrows, once the part of the run that repeats forever has begun.
@@ -15,11 +15,11 @@ const SHORT = 0.3; // radii from the middles to the arrow's ends
 export function drawBlocked(pen, { world, run, step, number, others }) {
   const all = [{ run, number }, ...(others ?? [])].map((one) => ({
     number: one.number,
+    radius: pen.scale * (one.number === 1 ? bodyRadius(pen, world) : (world.others?.[Number(one.number) - 2]?.radius ?? world.radius)),
     blockers: hasBegun(one.run, step * run.dt) ? (one.run.blocked_by ?? []) : [],
     pose: poseAt(one.run, stepWithin(one.run, (step * run.dt) / one.run.dt)),
   }));
-  const radius = bodyRadius(pen, world) * pen.scale;
-  for (const { pose, blockers } of all)
+  for (const { pose, radius, blockers } of all)
     for (const blocker of blockers) {
       const other = all.find((one) => one.number === blocker);
       if (other) drawArrow(pen, pose, other.pose, radius);
@@ -45,14 +45,15 @@ function drawArrow(pen, from, to, radius) {
   const x = pen.px(from.x),
     y = pen.py(from.y);
   const angle = Math.atan2(pen.py(to.y) - y, pen.px(to.x) - x),
-    length = Math.hypot(pen.py(to.y) - y, pen.px(to.x) - x) - SHORT * radius;
-  if (length <= SHORT * radius) return;
+    length = Math.hypot(pen.py(to.y) - y, pen.px(to.x) - x),
+    inset = Math.min(INSET * radius, length / 4);
+  if (length === 0) return;
   const at = (/** @type {number} */ along) => [
     x + along * Math.cos(angle) - ASIDE * radius * Math.sin(angle),
     y + along * Math.sin(angle) + ASIDE * radius * Math.cos(angle),
   ];
-  const [left, top] = at(SHORT * radius);
-  const [right, bottom] = at(length);
+  const [left, top] = at(inset);
+  const [right, bottom] = at(length - inset);
   const { context, colours } = pen;
   for (const [colour, width] of [[colours.floor, 4], [colours.robot, 2]]) {
     context.beginPath();
