@@ -15,7 +15,6 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from scipy.ndimage import find_objects
 
 from worldgen.lattice import exact, in_cells
 from worldgen.reach.decision import Swap
@@ -38,16 +37,18 @@ def find_swap(world: World, radius: float | None = None) -> Swap | None:
     # Number the rooms: free cells that a walk over cell sides connects. Each start is in one.
     free = np.pad(~world.still_walls, 1)
     rooms = components(free)[0].reshape(free.shape)[1:-1, 1:-1]
-    boxes = find_objects(rooms + 1)
+    sides: dict[int, tuple[int, int]] = {}
     pairs = itertools.combinations(range(len(world.robots)), 2)
     for one, other in itertools.islice(pairs, _MOST_PAIRS):
-        room = rooms[_cell_of(world, one)]
+        room = int(rooms[_cell_of(world, one)])
         if room != rooms[_cell_of(world, other)]:
             continue
+        if room not in sides:
+            rows, columns = np.nonzero(rooms == room)
+            sides[room] = (int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1)
         for axis in (0, 1):
-            # Rows come first in a box, so the strip along x is as high as the first side.
-            side = boxes[room][axis]
-            if _must_swap(world, (one, other), side.stop - side.start, axis, radius):
+            # A strip along x is as high as the room, and one along y as wide.
+            if _must_swap(world, (one, other), sides[room][axis], axis, radius):
                 return Swap(one + 1, other + 1, "xy"[axis])
     return None
 
