@@ -101,6 +101,15 @@ def test_import_after_export_is_the_same_world(name, tmp_path, world, origin):
     assert found.origin == origin == origin_of(again)
 
 
+@pytest.mark.parametrize("name", ["stl", "obj", "glb"])
+def test_an_origin_of_many_digits_comes_back(name, tmp_path):
+    world = generate("maze", 1, size=13)
+    origin = (-2.4667304188517965e-07, 1234.5678901234567)
+    again, found = back(tmp_path, world, name, origin=origin)
+    assert np.array_equal(again.walls, world.walls) and again.cell_size == world.cell_size
+    assert found.origin == origin == origin_of(again)
+
+
 @pytest.mark.parametrize("name", BOTH_WAYS)
 def test_without_the_sidecar_the_cells_come_back(name, tmp_path):
     for size in SIZES:

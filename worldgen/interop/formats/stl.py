@@ -5,6 +5,9 @@ Source: 3D Systems, "StereoLithography Interface Specification", 1989; binary fo
 
 from __future__ import annotations
 
+import base64
+import struct
+
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import Destination, Exported, Format, decimal
 from worldgen.interop.geometry.placed_boxes import solid_boxes
@@ -40,11 +43,15 @@ def write_stl(
 
 
 def _header(world: World, destination: Destination) -> bytes:
-    """Return the grid's facts for ``import`` if they fit into 80 bytes; the sidecar has them too."""
+    """Return the grid's facts for ``import``, as decimals if these fit into 80 bytes."""
     x, y = (decimal(value) for value in destination.origin)
-    grid = f"size {world.width} {world.height}; cell {decimal(world.cell_size)}; origin {x} {y}"
-    whole = f"worldgen: m, z up; {grid}".encode()
-    return (whole if len(whole) <= _HEADER else b"worldgen: m, z up").ljust(_HEADER)
+    size = f"worldgen: m, z up; size {world.width} {world.height}; "
+    whole = f"{size}cell {decimal(world.cell_size)}; origin {x} {y}"
+    if len(whole) > _HEADER:
+        # The bits of the three numbers always fit.
+        bits = struct.pack("<3d", world.cell_size, *destination.origin)
+        whole = f"{size}bits {base64.b64encode(bits).decode()}"
+    return whole.encode().ljust(_HEADER)
 
 
 stl = Format(

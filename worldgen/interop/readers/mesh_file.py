@@ -5,9 +5,11 @@ trimesh reads the file; this module checks what goes in and what comes out.
 
 from __future__ import annotations
 
+import base64
 import io
 import logging
 import re
+import struct
 import tomllib
 import warnings
 from collections.abc import Iterator
@@ -29,7 +31,10 @@ __all__ = ["RawMesh", "load_mesh"]
 
 _COUNTED = re.compile(rb"^element[ \t]+\w+[ \t]+(\d+)", re.MULTILINE)
 _HELD_LINE = re.compile(rb"^(?:#|comment) (\w+ = .{1,200})$", re.MULTILINE)
-_STL_FRAME = re.compile(rb"worldgen: m, z up; size (\d+) (\d+); cell (\S+); origin (\S+) (\S+) *")
+_STL_FRAME = re.compile(
+    rb"worldgen: m, z up; size (\d+) (\d+); "
+    rb"(?:cell (\S+); origin (\S+) (\S+)|bits ([A-Za-z0-9+/]{32})) *"
+)
 # Largest coordinate, in the file's unit; its square is still a finite number.
 _FURTHEST = 1e15
 
@@ -113,7 +118,10 @@ def _held(data: bytes, kind: str) -> dict[str, Any]:
         found = _STL_FRAME.match(data[:80])
         if found is None:
             return {}
-        width, height, cell, x, y = map(float, found.groups())
+        width, height, *decimals, bits = found.groups()
+        # Numbers with too many digits for the header are stored as their bits.
+        numbers = struct.unpack("<3d", base64.b64decode(bits)) if bits else map(float, decimals)
+        cell, x, y = numbers
         return {"size": [int(width), int(height)], "cell_size": cell, "origin": [x, y]}
     head = data[: 1 << 14]
     if b"worldgen: m, z up" not in head[:200]:
