@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
 import { cellsAt } from "#player/decode.js";
+import { drawBlocked } from "#player/picture/blocked.js";
 import { drawLine } from "#player/picture/long_line.js";
 import { drawScene, pictureLabel } from "#player/picture/map.js";
 import { drawMemory, memoryFacts } from "#player/picture/memory.js";
@@ -170,6 +171,22 @@ test("of several robots the numbers are beside them and along their paths, none 
   }
   for (const [k, one] of written.entries())
     for (const other of written.slice(k + 1)) if (k > 1) assert.ok(Math.hypot(one.at[0] - other.at[0], one.at[1] - other.at[1]) > 15);
+});
+
+test("robots that block each other have an arrow each, side by side, once their loop has begun", () => {
+  const room = roomOf(10, 10);
+  const robot = (from, to, blocked_by) => ({ ...runOf({ at: [0, 5, 6], x: [from, to, to], y: [5, 5, 5], loop: [5, 1] }), blocked_by });
+  const arrows = (step, blockers) => {
+    const pen = penOf(room, { scale: 100 });
+    drawBlocked(pen, { world: room, run: robot(2, 4.3, blockers[0]), number: 1, others: [{ run: robot(8, 5.7, blockers[1]), number: 2, colour: "robot-1" }], step, show: SHOW });
+    // Each arrow is a line, drawn twice, and a head of four corners.
+    const starts = pen.context.of("moveTo").map(({ given }) => given);
+    return starts.filter((_, k) => k % 2 === 0);
+  };
+  assert.deepEqual([arrows(4, [[2], [1]]).length, arrows(6, [[], []]).length, arrows(6, [[2], []]).length], [0, 0, 1]);
+  const [one, two] = arrows(6, [[2], [1]]);
+  assert.ok(one[0] < two[0] && one[1] > 500 && two[1] < 500, "each keeps to its own right");
+  assert.equal(arrows(6, [[7], []]).length, 0, "a robot that is not drawn has no arrow to it");
 });
 
 test("a robot alone has no number, and without the trail there is none on the path", () => {
