@@ -23,7 +23,7 @@ __all__ = [
     "LiveState",
     "count_in",
     "count_live",
-    "has_failed",
+    "has_not_arrived",
     "read_live",
     "shown_in",
 ]
@@ -32,7 +32,7 @@ LIVE_FILE = "live.json"
 """Name, in the campaign store, of the file with the counts while a campaign runs."""
 
 _EVERY = 0.5  # s between two versions of the file
-_NOT_FAILED = ("reached", "covered", "sealed")  # verdicts in screening
+_EXPECTED = ("reached", "covered", "sealed")  # verdicts in screening
 
 Counters = Any  # a shared array of three numbers, which has no public type
 _counters: list[Counters] = []
@@ -60,7 +60,7 @@ class LiveCounts:
 
     def plus(self, worlds: int, steps: int, verdicts: Mapping[str, int]) -> LiveCounts:
         """Return these counts with those of a unit's result."""
-        failed = sum(count for verdict, count in verdicts.items() if has_failed(verdict))
+        failed = sum(count for verdict, count in verdicts.items() if has_not_arrived(verdict))
         return LiveCounts(self.worlds + worlds, self.steps + steps, self.failed + failed)
 
     def without(self, handed_in: LiveCounts) -> LiveCounts:
@@ -94,9 +94,9 @@ class LiveState:
     elapsed: float = 0.0
 
 
-def has_failed(verdict: str) -> bool:
-    """Return True if a verdict in screening is that of a failure."""
-    return verdict not in _NOT_FAILED
+def has_not_arrived(verdict: str) -> bool:
+    """Return True if a run with this verdict in screening did not arrive, and should have."""
+    return verdict not in _EXPECTED
 
 
 def count_in(counters: Counters) -> None:
@@ -116,7 +116,7 @@ def count_live(verdict: str, runs: int, steps: int) -> None:
         with counters.get_lock():
             counters[0] += runs
             counters[1] += steps
-            counters[2] += runs if has_failed(verdict) else 0
+            counters[2] += runs if has_not_arrived(verdict) else 0
 
 
 @contextlib.contextmanager

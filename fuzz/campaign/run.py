@@ -16,7 +16,7 @@ from fuzz.boundary import with_boundaries
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import TO_HAND_IN, Deadline
 from fuzz.campaign.executors import Executor, local_executor
-from fuzz.campaign.live import LiveCounts, LiveState, has_failed
+from fuzz.campaign.live import LiveCounts, LiveState, has_not_arrived
 from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.schedule import Schedule
 from fuzz.campaign.store import CampaignStore
@@ -291,7 +291,9 @@ class Campaign:
         counted = self._executor.counts() or self._handed_in
         more = counted.without(self._handed_in)
         state = self.state
-        failed = sum(count for verdict, count in [*state.verdicts.items()] if has_failed(verdict))
+        failed = sum(
+            count for verdict, count in [*state.verdicts.items()] if has_not_arrived(verdict)
+        )
         tried = state.worlds + more.worlds
         if not self._schedule.is_ready or not (tried or state.until):
             phase = "preparing"

@@ -15,7 +15,7 @@ import click
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, WorkersLost
-from fuzz.campaign.live import has_failed, shown_in
+from fuzz.campaign.live import has_not_arrived, shown_in
 from fuzz.campaign.options import CampaignOptions, SearchOptions
 from fuzz.campaign.run import Campaign, Discovery, Progress, UnitDone
 from fuzz.campaign.store import MEMORY, CampaignRun, record_error
@@ -489,7 +489,7 @@ class CampaignSession:
             is_known=bool(state.known),
             lasts=self._lasts,
             not_arrived=sum(
-                count for verdict, count in state.verdicts.items() if has_failed(verdict)
+                count for verdict, count in state.verdicts.items() if has_not_arrived(verdict)
             ),
             has_units=state.units > 0,
         )

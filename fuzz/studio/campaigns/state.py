@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.live import has_failed, read_live
+from fuzz.campaign.live import has_not_arrived, read_live
 from fuzz.campaign.store import MEMORY, FolderStore, read_error, read_summary
 from fuzz.studio.edits import digest_of_file
 from fuzz.studio.refusals import refusal
@@ -93,7 +93,7 @@ def campaign_state(
     state["phase"] = live.phase if live is not None else "preparing" if running else ""
     state["elapsed"] = (0.0 if live is None else live.elapsed) if running else None
     state["shrinking"] = 0 if live is None else live.shrinking
-    failed = sum(count for verdict, count in state["verdicts"].items() if has_failed(verdict))
+    failed = sum(count for verdict, count in state["verdicts"].items() if has_not_arrived(verdict))
     state["failed"] = failed
     if live is not None:
         # The summary still counts a resumed campaign's earlier runs until the campaign has read
