@@ -67,7 +67,7 @@ typedef struct RobotSearch {
 static bool add_span(RobotSearch *search, int64_t first, int64_t last)
 {
     if (search->span_count == search->span_capacity) {
-        int64_t capacity = 2 * search->span_capacity + 1024;
+        int64_t capacity = 2 * search->span_capacity;
         Span *spans = realloc(search->spans, (size_t)capacity * sizeof *spans);
         if (spans == NULL) {
             return false;
@@ -89,11 +89,11 @@ static int compare_spans(const void *one, const void *other)
 // Sorts the spans from an index on and joins those without a tick between them.
 static void join_spans(RobotSearch *search, int64_t from)
 {
-    Span *spans = search->spans + from;
     int64_t count = search->span_count - from;
     if (count < 2) {
         return;
     }
+    Span *spans = search->spans + from;
     qsort(spans, (size_t)count, sizeof *spans, compare_spans);
     int64_t last = 0;
     for (int64_t i = 1; i < count; i++) {
@@ -143,7 +143,7 @@ static bool unsafe_spans(RobotSearch *search, int64_t node, Spans *found)
     if (search->spans_from[node] == 0 && !make_spans(search, node)) {
         return false;
     }
-    *found = (Spans){search->spans + search->spans_from[node] - 1, search->spans_count[node]};
+    *found = (Spans){search->spans + (search->spans_from[node] - 1), search->spans_count[node]};
     return true;
 }
 
@@ -218,7 +218,7 @@ static bool reach(RobotSearch *search, int64_t node, int64_t tick, int64_t paren
         return true;
     }
     if (search->count == search->capacity) {
-        int64_t capacity = 2 * search->capacity + 1024;
+        int64_t capacity = 2 * search->capacity;
         State *states = capacity < INT32_MAX ? realloc(search->states, (size_t)capacity * sizeof *states) : NULL;
         if (states == NULL) {
             return false;
@@ -342,10 +342,15 @@ static WgStatus search_path(RobotSearch *search, int64_t most, WgTrack *track, b
 static WgStatus plan_one(RobotSearch *search, int64_t most, WgTrack *track, bool *found)
 {
     search->mask = 4095;
+    search->capacity = 1024;
+    search->span_capacity = 1024;
+    search->states = malloc((size_t)search->capacity * sizeof *search->states);
+    search->spans = malloc((size_t)search->span_capacity * sizeof *search->spans);
     search->table = calloc((size_t)search->mask + 1, sizeof *search->table);
     search->spans_from = calloc((size_t)search->joint->nodes, sizeof *search->spans_from);
     search->spans_count = calloc((size_t)search->joint->nodes, sizeof *search->spans_count);
-    bool fits = search->table != NULL && search->spans_from != NULL && search->spans_count != NULL;
+    bool fits = search->states != NULL && search->spans != NULL && search->table != NULL &&
+                search->spans_from != NULL && search->spans_count != NULL;
     WgStatus status = fits ? search_path(search, most, track, found) : WG_OUT_OF_MEMORY;
     free(search->table);
     free(search->spans_from);
@@ -359,13 +364,18 @@ static WgStatus plan_one(RobotSearch *search, int64_t most, WgTrack *track, bool
 // Returns the times in which no wall changes; NULL if memory runs out.
 static Period *find_periods(const WgJoint *joint, int64_t *count)
 {
-    *count = 0;
-    for (int64_t tick = 0; tick < joint->ticks; tick++) {
-        *count += tick == 0 || joint->raster_of[tick] != joint->raster_of[tick - 1] ? 1 : 0;
+    *count = 1;
+    for (int64_t tick = 1; tick < joint->ticks; tick++) {
+        *count += joint->raster_of[tick] != joint->raster_of[tick - 1] ? 1 : 0;
     }
     Period *periods = malloc((size_t)*count * sizeof *periods);
-    for (int64_t tick = 0, at = 0; periods != NULL && tick < joint->ticks; tick++) {
-        if (tick == 0 || joint->raster_of[tick] != joint->raster_of[tick - 1]) {
+    if (periods == NULL) {
+        return NULL;
+    }
+    periods[0] = (Period){0, joint->raster_of[0]};
+    int64_t at = 1;
+    for (int64_t tick = 1; tick < joint->ticks; tick++) {
+        if (joint->raster_of[tick] != joint->raster_of[tick - 1]) {
             periods[at++] = (Period){tick, joint->raster_of[tick]};
         }
     }
