@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import importlib.util
+import random
 import socket
+import sys
 import tempfile
 import threading
+import types
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -25,13 +29,14 @@ from worldgen.family import FAMILIES
 from worldgen.files.whole import expanded
 from worldgen.plugins.registry import Registry, lend
 
-__all__ = ["RemoteJob"]
+__all__ = ["RemoteJob", "give_dask_its_own_random"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 # Controllers that are programs, and Hypothesis, belong to one thread.
 _ONE = threading.Lock()
+_PACKAGES_OF_DASK = ("dask", "distributed", "tornado")
 # Key of the job that this process is ready for.
 _here: dict[str, str] = {}
 _REGISTRIES: tuple[Registry[Any], ...] = (CONTROLLERS, FAMILIES, ORACLES)
@@ -71,14 +76,44 @@ class RemoteJob:
         Raises:
             InvalidParameter: If the code differs.
         """
-        # Dask's own threads draw from `random` while Hypothesis checks, in this thread, if a
+        # Threads of the worker may draw from `random` while Hypothesis checks, in this thread, if a
         # strategy did.
         warnings.filterwarnings(
             "ignore", "Do not use the `random` module", HypothesisDeprecationWarning
         )
         with _ONE:
+            give_dask_its_own_random()
             _be_alike(self)
             return work(*args, **kwargs)
+
+
+def give_dask_its_own_random() -> None:
+    """Let the modules of Dask draw from a copy of ``random``.
+
+    Its threads draw while this one works. A draw from the global generator would look like hidden
+    state of a Python controller, whose loop could then not be proved.
+    """
+    own = _copy_of_random()
+    shared = random.random.__self__  # type: ignore[attr-defined]  # the global generator
+    for name, module in [*sys.modules.items()]:
+        if name.partition(".")[0] not in _PACKAGES_OF_DASK:
+            continue
+        for key, value in [*vars(module).items()]:
+            if value is random:
+                setattr(module, key, own)
+            elif getattr(value, "__self__", None) is shared:
+                setattr(module, key, getattr(own, value.__name__))
+
+
+@functools.cache
+def _copy_of_random() -> types.ModuleType:
+    """Return a second module ``random``, with a generator of its own."""
+    found = importlib.util.find_spec("random")
+    assert found is not None
+    assert found.loader is not None
+    copy = importlib.util.module_from_spec(found)
+    found.loader.exec_module(copy)
+    return copy
 
 
 def _places(config: CampaignConfig) -> list[str]:
