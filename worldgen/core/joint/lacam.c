@@ -2,7 +2,7 @@
 // a time, it tries everything in the end.
 //
 // Okumura, "LaCAM: Search-Based Algorithm for Quick Multi-Agent Pathfinding" (2023).
-// Okumura et al., "Priority Inheritance with Backtracking for Iterative Multi-agent Path Finding" (2022), for the rule.
+// The rule is from Okumura et al., "Priority Inheritance with Backtracking for Iterative Multi-agent Path Finding" (2022).
 
 #include <assert.h>
 #include <stdlib.h>

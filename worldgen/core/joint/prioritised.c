@@ -1,15 +1,17 @@
 // Joint plans by priority: one robot after the other, each around those before it.
 //
-// Erdmann, Lozano-Perez, "On Multiple Moving Objects" (1987), for planning by priority.
-// Phillips, Likhachev, "SIPP: Safe Interval Path Planning for Dynamic Environments" (2011), for the search: a state is a
-// node and an interval of ticks in which the robot can stand there, and only the earliest arrival matters.
+// A state of the search is a node and an interval of ticks in which the robot can stand there. Only the earliest arrival
+// in an interval matters, because the robot can wait there until the interval ends.
+//
+// Planning by priority: Erdmann, Lozano-Perez, "On Multiple Moving Objects" (1987).
+// The search: Phillips, Likhachev, "SIPP: Safe Interval Path Planning for Dynamic Environments" (2011).
 
 #include <stdlib.h>
 
 #include "heap.h"
 #include "reservations.h"
 
-// As the tick after the last one: never.
+// A tick that never comes: the end of an interval that lasts forever.
 static const int32_t NEVER = INT32_MAX;
 // Spans of one search, 256 MiB: a search that needs more ends as if it had reached too many states.
 static const int64_t MOST_SPANS = (int64_t)1 << 25;
@@ -147,7 +149,7 @@ static bool unsafe_spans(RobotSearch *search, int64_t node, Spans *found)
     return true;
 }
 
-// Returns the first tick, from a tick on, in which the robot cannot wait; NEVER if there is none.
+// Returns the first tick at or after the given one in which the robot cannot wait. If there is none, returns NEVER.
 static int64_t end_of_interval(Spans unsafe, int64_t tick)
 {
     for (int64_t i = 0; i < unsafe.count; i++) {
