@@ -26,6 +26,7 @@ from sim.options.run import RunOptions, options_from, poses_of, seeds_of, whole,
 from sim.outcome import ENDINGS
 from sim.runners.lattice import LatticeRun
 from sim.runners.lockstep import LockstepRun
+from sim.runners.many import run_many
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT
@@ -349,8 +350,8 @@ def _run_compiled(job: _RunBlock, runs: Runs, digest: bool, stop: Ints) -> None:
     run = LatticeRun(replace(job.world, start=job.starts[0]), controller, job.options)
     places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
     rows = slice(job.rows.start, job.rows.stop)
-    reports = run.run_many(
-        controller, places[runs.start[rows]], runs.seed[rows], digest=digest, stop=stop
+    reports = run_many(
+        run, controller, places[runs.start[rows]], runs.seed[rows], digest=digest, stop=stop
     )
     if len(reports) and reports["ending"][-1] == lib.WG_CRASH:
         _run_each(job, job.rows, runs, digest)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -12,21 +11,17 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
-from sim.controllers.base import CompiledController, Controller, robot_for, senses_of
+from sim.controllers.base import CompiledController, Controller, robot_for
 from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.crash_frames import crash_facts
 from sim.controllers.flat_act import compiled_act
 from sim.controllers.programs.program import ControllerError
-from sim.controllers.shared.guarded import ControllerDied, call
 from sim.kernels import layout
-from sim.motion import MOTIONS
 from sim.options.noise import is_noisy
-from sim.options.robot import SIGNALS
 from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, check_step_length
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.core_calls import (
     EVENT_FIELDS,
-    REPORT,
     SENSES,
     STATE_WORDS,
     CoreArena,
@@ -42,17 +37,16 @@ from sim.runners.core_calls import (
 )
 from sim.runners.disturbing import PackedDisturbances
 from sim.runners.long_runs import MOST_HELD, portions
-from sim.runners.packing import disc_numbers, event_time, start_overlaps, target_sq
+from sim.runners.packing import STEP_TIME, event_time, start_overlaps
 from sim.runners.python_loop import PythonLoop
+from sim.runners.recording import FIRST_OF_STATE, POINT_FIELDS, trace_of
+from sim.runners.settings import fill_settings
 from sim.trace import Trace, Words
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import (
-    TURN,
     UNIT,
-    exact,
     heading_to_lattice,
-    lattice_to_metres,
     metres_to_lattice,
 )
 from worldgen.reach.still.cells import reachable_cells
@@ -64,24 +58,9 @@ __all__ = ["LatticeRun"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
-Reports = npt.NDArray[Any]
-
-# Parts of a step in which times are counted.
-_STEP_TIME = 1 << 32
-
-# Runs in one call of the core.
-_MANY = 64
 
 # Lattice units that robots of a fleet look further than they move, and what rounding adds to that.
 _FLEET_SLACK = 40
-
-# Columns of a recorded row: whether a wall was touched, then the state. Next, the same for a point
-# of the path.
-_BUMP = 0
-_STATE = 1
-_HEADING = 2  # index in a state, after x and y
-_POINT_STEP, _POINT_TIME, _POINT_X, _POINT_Y = range(4)
-_POINT_FIELDS = 4
 
 
 def _memory_of(episode: CoreEpisode) -> Floats:
@@ -122,13 +101,15 @@ class LatticeRun:
         self._lean = lean
         self.memory = memory_for(controller)
         check_step_length(world, options.time_step, Fraction(1, UNIT))
-        motion = MOTIONS.get(options.motion)
         self._cells = np.array(world.walls, np.uint8, order="C")
         self.events = self.memory.own(_event_rows(world, options.time_step))
         self._disturbances = PackedDisturbances(world, robot, options.time_step, self.memory)
         self.settings: Any = self.memory.new("WgSettings *")
         # Fill the settings first: the tables depend on the speed and the sensors.
-        self._fill_settings(motion.code, motion.overlap_tolerance)
+        settings = self.settings
+        fill_settings(settings, world, controller, self.options)
+        settings.start_x, settings.start_y, settings.start_heading = self.start_of(world.start)
+        self._disturbances.fill(settings)
         self._near = self.memory.own(near_masks(self._cells))
         self._clearance = self.memory.own(self._clearance_table())
         self._wanted = self._cells_to_cover()
@@ -156,70 +137,6 @@ class LatticeRun:
                 "take a larger world or a smaller robot",
             )
         return wanted
-
-    def _fill_settings(self, motion_code: int, tolerance: float) -> None:
-        # Start, target and disc, in lattice units.
-        world = self.world
-        settings = self.settings
-        step = self.options.time_step
-        settings.clear_sq, settings.reach = disc_numbers(world)
-        settings.start_x, settings.start_y, settings.start_heading = self.start_of(world.start)
-        settings.target_x = metres_to_lattice(world.target.x, world.cell_size)
-        settings.target_y = metres_to_lattice(world.target.y, world.cell_size)
-        settings.target_radius_sq = target_sq(world)
-        settings.motion = motion_code
-        settings.seed = self.options.seed
-
-        # Factors between the lattice and SI units.
-        settings.metres = float(exact(world.cell_size) / UNIT)
-        settings.speed = float(exact(step) / exact(world.cell_size) * UNIT)
-        settings.turn = step * (TURN / (2.0 * math.pi))
-        settings.radians = 2.0 * math.pi / TURN
-        settings.time_step = step
-        settings.top_speed = world.robot_speed
-        settings.radius = world.robot_radius
-        settings.tolerance = tolerance * UNIT
-        # A compiled controller may set its own initial speed.
-        if isinstance(self.controller, CompiledController):
-            settings.start_speed = min(self.controller.start_speed, world.robot_speed)
-        self._fill_dynamics()
-        self._fill_sensors()
-
-    def _fill_dynamics(self) -> None:
-        """Fill in the dynamics; an option that is off becomes a limit that is never reached."""
-        settings = self.settings
-        robot = self.options.robot
-        gain = self.options.time_step * settings.speed * lib.WG_SPEED_UNIT
-        settings.turn_limit = robot.turn_limit or math.inf
-        settings.gain = max(1.0, robot.acceleration * gain) if robot.acceleration else math.inf
-        settings.loss = max(1.0, robot.friction * gain) if robot.friction else math.inf
-        settings.wall_friction = robot.wall_friction
-        settings.slip = robot.slip
-        settings.odometry_noise = robot.odometry_noise
-        self._disturbances.fill(settings)
-        settings.lattice = UNIT // robot.lattice if robot.lattice else 1
-
-    def _fill_sensors(self) -> None:
-        settings = self.settings
-        robot = self.options.robot
-        unit = settings.metres
-        settings.senses = senses_of(self.controller) & ~(0 if robot.beams else lib.WG_SENSE_BEAMS)
-        settings.sensor_cells = robot.sensor_cells
-        settings.signal = SIGNALS.index(robot.signal)
-        settings.plain_sensor = int(robot.plain_sensor)
-        settings.sensor_range = robot.sensor_range / unit if robot.sensor_range else math.inf
-        settings.sensor_field = _units(robot.sensor_field or 2 * math.pi) / 2
-        settings.sensor_noise = robot.sensor_noise
-        settings.smoke = robot.smoke
-        settings.smoke_reach = robot.smoke_reach
-        settings.beams = robot.beams
-        settings.neighbours = robot.neighbours
-        settings.neighbour_range = robot.neighbour_range / unit
-        settings.beam_range = robot.beam_range / unit
-        settings.beam_field = _units(robot.beam_field or 2 * math.pi)
-        settings.beam_noise = robot.beam_noise
-        settings.beam_dropout = robot.beam_dropout
-        settings.coin = robot.coin
 
     def _clearance_table(self) -> npt.NDArray[np.int32]:
         """Return distances to cells that are ever not free.
@@ -387,113 +304,6 @@ class LatticeRun:
         noisy = is_noisy(self.controller, self.options)
         return not (reads_clock or reads_wrong_pose or noisy)
 
-    def run_many(
-        self,
-        controller: CompiledController,
-        starts: Ints,
-        seeds: npt.NDArray[np.uint64],
-        *,
-        digest: bool,
-        stop: Ints | None = None,
-    ) -> Reports:
-        """Run many episodes in few calls of the core; several threads may do so at the same time.
-
-        Args:
-            controller: The controller of this run.
-            starts: (n, 3) starts from :meth:`start_of`.
-            seeds: (n,) uint64 seeds.
-            digest: Whether to compute the traces' digests.
-            stop: (1,) set to anything but 0 to make this return soon; its results are then invalid.
-
-        Returns:
-            (n,) reports of type :data:`sim.runners.core_calls.REPORT`; fewer if the controller
-            failed in a run, which is then the last.
-        """
-        # Prepare one episode, which all runs use in turn.
-        settings = copy_of(self.settings, self.memory)
-        settings.steps = self.options.steps
-        settings.digest = int(digest)
-        settings.find_loop = lib.WG_SEEK_LOOP if self.can_loop else lib.WG_NO_LOOP
-        fresh = self.arena()
-        episode = CoreEpisode(self.arena(), settings, Driver(controller, controller.memory))
-        reports = np.zeros(len(seeds), REPORT)
-        stop = np.zeros(1, np.int64) if stop is None else stop
-        if episode.guarded:
-            return self._run_many_guarded(episode, settings, fresh, starts, seeds, stop)
-
-        # Run in groups; the arrays that a call gets must stay alive until it returns.
-        stop_at = pointer(ffi, stop, np.int64)
-        for first in range(0, len(seeds), _MANY):
-            part = slice(first, first + _MANY)
-            into = ffi.cast("WgReport *", ffi.from_buffer(reports[part], require_writable=True))
-            own = np.ascontiguousarray(starts[part])
-            numbers = np.ascontiguousarray(seeds[part])
-            places = ffi.cast("WgStart *", pointer(ffi, own, np.int64))
-            check(
-                lib.wg_run_many(
-                    episode.c,
-                    settings,
-                    fresh.c,
-                    places,
-                    pointer(ffi, numbers, np.uint64),
-                    len(numbers),
-                    stop_at,
-                    into,
-                )
-            )
-            if (reports["ending"][part] == lib.WG_CRASH).any():
-                return reports[
-                    : first + int((reports["ending"][part] == lib.WG_CRASH).argmax()) + 1
-                ]
-        return reports
-
-    def _run_many_guarded(
-        self,
-        episode: CoreEpisode,
-        settings: Any,
-        fresh: CoreArena,
-        starts: Ints,
-        seeds: npt.NDArray[np.uint64],
-        stop: Ints,
-    ) -> Reports:
-        """Do the same in another process, one run at a time, to notice a request to stop."""
-        memory = self.memory
-        reports = memory.zeros(len(seeds), REPORT)
-        own_starts = memory.own(starts)
-        own_seeds = memory.own(seeds)
-        goes_on = memory.zeros(1, np.int64)
-        # One run per call: a crash then belongs to the run that caused it.
-        for n in range(len(seeds)):
-            if stop[0]:
-                break
-            one = slice(n, n + 1)
-            objects = (
-                episode.c,
-                settings,
-                fresh.c,
-                pointer(ffi, own_starts[one], np.int64),
-                pointer(ffi, own_seeds[one], np.uint64),
-                pointer(ffi, goes_on, np.int64),
-                ffi.from_buffer(reports[one], require_writable=True),
-            )
-            report = ffi.addressof(episode.report)
-            try:
-                check(
-                    call(
-                        ffi.addressof(lib, "wg_call_run_many"),
-                        episode.guarded,
-                        objects,
-                        1,
-                        report=report,
-                    ).result
-                )
-            except ControllerDied:
-                reports["ending"][n] = lib.WG_CRASH
-            # Stop at the first crash; the caller decides whether to continue after it.
-            if reports["ending"][n] == lib.WG_CRASH:
-                return reports[: n + 1].copy()
-        return reports.copy()
-
     def sensed_of_walls(self, states: Ints) -> Floats:
         """Return what the controller senses of the walls at some poses, before the first event.
 
@@ -552,13 +362,13 @@ class LatticeRun:
             return self.outcome_of(episode, None, fault=fault), episode
         done = int(episode.report.steps)
         points = int(episode.report.points)
-        if self._lean and 8 * (done + 1) * (_STATE + episode.words) > MOST_HELD:
+        if self._lean and 8 * (done + 1) * (FIRST_OF_STATE + episode.words) > MOST_HELD:
             outcome = self.outcome_of(episode, None, fault=fault)
             return replace(outcome, trace=self._lean_trace(controller, done, points)), episode
-        rows = self.memory.zeros((done + 1, _STATE + episode.words), np.int64)
-        path = self.memory.zeros((points, _POINT_FIELDS), np.int64)
+        rows = self.memory.zeros((done + 1, FIRST_OF_STATE + episode.words), np.int64)
+        path = self.memory.zeros((points, POINT_FIELDS), np.int64)
         episode = self._episode(controller)
-        rows[0, _STATE:] = episode.state_words()
+        rows[0, FIRST_OF_STATE:] = episode.state_words()
         episode.record(rows[1:], path)
         episode.run_to_the_end()
         return self.outcome_of(episode, (rows, path), fault=fault), episode
@@ -602,8 +412,8 @@ class LatticeRun:
         settings = copy_of(self.settings, self.memory)
         size = len(controller.memory)
         settings.find_loop = lib.WG_NO_LOOP
-        rows = np.zeros((steps + 1, _STATE + STATE_WORDS), np.int64)
-        path = np.zeros((points, _POINT_FIELDS), np.int64)
+        rows = np.zeros((steps + 1, FIRST_OF_STATE + STATE_WORDS), np.int64)
+        path = np.zeros((points, POINT_FIELDS), np.int64)
         filled = 0
         for portion in portions(controller, self.arena(), settings, steps):
             steps = portion.first + len(portion.rows) - 1
@@ -615,13 +425,20 @@ class LatticeRun:
         # Memories are too large to keep, so simulate again and pick those wanted.
         def recall(at: Ints, take: Callable[[int, Floats], None]) -> None:
             for first, states, _ in portions(controller, self.arena(), settings, int(at[-1])):
-                memories = states[:, _STATE + STATE_WORDS :].view(np.float64)
+                memories = states[:, FIRST_OF_STATE + STATE_WORDS :].view(np.float64)
                 begin, end = np.searchsorted(at, (first, first + len(states)))
                 for step in at[begin:end].tolist():
                     take(step, memories[step - first])
 
         return replace(
-            self.trace_of(rows[: steps + 1], path[:filled], True, lean=True),
+            trace_of(
+                self.world,
+                self.options,
+                rows[: steps + 1],
+                path[:filled],
+                complete=True,
+                lean=True,
+            ),
             recall=recall,
             recalled=size,
         )
@@ -663,90 +480,16 @@ class LatticeRun:
             cells_wanted=0 if self._wanted is None else int(np.count_nonzero(self._wanted)),
             complete=complete,
             fault=fault.evidence if fault else None,
-            trace=None if recording is None else self.trace_of(*recording, complete),
+            trace=None
+            if recording is None
+            else trace_of(self.world, self.options, *recording, complete=complete),
         )
-
-    def trace_of(self, rows: Ints, path: Ints, complete: bool, *, lean: bool = False) -> Trace:
-        """Return a recording in metres and radians."""
-        states = rows[:, _STATE:]
-        side = self.world.cell_size
-        turned = states[:, _HEADING]
-        way = _with_stands(rows, path)
-        return Trace(
-            time_step=self.options.time_step,
-            x=_metres(states[:, 0], side),
-            y=_metres(states[:, 1], side),
-            heading=np.where(turned > TURN // 2, turned - TURN, turned)
-            * float(self.settings.radians),
-            bump=rows[:, _BUMP] != 0,
-            path_x=_metres(way[:, _POINT_X], side),
-            path_y=_metres(way[:, _POINT_Y], side),
-            path_step=way[:, _POINT_STEP].copy(),
-            path_share=way[:, _POINT_TIME] / _STEP_TIME,
-            words=np.zeros(0, np.uint64) if lean else _words(rows, path),
-            states=np.ascontiguousarray(states).view(np.uint64),
-            complete=complete and not lean,
-            memory_at=-1 if lean else STATE_WORDS,
-            robot=self.options.robot,
-            task=self.options.task,
-        )
-
-
-def _with_stands(rows: Ints, path: Ints) -> Ints:
-    """Return the path with a point added at the end of each step in which the robot stopped."""
-    last = np.zeros(len(rows), np.int64)
-    np.maximum.at(last, path[:, _POINT_STEP], path[:, _POINT_TIME])
-    last[0] = -1  # Reserve a point for the start too.
-    stands = np.flatnonzero(last < _STEP_TIME)
-    ends = np.empty((len(stands), _POINT_FIELDS), np.int64)
-    ends[:, _POINT_STEP] = stands
-    ends[:, _POINT_TIME] = np.where(stands > 0, _STEP_TIME, 0)
-    ends[:, _POINT_X] = rows[stands, _STATE]
-    ends[:, _POINT_Y] = rows[stands, _STATE + 1]
-    whole = np.concatenate([path, ends])
-    return whole[np.lexsort((whole[:, _POINT_TIME], whole[:, _POINT_STEP]))]
-
-
-def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:
-    """Return the words of the digest: for each step its contact, path points and final state."""
-    # Sort the pieces of all steps into their order in the digest, and find where each one begins.
-    steps = np.concatenate([np.arange(1, len(rows)), path[:, _POINT_STEP], np.arange(1, len(rows))])
-    kinds = np.repeat([0, 1, 2], [len(rows) - 1, len(path), len(rows) - 1])
-    order = np.lexsort((np.arange(len(steps)), kinds, steps))
-    width = np.array([1, 3, rows.shape[1] - 1])[kinds]
-    starts = np.zeros(len(steps) + 1, np.int64)
-    starts[1:] = np.cumsum(width[order])
-    places = np.empty(len(steps), np.int64)
-    places[order] = starts[:-1]
-    words = np.empty(starts[-1], np.int64)
-
-    # Write the pieces there, one column at a time.
-    words[places[kinds == 0]] = rows[1:, _BUMP]
-    for k, column in enumerate((_POINT_X, _POINT_Y, _POINT_TIME)):
-        words[places[kinds == 1] + k] = path[:, column]
-    for k in range(rows.shape[1] - 1):
-        words[places[kinds == 2] + k] = rows[1:, _STATE + k]
-    return words.view(np.uint64)
-
-
-def _units(radians: float) -> float:
-    """Return an angle in heading units; a whole turn is exact."""
-    return TURN * (radians / (2 * math.pi))
-
-
-def _metres(units: Ints, cell_size: float) -> Floats:
-    """Return lattice units in metres, correctly rounded, so that short decimals stay short."""
-    ratio = exact(cell_size) / UNIT
-    if int(np.abs(units).max(initial=0)) * ratio.numerator < 2**53 and ratio.denominator < 2**53:
-        # Numerator and denominator are exact here, so this division rounds only once.
-        return (units * ratio.numerator) / float(ratio.denominator)
-    return np.array([lattice_to_metres(unit, cell_size) for unit in units.tolist()])
 
 
 def _event_rows(world: World, time_step: float) -> Ints:
     """Return the world's events in the core's form, sorted by time."""
     rows = [
-        (*event_time(event, time_step, _STEP_TIME), event.ix, event.iy, int(event.state))
+        (*event_time(event, time_step, STEP_TIME), event.ix, event.iy, int(event.state))
         for event in world.timeline
     ]
     return np.array(rows, np.int64).reshape(-1, EVENT_FIELDS)

@@ -55,7 +55,7 @@ class LockstepRun:
         self._memory: Floats = np.zeros(0)
 
     def run(self, *, digest: bool) -> Any:
-        """Run all robots, and report as :meth:`sim.runners.lattice.LatticeRun.run_many` does.
+        """Run all robots, and report as :func:`sim.runners.many.run_many` does.
 
         Returns:
             The reports. ``None`` if the controller raised or changed state outside its memory: runs

@@ -11,6 +11,7 @@ from sim import CompiledController, RobotOptions, RunOptions, simulate, simulate
 from sim.batch import VERDICTS
 from sim.controllers import CONTROLLERS
 from sim.runners.lattice import LatticeRun
+from sim.runners.many import run_many
 from tests.helpers.raising import raises
 from tests.sim.test_episode import GoToTarget, arena, cup
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Timeline, generate
@@ -133,8 +134,13 @@ def test_a_batch_that_another_thread_stops_runs_no_further():
     controller = CONTROLLERS.get("random-walk")
     run = LatticeRun(cup(), controller, options)
     starts = np.array([run.start_of(run.world.start)] * 3, np.int64)
-    reports = run.run_many(
-        controller, starts, np.arange(3, dtype=np.uint64), digest=False, stop=np.ones(1, np.int64)
+    reports = run_many(
+        run,
+        controller,
+        starts,
+        np.arange(3, dtype=np.uint64),
+        digest=False,
+        stop=np.ones(1, np.int64),
     )
     assert reports["steps"].tolist() == [0, 0, 0]
 
