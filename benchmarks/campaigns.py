@@ -23,7 +23,9 @@ import click
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import cluster_executor
 from fuzz.campaign.result import SearchState, UnitResult
-from fuzz.campaign.run import Campaign, CampaignState, shrunk_or_same
+from fuzz.campaign.run import Campaign
+from fuzz.campaign.shrinking import shrunk_or_same
+from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import Budget, begin
 from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit

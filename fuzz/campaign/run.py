@@ -7,145 +7,40 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
-from fuzz.boundary import with_boundaries
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.deadline import TO_HAND_IN, Deadline
+from fuzz.campaign.deadline import TO_HAND_IN
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.live import LiveCounts, LiveState, has_not_arrived
 from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.schedule import Schedule
+from fuzz.campaign.shrinking import (
+    RESTARTS,
+    Shrinking,
+    ShrinkJob,
+    ShrinkQueue,
+    shrunk_or_same,
+    size_of,
+)
+from fuzz.campaign.state import CampaignState, Discovery, DiscoveryTotals, Progress, UnitDone
 from fuzz.campaign.store import CampaignStore
 from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
 from fuzz.failure import Failure
-from fuzz.shrink import shrink
-from sim.controllers.shared.guarded import renew
-from sim.runners.controller_time import Effort
-from sim.runners.stopping import OutOfTime, check_time, stopping_when
-from worldgen.errors import WorldgenError
 from worldgen.support.workers import LISTEN
 
-__all__ = [
-    "Campaign",
-    "CampaignState",
-    "Discovery",
-    "DiscoveryTotals",
-    "Progress",
-    "Shrinking",
-    "UnitDone",
-    "shrunk_or_same",
-]
+__all__ = ["Campaign"]
 
 T = TypeVar("T")
 
-# Number of failures per class that are shrunk; the smallest result is kept.
-_RESTARTS = 6
 # Seconds after the end of the time in which results may still arrive.
 GRACE = 1.0
 # Units that may be finished before an earlier one is.
 _AHEAD = 64
-
-
-@dataclass(frozen=True)
-class UnitDone:
-    """A unit has been merged, in order of unit numbers.
-
-    Args:
-        unit: Its number.
-        state: State of the campaign, including the unit.
-        again: True if it was done in an earlier run.
-    """
-
-    unit: int
-    state: CampaignState
-    again: bool = False
-
-
-@dataclass(frozen=True)
-class Discovery:
-    """A failure is the first of its class, or smaller than the known one.
-
-    Args:
-        kind: Its class.
-        failure: The shrunk failure.
-        replaces: True if the class already had one.
-    """
-
-    kind: str
-    failure: Failure
-    replaces: bool
-
-
-Progress = UnitDone | Discovery
-
-
-@dataclass(frozen=True)
-class DiscoveryTotals:
-    """A class occurred for the first time, or in a smaller world than before.
-
-    Args:
-        unit: Unit that found it.
-        strategy: Strategy of that unit.
-        kind: The class.
-        failure: The failure as found, before shrinking.
-        worlds: Worlds of the campaign up to and including that unit.
-        steps: Steps up to and including that unit.
-        seconds: Seconds up to and including that unit, over all runs.
-    """
-
-    unit: int
-    strategy: str
-    kind: str
-    failure: Failure
-    worlds: int
-    steps: int
-    seconds: float
-
-
-@dataclass
-class CampaignState:
-    """Totals so far.
-
-    Args:
-        units: Units done and merged.
-        cut: Additional units that must be done again, because they were cut short by the time limit
-            or Ctrl-C, or came too early.
-        too_early: The part of ``cut`` that was completed with too little knowledge, because an
-            earlier unit was cut short.
-        until: One more than the highest number of any unit, complete or cut.
-        worlds: Scenarios simulated.
-        steps: Steps simulated.
-        seconds: Seconds of all runs together.
-        times: Seconds of this run: ``start-up``, ``search`` and ``shrinking``.
-        effort: For this run, how units and shrinking spent their time, over all workers.
-        verdicts: Counts of the verdicts in screening.
-        met: Counts of each class.
-        known: The same, for classes in the baseline.
-        best: The smallest shrunk failure of each class.
-        memory: The search state: the strategies' yields, and the knowledge of later units.
-        finds: First finds, in the order of units.
-    """
-
-    units: int = 0
-    cut: int = 0
-    too_early: int = 0
-    until: int = 0
-    worlds: int = 0
-    steps: int = 0
-    seconds: float = 0.0
-    times: dict[str, float] = field(default_factory=dict)
-    effort: Effort = field(default_factory=Effort)
-    verdicts: Counter[str] = field(default_factory=Counter)
-    met: Counter[str] = field(default_factory=Counter)
-    known: Counter[str] = field(default_factory=Counter)
-    best: dict[str, Failure] = field(default_factory=dict)
-    memory: SearchState = field(default_factory=SearchState)
-    finds: list[DiscoveryTotals] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,36 +54,6 @@ class _Under(Generic[T]):
 
     future: Future[T]
     seconds: float | None = None
-
-
-@dataclass(frozen=True)
-class Shrinking:
-    """The result of shrinking.
-
-    Args:
-        failure: The failure.
-        complete: True if shrinking finished before the time was up.
-        effort: How it spent its time.
-    """
-
-    failure: Failure
-    complete: bool = True
-    effort: Effort = field(default_factory=Effort)
-
-
-@dataclass(frozen=True, eq=False)
-class _ShrinkJob:
-    """A failure that waits to be shrunk.
-
-    Args:
-        failure: The failure as found.
-        kept: What shrinking must preserve.
-        before: Number of failures of its class that are shrunk before it.
-    """
-
-    failure: Failure
-    kept: str = "verdict"
-    before: int = 0
 
 
 class Campaign:
@@ -237,14 +102,7 @@ class Campaign:
         self._schedule = Schedule(
             None if units is not None else seconds, shrinks=config.shrink, began=began, own=own
         )
-        # Failures being shrunk, by class.
-        self._candidates: dict[str, list[Failure]] = {}
-        self._known_ones: dict[
-            str, list[Failure]
-            # Failures that would be shrunk if their class were not known, by class.
-        ] = {}
-        # Classes that are shrunk once more, preserving the class.
-        self._kept_whole: set[str] = set()
+        self._queue = ShrinkQueue(shrinks=config.shrink, by_size=not self._schedule.is_unlimited)
         # Findings of cut units are kept and shown. The knowledge of later units, and what is stored
         # about them, depends only on complete units; otherwise an interrupted campaign would
         # diverge from an uninterrupted one.
@@ -255,12 +113,12 @@ class Campaign:
         self._known = [SearchState(), SearchState()]
         # First epoch whose search state lacks the findings of a cut unit.
         self._knows_too_little = math.inf
-        # Units that wait for a worker.
-        self._jobs: list[_ShrinkJob] = []
-        self._under_way: dict[int, _Under[UnitResult]] = {}  # units
-        self._shrinks: list[tuple[_ShrinkJob, _Under[Shrinking]]] = []
-        self._next = 0  # unit
-        self._merged = 0  # units
+        # Units and failures that workers have, or whose results wait to be merged.
+        self._under_way: dict[int, _Under[UnitResult]] = {}
+        self._shrinks: list[tuple[ShrinkJob, _Under[Shrinking]]] = []
+        # Number of the next unit to hand out, and of the next one to merge.
+        self._next = 0
+        self._merged = 0
         self._handed_in = LiveCounts()
         # Seconds of earlier runs.
         self._before = 0.0
@@ -276,12 +134,7 @@ class Campaign:
 
         This is useful after an interruption, or when time is up.
         """
-        best = self.state.best
-        return {
-            kind: min(found, key=_size)
-            for kind, found in self._candidates.items()
-            if kind not in best
-        }
+        return self._queue.unshrunk(self.state.best)
 
     def live(self) -> LiveState:
         """Return the campaign's activity, with the runs of units in progress.
@@ -304,7 +157,7 @@ class Campaign:
             tried,
             state.steps + more.steps,
             failed + more.failed,
-            len(self._shrinks) + len(self._jobs),
+            len(self._shrinks) + len(self._queue),
             self._schedule.elapsed(),
         )
 
@@ -330,8 +183,8 @@ class Campaign:
         while True:
             self._hand_out(executor)
             if not self._under_way and not self._shrinks:
-                self._queue(self._slid())
-                if not self._shrinks and (not self._jobs or self._schedule.is_over()):
+                self._add_jobs(self._queue.slid(self.state.best))
+                if not self._shrinks and (not self._queue or self._schedule.is_over()):
                     break
                 continue
             self._wait(executor)
@@ -360,7 +213,7 @@ class Campaign:
         unit = self._merged
         under = self._under_way.pop(self._merged)
         self._merged += 1
-        self._queue(self._merge(unit, under))
+        self._add_jobs(self._merge(unit, under))
         yield UnitDone(unit, self.state, under.seconds is not None)
         if under.future.result().interrupted:
             raise KeyboardInterrupt
@@ -374,7 +227,7 @@ class Campaign:
             if under.future.done():
                 del self._under_way[unit]
                 if not under.future.cancelled() and under.future.exception() is None:
-                    self._queue(self._merge(unit, under))
+                    self._add_jobs(self._merge(unit, under))
         yield from self._kept()
 
     def _take_from_earlier(self) -> None:
@@ -394,13 +247,14 @@ class Campaign:
             # due.
             search_first = self._schedule.search_comes_first
             if not search_first:
-                self._queue(self._slid_already())
+                self._add_jobs(self._slid_already())
             job = self._next_job(first_only=search_first)
             unit = None
             # Search if nothing more urgent waits.
             if job is None and self._schedule.may_search:
                 if (unit := self._unit(executor, self._next)) is not None:
-                    self._under_way[self._next], self._next = unit, self._next + 1
+                    self._under_way[self._next] = unit
+                    self._next += 1
                     continue
                 if not self._schedule.is_ready and self._has_more_units():
                     self._get_ready(executor)
@@ -415,16 +269,10 @@ class Campaign:
                 self._jobs_before(job) + 1, max(executor.room - 1, 1)
             )
             with self._schedule.doing(0, 1):
-                self._shrinks.append(
-                    (
-                        job,
-                        _Under(
-                            executor.submit(
-                                shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end
-                            )
-                        ),
-                    )
+                future = executor.submit(
+                    shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end
                 )
+            self._shrinks.append((job, _Under(future)))
 
     def _occupied(self) -> int:
         """Return the number of workers that have work, or a result that must be merged first.
@@ -444,30 +292,25 @@ class Campaign:
             executor.listen()
         self._schedule.begin(max((one.result() for one in loading), default=0.0))
 
-    def _next_job(self, *, first_only: bool = False) -> _ShrinkJob | None:
+    def _next_job(self, *, first_only: bool = False) -> ShrinkJob | None:
         """Return a failure to shrink, the first of each class before others.
 
         It is ``None`` if none is due.
         """
         if self._schedule.is_over() or (first_only and self._schedule.shrank_enough()):
             return None
-        order = _by_turn if self._schedule.is_unlimited else _by_size
-        job = min(self._jobs, key=order, default=None)
-        if job is None or (job.before and first_only):
-            return None
-        self._jobs.remove(job)
-        return job
+        return self._queue.take(first_only=first_only)
 
-    def _jobs_before(self, job: _ShrinkJob) -> int:
+    def _jobs_before(self, job: ShrinkJob) -> int:
         """Return the number of equally urgent failures that wait or are in progress."""
-        return sum(one.before <= job.before for one in self._jobs) + len(self._shrinks)
+        return self._queue.as_urgent_as(job) + len(self._shrinks)
 
-    def _queue(self, jobs: list[_ShrinkJob]) -> None:
+    def _add_jobs(self, jobs: list[ShrinkJob]) -> None:
         """Queue failures for shrinking, or finish them if they need no work."""
         for job in jobs:
             done = self._store.shrunk(job.failure, job.kept) if self.config.shrink else job.failure
             if done is None:
-                self._jobs.append(job)
+                self._queue.add(job)
             else:
                 self._shrinks.append((job, _Under(_finished(Shrinking(done)), 0.0)))
 
@@ -511,7 +354,7 @@ class Campaign:
                 executor.listen()
         executor.listen()
 
-    def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_ShrinkJob]:
+    def _merge(self, unit: int, under: _Under[UnitResult]) -> list[ShrinkJob]:
         """Add a unit's result to the totals and to the store.
 
         Return the failures to shrink, which are the same for any timing.
@@ -561,32 +404,29 @@ class Campaign:
 
     def _enter_failures(
         self, unit: int, result: UnitResult, seconds: float
-    ) -> tuple[list[_ShrinkJob], dict[str, Failure]]:
+    ) -> tuple[list[ShrinkJob], dict[str, Failure]]:
         """Return a unit's failures to shrink, and those to store."""
         state = self.state
-        jobs: list[_ShrinkJob] = []
+        jobs: list[ShrinkJob] = []
         kept: dict[str, Failure] = {}
         for kind, failure in sorted(result.failures.items()):
             is_known = self._is_known(failure)
-            candidates = self._known_ones if is_known else self._candidates
-            before = len(candidates.get(kind, ()))
             is_interesting = state.memory.is_interesting(kind, failure)
             if is_interesting:
                 totals = (state.worlds, state.steps, seconds)
                 state.finds.append(DiscoveryTotals(unit, result.strategy, kind, failure, *totals))
             # The stored result depends only on complete units, so that a resumed campaign agrees.
-            few_whole = self.config.shrink and self._met_whole[kind, is_known] < _RESTARTS
+            few_whole = self.config.shrink and self._met_whole[kind, is_known] < RESTARTS
             if few_whole or self._memory.is_interesting(kind, failure):
                 kept[kind] = failure
             self._met_whole[kind, is_known] += not result.cut
             if is_known:
                 state.known[kind] += result.met[kind]
-            # Without shrinking, only a smaller failure of a class is worth a job.
-            is_wanted = before < _RESTARTS if self.config.shrink else is_interesting
-            if is_wanted:
-                candidates.setdefault(kind, []).append(failure)
-            if is_wanted and not is_known:
-                jobs.append(_ShrinkJob(failure, before=before))
+            job = self._queue.job_for(
+                kind, failure, is_known=is_known, is_interesting=is_interesting
+            )
+            if job is not None:
+                jobs.append(job)
         return jobs, kept
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
@@ -596,31 +436,16 @@ class Campaign:
             return result
         return replace(before.result, interrupted=result.interrupted)
 
-    def _slid(self) -> list[_ShrinkJob]:
-        """Return the smallest failures of slid classes, once everything else is done.
-
-        A class has slid if all its worlds changed class while they were shrunk.
-        """
-        return self._whole(kind for kind in self._candidates if kind not in self.state.best)
-
-    def _slid_already(self) -> list[_ShrinkJob]:
+    def _slid_already(self) -> list[ShrinkJob]:
         """Return the jobs of classes whose first world has slid, while others wait.
 
         They come before second worlds.
         """
         if not self.config.shrink:
             return []
-        waiting = {job.failure.bucket for job in self._jobs if not job.before}
-        waiting |= {job.failure.bucket for job, _ in self._shrinks}
-        return self._whole(
-            kind for kind in self._candidates.keys() - waiting if kind not in self.state.best
-        )
-
-    def _whole(self, kinds: Iterable[str]) -> list[_ShrinkJob]:
-        fresh = sorted(set(kinds) - self._kept_whole)
-        self._kept_whole.update(fresh)
-        # Each of these takes a second.
-        return [_ShrinkJob(min(self._candidates[kind], key=_size), "class") for kind in fresh]
+        busy = self._queue.classes_with_a_first()
+        busy |= {job.failure.bucket for job, _ in self._shrinks}
+        return self._queue.slid(self.state.best, busy)
 
     def _kept(self) -> Iterator[Discovery]:
         """Take finished results off the shrink list, and keep the smallest failure of each class."""
@@ -640,65 +465,12 @@ class Campaign:
                 continue
             kind = shrunk.bucket
             before = self.state.best.get(kind)
-            if before is None or _size(shrunk) < _size(before):
+            if before is None or size_of(shrunk) < size_of(before):
                 self.state.best[kind] = shrunk
                 yield Discovery(kind, shrunk, before is not None)
-
-
-def shrunk_or_same(
-    failure: Failure, kept: str = "verdict", *, seconds: float | None = None, end: float = math.inf
-) -> Shrinking:
-    """Return the shrunk failure with its boundaries.
-
-    It is returned unchanged if it is not reproducible by shrinking's own criteria.
-
-    Args:
-        failure: The failure as found.
-        kept: What shrinking must preserve, as for :func:`fuzz.shrink.shrink`.
-        seconds: Time limit, after which the best result so far is used.
-        end: Time by :func:`fuzz.campaign.deadline.now`: if the result isn't proved by then, the
-            failure stays unchanged.
-    """
-    began = Effort.so_far()
-    renew()
-    return replace(_shrunk_or_same(failure, kept, seconds, end), effort=began.since())
-
-
-def _shrunk_or_same(failure: Failure, kept: str, seconds: float | None, end: float) -> Shrinking:
-    try:
-        with stopping_when(Deadline(end, end).to_begin_is_over):
-            check_time()
-            made = shrink(failure, keep=kept, seconds=seconds)
-            if not made.complete:
-                return Shrinking(made.failure, complete=False)
-            try:
-                return Shrinking(with_boundaries(made.failure, failure))
-            except (
-                OutOfTime
-                # It is already shrunk and proved; a later run measures its boundaries.
-            ):
-                return Shrinking(made.failure, complete=False)
-    except OutOfTime:
-        return Shrinking(failure, complete=False)
-    except WorldgenError:
-        return Shrinking(failure)
 
 
 def _finished(result: T) -> Future[T]:
     future: Future[T] = Future()
     future.set_result(result)
     return future
-
-
-def _by_turn(job: _ShrinkJob) -> tuple[int]:
-    return (job.before,)
-
-
-def _by_size(job: _ShrinkJob) -> tuple[int, int, tuple[tuple[int, ...], bytes]]:
-    """Return the first failure of each class, smallest first, so that most get done in time."""
-    return min(job.before, 1), int(job.kept == "class"), _size(job.failure)
-
-
-def _size(failure: Failure) -> tuple[tuple[int, ...], bytes]:
-    """Return its size; ties are broken by the text."""
-    return failure.size, failure.dumps()

@@ -17,7 +17,8 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.live import has_not_arrived, shown_in
 from fuzz.campaign.options import CampaignOptions, SearchOptions
-from fuzz.campaign.run import Campaign, Discovery, Progress, UnitDone
+from fuzz.campaign.run import Campaign
+from fuzz.campaign.state import Discovery, Progress, UnitDone
 from fuzz.campaign.store import MEMORY, CampaignRun, record_error
 from fuzz.campaign.summary import (
     describe_share,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.run import CampaignState
+from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY, Archive, BucketTotals, StrategyTotals, Summary
 from fuzz.search.archive import archive_table
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.run import CampaignState
+from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.corpus import Baseline
 from fuzz.failure import Failure

@@ -23,7 +23,7 @@ from fuzz.boundary import (
 from fuzz.boundary.axes import index_of, three_digits
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.result import SearchState
-from fuzz.campaign.run import shrunk_or_same
+from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.unit import run_unit
 from fuzz.triage.judging import failure_of, replay
 from sim import simulate

@@ -16,8 +16,9 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import TO_HAND_IN, Deadline
 from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.result import UnitResult
-from fuzz.campaign.run import Campaign, shrunk_or_same
+from fuzz.campaign.run import Campaign
 from fuzz.campaign.schedule import Schedule
+from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
 from fuzz.shrink import shrink
@@ -274,7 +275,7 @@ def test_a_shrunk_failure_stays_shrunk_though_there_is_no_time_to_measure_where_
     def no_time(*_):
         raise OutOfTime
 
-    monkeypatch.setattr("fuzz.campaign.run.with_boundaries", no_time)
+    monkeypatch.setattr("fuzz.campaign.shrinking.with_boundaries", no_time)
     made = shrunk_or_same(failure_of(generate("trap", 7), Scenario("turn-right")))
     assert not made.complete and made.failure.is_shrunk
 

@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.run import Campaign, Discovery
+from fuzz.campaign.run import Campaign
+from fuzz.campaign.state import Discovery
 from fuzz.campaign.unit import run_unit
 from fuzz.triage.judging import replay
 from sim.scenario import Scenario

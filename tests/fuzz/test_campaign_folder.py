@@ -21,8 +21,9 @@ import fuzz.campaign.store.folder
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import Deadline
 from fuzz.campaign.executors import InlineExecutor, WorkersLost
-from fuzz.campaign.run import Campaign, Shrinking
+from fuzz.campaign.run import Campaign
 from fuzz.campaign.session import CampaignSession
+from fuzz.campaign.shrinking import Shrinking
 from fuzz.campaign.store import (
     Budget,
     FolderStore,

@@ -4,7 +4,8 @@ import pytest
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import InlineExecutor
-from fuzz.campaign.run import Campaign, CampaignState, UnitDone
+from fuzz.campaign.run import Campaign
+from fuzz.campaign.state import CampaignState, UnitDone
 from fuzz.campaign.store import Budget, begin, read_summary, resume
 from fuzz.campaign.summary import controller_share, describe_share, describe_time, summary_of
 from sim.scenario import Scenario

@@ -1,0 +1,199 @@
+"""The failures that a campaign shrinks, in which order, and how one is shrunk."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Container
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from fuzz.boundary import with_boundaries
+from fuzz.campaign.deadline import Deadline
+from fuzz.failure import Failure
+from fuzz.shrink import shrink
+from sim.controllers.shared.guarded import renew
+from sim.runners.controller_time import Effort
+from sim.runners.stopping import OutOfTime, check_time, stopping_when
+from worldgen.errors import WorldgenError
+
+__all__ = ["RESTARTS", "ShrinkJob", "ShrinkQueue", "Shrinking", "shrunk_or_same", "size_of"]
+
+# Number of failures per class that are shrunk; the smallest result is kept.
+RESTARTS = 6
+
+
+@dataclass(frozen=True)
+class Shrinking:
+    """The result of shrinking.
+
+    Args:
+        failure: The failure.
+        complete: True if shrinking finished before the time was up.
+        effort: How it spent its time.
+    """
+
+    failure: Failure
+    complete: bool = True
+    effort: Effort = field(default_factory=Effort)
+
+
+@dataclass(frozen=True, eq=False)
+class ShrinkJob:
+    """A failure that waits to be shrunk.
+
+    Args:
+        failure: The failure as found.
+        kept: What shrinking must preserve.
+        before: Number of failures of its class that are shrunk before it.
+    """
+
+    failure: Failure
+    kept: str = "verdict"
+    before: int = 0
+
+
+class ShrinkQueue:
+    """Failures that wait to be shrunk, by class and urgency.
+
+    A few failures of each class are shrunk, because the first one found rarely leads to the
+    smallest.
+
+    Args:
+        shrinks: Whether failures are shrunk at all.
+        by_size: Whether small failures go first, so that most get done in time. Otherwise they keep
+            their order, which does not depend on timing.
+    """
+
+    def __init__(self, *, shrinks: bool, by_size: bool) -> None:
+        self._shrinks = shrinks
+        self._order: Callable[[ShrinkJob], Any] = _by_size if by_size else _by_turn
+        self._waiting: list[ShrinkJob] = []
+        # Failures that have been queued, by class.
+        self._queued: dict[str, list[Failure]] = {}
+        # Failures that would have been queued if their class were not known, by class.
+        self._known: dict[str, list[Failure]] = {}
+        # Classes that are shrunk once more, preserving the class.
+        self._kept_whole: set[str] = set()
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    def job_for(
+        self, kind: str, failure: Failure, *, is_known: bool, is_interesting: bool
+    ) -> ShrinkJob | None:
+        """Return the work on a new failure; ``None`` if enough of its class are shrunk, or none.
+
+        Args:
+            kind: Its class.
+            failure: The failure as found.
+            is_known: Whether the class is known. Such failures are counted, but not shrunk.
+            is_interesting: Whether it is the first or the smallest of its class. Without shrinking,
+                only these matter.
+        """
+        group = self._known if is_known else self._queued
+        before = len(group.get(kind, ()))
+        if not (before < RESTARTS if self._shrinks else is_interesting):
+            return None
+        group.setdefault(kind, []).append(failure)
+        return None if is_known else ShrinkJob(failure, before=before)
+
+    def add(self, job: ShrinkJob) -> None:
+        """Let a failure wait."""
+        self._waiting.append(job)
+
+    def take(self, *, first_only: bool = False) -> ShrinkJob | None:
+        """Remove the most urgent failure and return it, the first of each class before others.
+
+        Args:
+            first_only: Return ``None`` if only others wait.
+        """
+        job = min(self._waiting, key=self._order, default=None)
+        if job is None or (job.before and first_only):
+            return None
+        self._waiting.remove(job)
+        return job
+
+    def as_urgent_as(self, job: ShrinkJob) -> int:
+        """Return the number of waiting failures that are at least as urgent."""
+        return sum(one.before <= job.before for one in self._waiting)
+
+    def unshrunk(self, best: Container[str]) -> dict[str, Failure]:
+        """Return the smallest failure of each class that has no shrunk one in ``best``."""
+        return {
+            kind: min(found, key=size_of)
+            for kind, found in self._queued.items()
+            if kind not in best
+        }
+
+    def slid(self, best: Container[str], busy: Container[str] = ()) -> list[ShrinkJob]:
+        """Return jobs for the classes that have slid, each only once.
+
+        A class has slid if all its worlds changed class while they were shrunk. Its smallest
+        failure is then shrunk again, preserving the class. Each of these takes a second.
+
+        Args:
+            best: Classes that have a shrunk failure.
+            busy: Classes that are left out, because a failure of theirs is still being shrunk.
+        """
+        fresh = sorted(
+            kind
+            for kind in self._queued
+            if kind not in best and kind not in busy and kind not in self._kept_whole
+        )
+        self._kept_whole.update(fresh)
+        return [ShrinkJob(min(self._queued[kind], key=size_of), "class") for kind in fresh]
+
+    def classes_with_a_first(self) -> set[str]:
+        """Return the classes whose first failure is waiting."""
+        return {job.failure.bucket for job in self._waiting if not job.before}
+
+
+def size_of(failure: Failure) -> tuple[tuple[int, ...], bytes]:
+    """Return a failure's size; ties are broken by the text of its file."""
+    return failure.size, failure.dumps()
+
+
+def _by_turn(job: ShrinkJob) -> tuple[int]:
+    return (job.before,)
+
+
+def _by_size(job: ShrinkJob) -> tuple[int, int, tuple[tuple[int, ...], bytes]]:
+    """Return the first failure of each class, smallest first, so that most get done in time."""
+    return min(job.before, 1), int(job.kept == "class"), size_of(job.failure)
+
+
+def shrunk_or_same(
+    failure: Failure, kept: str = "verdict", *, seconds: float | None = None, end: float = math.inf
+) -> Shrinking:
+    """Return the shrunk failure with its boundaries.
+
+    It is returned unchanged if it is not reproducible by shrinking's own criteria.
+
+    Args:
+        failure: The failure as found.
+        kept: What shrinking must preserve, as for :func:`fuzz.shrink.shrink`.
+        seconds: Time limit, after which the best result so far is used.
+        end: Time by :func:`fuzz.campaign.deadline.now`: if the result isn't proved by then, the
+            failure stays unchanged.
+    """
+    began = Effort.so_far()
+    renew()
+    return replace(_shrunk_or_same(failure, kept, seconds, end), effort=began.since())
+
+
+def _shrunk_or_same(failure: Failure, kept: str, seconds: float | None, end: float) -> Shrinking:
+    try:
+        with stopping_when(Deadline(end, end).to_begin_is_over):
+            check_time()
+            made = shrink(failure, keep=kept, seconds=seconds)
+            if not made.complete:
+                return Shrinking(made.failure, complete=False)
+            try:
+                return Shrinking(with_boundaries(made.failure, failure))
+            except OutOfTime:
+                # It is already shrunk and proved; a later run measures its boundaries.
+                return Shrinking(made.failure, complete=False)
+    except OutOfTime:
+        return Shrinking(failure, complete=False)
+    except WorldgenError:
+        return Shrinking(failure)

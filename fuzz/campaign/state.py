@@ -1,0 +1,109 @@
+"""What a campaign yields while it runs, and its totals."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+from fuzz.campaign.result import SearchState
+from fuzz.failure import Failure
+from sim.runners.controller_time import Effort
+
+__all__ = ["CampaignState", "Discovery", "DiscoveryTotals", "Progress", "UnitDone"]
+
+
+@dataclass(frozen=True)
+class UnitDone:
+    """A unit has been merged, in order of unit numbers.
+
+    Args:
+        unit: Its number.
+        state: State of the campaign, including the unit.
+        again: True if it was done in an earlier run.
+    """
+
+    unit: int
+    state: CampaignState
+    again: bool = False
+
+
+@dataclass(frozen=True)
+class Discovery:
+    """A failure is the first of its class, or smaller than the known one.
+
+    Args:
+        kind: Its class.
+        failure: The shrunk failure.
+        replaces: True if the class already had one.
+    """
+
+    kind: str
+    failure: Failure
+    replaces: bool
+
+
+Progress = UnitDone | Discovery
+
+
+@dataclass(frozen=True)
+class DiscoveryTotals:
+    """A class occurred for the first time, or in a smaller world than before.
+
+    Args:
+        unit: Unit that found it.
+        strategy: Strategy of that unit.
+        kind: The class.
+        failure: The failure as found, before shrinking.
+        worlds: Worlds of the campaign up to and including that unit.
+        steps: Steps up to and including that unit.
+        seconds: Seconds up to and including that unit, over all runs.
+    """
+
+    unit: int
+    strategy: str
+    kind: str
+    failure: Failure
+    worlds: int
+    steps: int
+    seconds: float
+
+
+@dataclass
+class CampaignState:
+    """Totals so far.
+
+    Args:
+        units: Units done and merged.
+        cut: Additional units that must be done again, because they were cut short by the time limit
+            or Ctrl-C, or came too early.
+        too_early: The part of ``cut`` that was completed with too little knowledge, because an
+            earlier unit was cut short.
+        until: One more than the highest number of any unit, complete or cut.
+        worlds: Scenarios simulated.
+        steps: Steps simulated.
+        seconds: Seconds of all runs together.
+        times: Seconds of this run: ``start-up``, ``search`` and ``shrinking``.
+        effort: For this run, how units and shrinking spent their time, over all workers.
+        verdicts: Counts of the verdicts in screening.
+        met: Counts of each class.
+        known: The same, for classes in the baseline.
+        best: The smallest shrunk failure of each class.
+        memory: The search state: the strategies' yields, and the knowledge of later units.
+        finds: First finds, in the order of units.
+    """
+
+    units: int = 0
+    cut: int = 0
+    too_early: int = 0
+    until: int = 0
+    worlds: int = 0
+    steps: int = 0
+    seconds: float = 0.0
+    times: dict[str, float] = field(default_factory=dict)
+    effort: Effort = field(default_factory=Effort)
+    verdicts: Counter[str] = field(default_factory=Counter)
+    met: Counter[str] = field(default_factory=Counter)
+    known: Counter[str] = field(default_factory=Counter)
+    best: dict[str, Failure] = field(default_factory=dict)
+    memory: SearchState = field(default_factory=SearchState)
+    finds: list[DiscoveryTotals] = field(default_factory=list)
