@@ -66,10 +66,8 @@ _FAILURES_ALONE = (
     "archive",
     "boundary",
 )
-_FLOOR_SECONDS = (
-    # Wall seconds on two cores; a find within this many CPU seconds is also within this time.
-    60.0
-)
+# Wall seconds on two cores; a find within this many CPU seconds is also within this time.
+_FLOOR_SECONDS = 60.0
 # Wall seconds; slow controllers may not be done by then.
 _SHRINK_SECONDS = 60.0
 # Units without a world, after which a searcher has nothing left to try.

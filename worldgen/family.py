@@ -16,21 +16,18 @@ from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.families.parts.placing import place_robots
 from worldgen.lattice import in_cells
-from worldgen.parameters import (
-    Bounds,
-    Parameter,
-    check_at_least,
-    check_between,
-    check_choice,
-    check_declared,
-    check_positive,
-    find_parameter,
-    parameters_of,
-)
+from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.registry import Registry
 from worldgen.random_streams import RandomStream, Seed, seed_of
 from worldgen.reach import REACHABLE, Decision, decide
+from worldgen.support.bounds import (
+    Bounds,
+    check_at_least,
+    check_between,
+    check_choice,
+    check_positive,
+)
 from worldgen.world import Provenance, Value, World
 
 __all__ = [

@@ -23,18 +23,14 @@ from pathlib import Path
 from typing import Any
 
 from worldgen.errors import InvalidParameter
+from worldgen.support.bounds import Bounds, check_choice
 
 __all__ = [
-    "Bounds",
     "Group",
     "Parameter",
     "Written",
     "argument_notes",
-    "check_at_least",
-    "check_between",
-    "check_choice",
     "check_declared",
-    "check_positive",
     "find_parameter",
     "parameters_of",
     "parameters_of_fields",
@@ -70,95 +66,6 @@ _SWITCH = {
     "no": False,
     "0": False,
 }
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """Limits of a number, given where its parameter is declared.
-
-    For example ``size: Annotated[int, Bounds(10, 2000, "cells")]``.
-
-    Args:
-        low: Smallest value; None for no limit.
-        high: Largest value; None for no limit.
-        unit: Unit of both, for people.
-        above: True if the value must be above ``low``.
-        chosen: The number that stands for ``None`` in files, which lets the family choose. Python
-            callers pass ``None``.
-    """
-
-    low: float | None = None
-    high: float | None = None
-    unit: str = ""
-    above: bool = False
-    chosen: float | None = None
-
-    @property
-    def words(self) -> str:
-        """The limits as people read them: ``10 to 2000 cells, or -1``."""
-        said = self.rule
-        return said if self.chosen is None or not said else f"{said}, or {_shown(self.chosen)}"
-
-    @property
-    def rule(self) -> str:
-        """The same without the number that lets the family choose: ``10 to 2000 cells``."""
-        unit = f" {self.unit}" if self.unit else ""
-        if self.low is None:
-            said = "" if self.high is None else f"at most {_shown(self.high)}{unit}"
-        elif self.above:
-            said = f"above {_shown(self.low)}{unit}" + (
-                "" if self.high is None else f", up to {_shown(self.high)}"
-            )
-        elif self.high is None:
-            said = f"at least {_shown(self.low)}{unit}"
-        else:
-            said = f"{_shown(self.low)} to {_shown(self.high)}{unit}"
-        return said
-
-    def check(self, name: str, value: float) -> None:
-        """Reject a number outside the limits.
-
-        Raises:
-            InvalidParameter: With value, rule and remedy.
-        """
-        # The number that stands for None is always allowed.
-        if self.chosen is not None and value == self.chosen:
-            return
-        too_low = self.low is not None and not (
-            value > self.low if self.above else value >= self.low
-        )
-        if not too_low and (self.high is None or value <= self.high):
-            return
-        # Word the rule according to the limits.
-        facts: dict[str, Any] = {
-            "name": name,
-            "value": value,
-            "low": self.low,
-            "high": self.high,
-            "unit": self.unit,
-        }
-        or_chosen = "" if self.chosen is None else ", or omit it"
-        if self.low is not None and self.high is not None and not self.above:
-            raise InvalidParameter(
-                "out-of-range",
-                "{name}={value!n}{unit!u} is outside {low!n} to {high!n}{unit!u}",
-                "give one between" + or_chosen,
-                chosen=self.chosen,
-                **facts,
-            )
-        if self.low is not None and self.high is None and not self.above:
-            raise InvalidParameter(
-                "below-minimum",
-                "{name}={value!n}{unit!u} is below {low!n}{unit!u}",
-                "give at least {low!n}" + or_chosen,
-                chosen=self.chosen,
-                **facts,
-            )
-        if self.low is not None and self.high is None:
-            problem = "{name}={value!n}{unit!u} is not a finite number above {low!n}"
-        else:
-            problem = "{name}={value!n}{unit!u} is not {rule}"
-        raise InvalidParameter("out-of-range", problem, "give one", rule=self.words, **facts)
 
 
 @dataclass(frozen=True)
@@ -611,79 +518,3 @@ def argument_notes(docstring: str) -> dict[str, str]:
     return {
         name: " ".join(note.split()) for name, note in zip(entries[::2], entries[1::2], strict=True)
     }
-
-
-def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> None:
-    """Reject a parameter below its minimum.
-
-    Raises:
-        InvalidParameter: With value, rule and remedy.
-    """
-    if not value >= minimum:
-        raise InvalidParameter(
-            "below-minimum",
-            "{name}={value!n}{unit!u} is below {low!n}{unit!u}",
-            "give at least {low!n}",
-            name=name,
-            value=value,
-            low=minimum,
-            unit=unit,
-        )
-
-
-def check_between(name: str, value: float, low: float, high: float, unit: str = "") -> None:
-    """Reject a parameter outside [low, high].
-
-    Raises:
-        InvalidParameter: With value, rule and remedy.
-    """
-    if not low <= value <= high:
-        raise InvalidParameter(
-            "out-of-range",
-            "{name}={value!n}{unit!u} is outside {low!n} to {high!n}{unit!u}",
-            "give one between",
-            name=name,
-            value=value,
-            low=low,
-            high=high,
-            unit=unit,
-        )
-
-
-def check_positive(name: str, value: float, unit: str = "") -> None:
-    """Reject a number that isn't finite and above zero.
-
-    Raises:
-        InvalidParameter: With value and rule.
-    """
-    if not (math.isfinite(value) and value > 0.0):
-        raise InvalidParameter(
-            "not-positive",
-            "{name}={value!n}{unit!u} is not a finite number above 0",
-            "give one",
-            name=name,
-            value=value,
-            unit=unit,
-        )
-
-
-def _shown(value: float, unit: str = "") -> str:
-    number = str(value) if isinstance(value, int) else f"{value:g}"
-    return f"{number} {unit}" if unit else number
-
-
-def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
-    """Reject a word that isn't one of the choices.
-
-    Raises:
-        InvalidParameter: With value and choices.
-    """
-    if value not in choices:
-        raise InvalidParameter(
-            "unknown-name",
-            "{name}={value!r} is not one of {choices!l}",
-            "give one of these",
-            name=name,
-            value=value,
-            choices=list(choices),
-        )

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from worldgen.parameters import Bounds, Parameter, Written, parameters_of_fields
+from worldgen.parameters import Parameter, Written, parameters_of_fields
+from worldgen.support.bounds import Bounds
 
 __all__ = ["MOST_ROBOTS", "CampaignOptions", "SearchOptions"]
 

@@ -19,10 +19,8 @@ _SEARCH_ON = 0.9
 _PROVE = 0.5
 # Share of the time for the search if nothing is shrunk.
 _UNSHRUNK = 0.97
-_SHRINKING = (
-    # Share of the work during the search that goes to the first failure of each class.
-    0.25
-)
+# Share of the work during the search that goes to the first failure of each class.
+_SHRINKING = 0.25
 # Share of the time for shrinking one failure while the search continues.
 _ONE_OF = 0.1
 # Limit on the seconds of start-up that count; never more than the search's share leaves.

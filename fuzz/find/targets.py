@@ -28,10 +28,8 @@ SEEDS = 20
 _SHARE = 0.05
 # Distance of a run that ends in a completely different way.
 _OTHERWISE = 2.0
-_BROKEN = (
-    # Distance of an unwanted run that breaks through a wall, burns or crashes.
-    3.0
-)
+# Distance of an unwanted run that breaks through a wall, burns or crashes.
+_BROKEN = 3.0
 _UNTIMED_STEPS = 20_000
 # Minimum budget if a latest arrival is requested.
 _TIMED_STEPS = 1_000

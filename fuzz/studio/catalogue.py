@@ -28,7 +28,8 @@ from sim.thesis.options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.interop import FORMATS
-from worldgen.parameters import Bounds, Parameter
+from worldgen.parameters import Parameter
+from worldgen.support.bounds import Bounds
 
 __all__ = ["IDLE", "catalogue"]
 

@@ -13,7 +13,8 @@ from typing import Annotated, ClassVar, Literal
 
 from sim.options.declared import OptionSet
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import Bounds, Group
+from worldgen.parameters import Group
+from worldgen.support.bounds import Bounds
 
 __all__ = ["MAX_BEAMS", "MOST_PUSHES", "SIGNALS", "RobotOptions", "Signal"]
 

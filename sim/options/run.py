@@ -19,8 +19,9 @@ from sim.options.robot import RobotOptions
 from sim.thesis.options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
-from worldgen.parameters import Bounds, check_choice, parameters_of_fields
+from worldgen.parameters import parameters_of_fields
 from worldgen.reach.still.cells import reachable_cells
+from worldgen.support.bounds import Bounds, check_choice
 from worldgen.support.plain_text import quote
 from worldgen.world import JointWitness, Pose, Value, Witness, World
 
@@ -62,10 +63,8 @@ TIME_STEPS = (0.001, 10.0)
 MAX_STEPS = 100_000_000
 # Most steps; a recorded one takes about 300 bytes.
 MAX_RECORDED = 4_000_000
-BUDGET_FACTOR = (
-    # A run may take this many times the witness's time before it counts as stalled or timed out.
-    50
-)
+# A run may take this many times the witness's time before it counts as stalled or timed out.
+BUDGET_FACTOR = 50
 # Settings of every run that a failure stores.
 _OF_THE_RUN = ("steps", "time_step", "task")
 # The budget of a coverage task, as a multiple of a tour of all cells and back.

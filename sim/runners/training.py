@@ -22,9 +22,9 @@ from sim.runners.lattice import LatticeRun
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import check_between
 from worldgen.plugins.registry import user_code
 from worldgen.random_streams import RandomStream
+from worldgen.support.bounds import check_between
 from worldgen.world import World
 
 __all__ = ["Progress", "TrainingOptions", "train"]

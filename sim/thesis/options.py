@@ -15,7 +15,8 @@ from typing import Annotated, ClassVar, Literal
 from sim.options.declared import OptionSet
 from sim.options.robot import SIGNALS, Signal
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import Bounds, Group
+from worldgen.parameters import Group
+from worldgen.support.bounds import Bounds
 
 __all__ = ["ARBITERS", "REPAIRS", "SIGNALS", "ThesisOptions"]
 

@@ -197,10 +197,8 @@ def test_the_clearance_of_a_path_is_the_fraction_of_the_reference(drawn):
 
 def test_a_slanting_distance_that_equals_the_radius_is_clear_but_only_fractions_say_so():
     walls = np.zeros((15, 15), bool)
-    walls[5, 5] = (
-        # (7, 6.75) is 1.25 from its corner (6, 6), and so is the line at right angles through it.
-        True
-    )
+    # (7, 6.75) is 1.25 from its corner (6, 6), and so is the line at right angles through it.
+    walls[5, 5] = True
     p, q = (11 * UNIT // 2, 35 * UNIT // 4), (17 * UNIT // 2, 19 * UNIT // 4)
     of = Walls(walls, Fraction(5, 4))
     state = np.array([0, 1, 1, 1, 2])

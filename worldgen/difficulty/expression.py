@@ -27,10 +27,8 @@ MOST_CHARACTERS: Final = 2000
 MOST_NESTED: Final = 50
 # Most levels of the syntax tree; Python allows a thousand nested calls.
 _DEEPEST: Final = 250
-_EMPTY: Final = (
-    # Violation of a comparison with a metric that the world lacks: larger than any other.
-    2.0
-)
+# Violation of a comparison with a metric that the world lacks: larger than any other.
+_EMPTY: Final = 2.0
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<unit>[A-Za-z_]\w*)?|(?P<word>[A-Za-z_]\w*)"
@@ -109,12 +107,8 @@ def parse(text: str) -> Expression:
     scan = _Scan(text)
     try:
         tree = ast.parse(f"({scan.structure})", mode="eval").body
-    except (
-        SyntaxError,
-        MemoryError,
-        RecursionError,
+    except (SyntaxError, MemoryError, RecursionError):
         # After the scan, nothing is left to refuse except endless signs.
-    ):
         tree = None
     if tree is None or _levels(tree) > _DEEPEST:
         scan.fail(_too_deep(_DEEPEST), 0)
@@ -340,11 +334,8 @@ def _compare(mark: str, one: _Number, other: _Number) -> _Wish:
         if _HOLDS[mark](a, b):
             return 0.0
         size = abs(a) + abs(b)
-        return max(
-            abs(a - b) / size if 0.0 < size < math.inf else 0.0,
-            1e-9,
-            # 1e-9: the values are equal, and should not be.
-        )
+        # It is never 0 here, not even if the values are equal and should not be.
+        return max(abs(a - b) / size if 0.0 < size < math.inf else 0.0, 1e-9)
 
     return _Wish(violation, lambda: _compare(_OPPOSITE[mark], one, other))
 

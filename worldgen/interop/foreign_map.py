@@ -34,10 +34,8 @@ __all__ = [
     "unix_text",
 ]
 
-MAX_CELLS = (
-    # 8000 x 8000 cells. A small compressed picture can claim far more than a machine can hold.
-    64_000_000
-)
+# 8000 x 8000 cells. A small compressed picture can claim far more than a machine can hold.
+MAX_CELLS = 64_000_000
 # A plain PGM takes up to 4 bytes per cell.
 MAX_FILE_BYTES = 256 << 20
 

@@ -14,14 +14,9 @@ from worldgen.errors import InvalidParameter
 from worldgen.files.grid.toml_text import value_text
 from worldgen.interop.foreign_map import MAX_FILE_BYTES, THESIS_ROBOT, ForeignMap, UsualRobot
 from worldgen.lattice import exact
-from worldgen.parameters import (
-    Parameter,
-    check_between,
-    check_declared,
-    find_parameter,
-    parameters_of,
-)
+from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
 from worldgen.plugins.registry import Registry
+from worldgen.support.bounds import check_between
 from worldgen.world import Value, World
 
 __all__ = [

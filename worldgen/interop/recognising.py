@@ -12,7 +12,8 @@ from worldgen.errors import FormatError, InvalidParameter, Message
 from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import FORMATS, Format
 from worldgen.interop.sidecar import read_sidecar, with_sidecar
-from worldgen.parameters import check_between, split_options
+from worldgen.parameters import split_options
+from worldgen.support.bounds import check_between
 from worldgen.world import Value
 
 __all__ = ["find_format", "looks_like_a_map", "read_map", "readable_formats"]

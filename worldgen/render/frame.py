@@ -17,10 +17,8 @@ DEFAULT_PIXELS = 900
 # Smaller pictures are unreadable; larger ones take gigabytes.
 MIN_PIXELS = 100
 MAX_PIXELS = 8000
-CRISP_CELL = (
-    # px; cells at least this wide get a whole number of pixels, so that walls have sharp edges.
-    8
-)
+# px; cells at least this wide get a whole number of pixels, so that walls have sharp edges.
+CRISP_CELL = 8
 # Width of the wall around the map, units: everything outside the grid is solid.
 BAND = 7.0
 # Width of the white paper around the band, units.

@@ -118,12 +118,8 @@ class DaskExecutor:
         logging.getLogger("distributed").setLevel(logging.CRITICAL)
         try:
             self._client = _Client(self._address, timeout=_TO_CONNECT, set_as_default=False)
-        except (
-            MemoryError,
-            OSError,
-            ValueError,
-            # A server of another kind may seem to send exabytes.
-        ) as error:
+        # A server of another kind may seem to send exabytes.
+        except (MemoryError, OSError, ValueError) as error:
             raise InvalidParameter(
                 "no-scheduler",
                 "no Dask scheduler answers at {address!r} ({reason})",

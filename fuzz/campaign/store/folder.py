@@ -332,13 +332,8 @@ class FolderStore(CampaignStore):
         try:
             summary = json.loads(read_text(file))
             self.save_summary({**summary, "status": status})
-        except (
-            FormatError,
-            RecursionError,
-            TypeError,
-            ValueError,
+        except (FormatError, RecursionError, TypeError, ValueError):
             # It is unreadable: the next reader reports it.
-        ):
             return
 
     def _unit_file(self, unit: int) -> Path:

@@ -14,14 +14,9 @@ from sim.controllers.base import DEFAULT_SENSES
 from sim.controllers.behaviours.base import Behaviour, Layer
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import (
-    Bounds,
-    Parameter,
-    parameters_of_fields,
-    parse_options,
-    split_options,
-)
+from worldgen.parameters import Parameter, parameters_of_fields, parse_options, split_options
 from worldgen.plugins.registry import Registry, user_code
+from worldgen.support.bounds import Bounds
 
 __all__ = [
     "ARBITERS",

@@ -14,7 +14,7 @@ from sim._core import lib as _lib
 from sim.controllers.behaviours.arbitration import ALWAYS
 from sim.controllers.behaviours.base import UNTIL_DONE, Behaviour
 from sim.options.robot import RobotOptions
-from worldgen.parameters import Bounds
+from worldgen.support.bounds import Bounds
 
 __all__ = [
     "HANDS",

@@ -26,7 +26,7 @@ from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
-from worldgen.parameters import Bounds
+from worldgen.support.bounds import Bounds
 
 __all__ = ["GestaltOptions", "gestalt", "gestalt_robot"]
 

@@ -31,7 +31,7 @@ from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.library import bug2, mapper, three_layer
 from sim.controllers.memory_view import MemoryField, MemoryMap
-from worldgen.parameters import check_positive
+from worldgen.support.bounds import check_positive
 
 __all__ = ["odometry_bug", "signal_mapper", "signal_three_layer", "signal_three_layer_robot"]
 

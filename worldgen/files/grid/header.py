@@ -61,10 +61,8 @@ class Header:
         self._guard()
         try:
             self.data: dict[str, Any] = tomllib.loads(text)
-        except (
-            ValueError
-            # TOMLDecodeError, or int() refusing to read thousands of digits.
-        ) as error:
+        # Either TOMLDecodeError, or int() refuses to read thousands of digits.
+        except ValueError as error:
             self._fail_toml(str(error))
 
     def line_of(self, *path: str) -> int:

@@ -27,7 +27,7 @@ from worldgen.interop.geometry.placed_boxes import solid_boxes
 from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
-from worldgen.parameters import check_between
+from worldgen.support.bounds import check_between
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["dbcbs", "read_dbcbs", "write_dbcbs"]

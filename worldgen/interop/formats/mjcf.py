@@ -24,7 +24,7 @@ from worldgen.interop.geometry.solid_scene import (
     scene,
 )
 from worldgen.lattice import exact
-from worldgen.parameters import check_between
+from worldgen.support.bounds import check_between
 from worldgen.world import Robot, World
 
 __all__ = ["mjcf", "write_mjcf"]

@@ -27,10 +27,8 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["png", "read_picture", "write_png"]
 
-_MARK = (
-    # Keyword that identifies a picture of ours; without it the other keywords are ignored.
-    "worldgen"
-)
+# Keyword that identifies a picture of ours; without it the other keywords are ignored.
+_MARK = "worldgen"
 _WHITE = 255
 
 

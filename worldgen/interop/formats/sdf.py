@@ -27,7 +27,7 @@ from worldgen.interop.geometry.solid_scene import (
 from worldgen.interop.players.sdf_robot import SYSTEMS, robot_lines
 from worldgen.interop.readers.gazebo_world import grid_line
 from worldgen.lattice import exact
-from worldgen.parameters import check_between
+from worldgen.support.bounds import check_between
 from worldgen.world import World
 
 __all__ = ["sdf", "write_sdf"]

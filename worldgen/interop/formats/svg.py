@@ -21,9 +21,9 @@ from worldgen.interop.geometry.degrees import degrees_text
 from worldgen.interop.geometry.grid_lines import GridLines
 from worldgen.interop.geometry.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
-from worldgen.parameters import check_between
 from worldgen.render import palette
 from worldgen.render.caption import printable
+from worldgen.support.bounds import check_between
 from worldgen.world import Witness, World
 
 __all__ = ["svg", "write_svg"]

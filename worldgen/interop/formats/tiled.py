@@ -43,10 +43,8 @@ __all__ = ["read_tiled", "tiled", "write_tiled"]
 _PIXELS = 16
 # Parsed JSON takes up to about thirty times the file's size.
 _MOST_BYTES = 16 << 20
-_MOST_LISTED = (
-    # Limit on cells written as numbers; a longer list would take megabytes.
-    1_000_000
-)
+# Limit on cells written as numbers; a longer list would take megabytes.
+_MOST_LISTED = 1_000_000
 _STARTS = ("start", "spawn", "robot")
 _TARGETS = ("target", "goal", "end", "finish")
 # Pixels and degrees: a smaller change comes from another program's rounding, not from an edit.

@@ -17,7 +17,7 @@ from worldgen.interop.format import Destination
 from worldgen.interop.geometry.boxes import always_solid, closing_boxes, merged_boxes
 from worldgen.interop.geometry.grid_lines import GridLines
 from worldgen.lattice import exact
-from worldgen.parameters import check_between
+from worldgen.support.bounds import check_between
 from worldgen.world import World
 
 __all__ = ["BOX_CORNERS", "BOX_QUADS", "BOX_TRIANGLES", "PlacedBox", "placed_box", "solid_boxes"]

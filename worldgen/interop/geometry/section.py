@@ -24,10 +24,8 @@ __all__ = ["Bodies", "Section", "cut", "paint", "sort_bodies"]
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-_SHEET = (
-    # Half the thickness, cells, given to a wall that has none; on a line it blocks both sides.
-    1e-3
-)
+# Half the thickness, cells, given to a wall that has none; on a line it blocks both sides.
+_SHEET = 1e-3
 # Rows of cells that all segments together may pass.
 _MOST_VISITS = 400_000_000
 # Rows examined together.

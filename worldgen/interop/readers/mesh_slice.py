@@ -20,7 +20,7 @@ from worldgen.interop.foreign_map import ForeignMap, check_sides, digest
 from worldgen.interop.geometry.section import Bodies, Section, cut, paint, sort_bodies
 from worldgen.interop.readers.mesh_file import RawMesh, load_mesh
 from worldgen.lattice import exact
-from worldgen.parameters import check_between
+from worldgen.support.bounds import check_between
 from worldgen.world import Value
 
 __all__ = ["Plane", "read_slice"]
@@ -30,10 +30,8 @@ __all__ = ["Plane", "read_slice"]
 _USUAL_CELL = 0.05
 # Cosine of the steepest slope that counts as a floor.
 _FLAT = 0.99
-_SAME_FLOOR = (
-    # Levels less than this apart, m, are one floor, with a step or a platform.
-    0.5
-)
+# Levels less than this apart, m, are one floor, with a step or a platform.
+_SAME_FLOOR = 0.5
 # Fraction of the largest floor's area; a smaller level is a landing or furniture.
 _SMALL = 0.25
 # Fraction of the largest coordinate: meshes are mostly stored as float32.

@@ -61,11 +61,8 @@ def parse_tiled(data: bytes, source: str) -> Part:
             reason=error.msg,
         )
         raise FormatError.of(message, line=error.lineno, source=source) from error
-    except (
-        RecursionError,
-        ValueError,
-        # Nested too deep, or a number of thousands of digits.
-    ) as error:
+    # Nested too deep, or a number of thousands of digits.
+    except (RecursionError, ValueError) as error:
         raise FormatError(
             "wrong-form",
             "is not a map in the form that Tiled writes",

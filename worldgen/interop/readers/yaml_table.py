@@ -276,12 +276,8 @@ def _compose(text: bytes, source: str) -> yaml.Node | None:
         raise FormatError.of(message, line=line, source=source) from error
     except FormatError:
         raise
-    except (
-        yaml.YAMLError,
-        ValueError,
-        OverflowError,
-        # A forbidden character, raw or as an escape.
-    ) as error:
+    # A forbidden character, raw or as an escape.
+    except (yaml.YAMLError, ValueError, OverflowError) as error:
         line = decoded.count("\n", 0, getattr(error, "position", 0)) + 1
         raise FormatError(
             "forbidden-character",

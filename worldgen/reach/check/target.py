@@ -24,10 +24,8 @@ import numpy.typing as npt
 
 __all__ = ["TooMuch", "poses_to_part"]
 
-_DIGITS = (
-    # Digits of places, of their excess over the smallest radius, and of its roots.
-    180
-)
+# Digits of places, of their excess over the smallest radius, and of its roots.
+_DIGITS = 180
 # Digits that remain of a root near zero.
 _CERTAIN = 80
 # Limit on the points to examine.

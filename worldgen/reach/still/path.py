@@ -31,10 +31,8 @@ __all__ = [
     "ticks_per_unit_sq",
 ]
 
-_PATIENCE = (
-    # Limit on consecutive hidden corners before a straight line ends at the last one seen.
-    6
-)
+# Limit on consecutive hidden corners before a straight line ends at the last one seen.
+_PATIENCE = 6
 # Limit on failed straight lines per path; lower for long paths.
 _TESTS = 6_000
 

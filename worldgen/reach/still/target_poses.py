@@ -31,10 +31,8 @@ __all__ = ["DecidingPoses", "deciding_poses", "described_target"]
 
 # Cells; the error of floats is far smaller when they select what is examined exactly.
 _SLACK = 1e-6
-_BITS = (
-    # Binary digits of a root: far finer than the distance of any clear pose from any cut.
-    160
-)
+# Binary digits of a root: far finer than the distance of any clear pose from any cut.
+_BITS = 160
 # Corners of cells near the disc; with more, the disc is too large to examine each pose.
 _MOST = 3_000
 # The same limit for pairs of a pose and a cell.
