@@ -56,8 +56,8 @@ class Row:
     detour: float
 
 
-FOR_FLEETS = {"naive", "orca", "right-hand"}
-"""Controllers that see no walls, because they are for several robots."""
+FOR_FLEETS = {"naive", "orca", "pibt", "right-hand"}
+"""Controllers for several robots."""
 
 
 def controllers() -> list[str]:

@@ -91,6 +91,7 @@ class Cause(StrEnum):
     BLOCKED_BY_PARKED = "blocked-by-a-parked-robot"
     WAITS_IN_A_QUEUE = "waits-in-a-queue"
     GIVES_WAY_FOREVER = "gives-way-forever"
+    WAITS_FOR_OTHERS = "waits-for-others"
 
     # Neither the controller's fault nor a known reason.
     BREAKS_A_RULE = "breaks-a-rule"
@@ -148,6 +149,8 @@ _SENTENCES = {
     Cause.BLOCKED_BY_PARKED: "A robot that has arrived is in the way of another one.",
     Cause.WAITS_IN_A_QUEUE: "A robot waits behind another one that does not arrive.",
     Cause.GIVES_WAY_FOREVER: "Robots avoid each other again and again and get nowhere.",
+    Cause.WAITS_FOR_OTHERS: "Robots stop without touching each other, and each of them would arrive "
+    "alone.",
     Cause.BREAKS_A_RULE: "It breaks a rule that you asked about with --oracle.",
     Cause.HARMED_UNSENSED: "Fire or debris catches it that none of its senses shows.",
     Cause.PUSHED_TOO_HARD: "It is moved by more than any controller is certain to make up for.",
@@ -194,6 +197,7 @@ _ADVICE = {
     Cause.WAITS_IN_A_QUEUE: "Look at the robot in front: it is the one that fails.",
     Cause.GIVES_WAY_FOREVER: "Decide who goes first by a fixed property, not by behaviour that "
     "both share.",
+    Cause.WAITS_FOR_OTHERS: "Decide who goes first, and let the others make room for it.",
     Cause.BREAKS_A_RULE: "The violation says which rule, and by how much.",
     Cause.HARMED_UNSENSED: "Give it a sense that shows the hazard, or exclude such worlds.",
     Cause.PUSHED_TOO_HARD: "Compare with a run without pushes, tilts and decoys.",

@@ -110,7 +110,7 @@ def cause_of_run(world: World, episode: Episode, arrives: Arrives | None = None)
     if (known := _BY_VERDICT.get(episode.verdict)) is not None:
         return known
     if isinstance(episode, FleetEpisode):
-        return _of_fleet(world, episode)
+        return _of_fleet(world, episode, arrives)
     if episode.trace is None:
         return Cause.UNKNOWN
     if isinstance(evidence, BurnedEvidence):
@@ -125,13 +125,18 @@ def cause_of_run(world: World, episode: Episode, arrives: Arrives | None = None)
     return _of_changed_worlds(world, behaviour, arrives) or _of_behaviour(behaviour)
 
 
-def _of_fleet(world: World, episode: FleetEpisode) -> Cause:
+def _of_fleet(world: World, episode: FleetEpisode, arrives: Arrives | None) -> Cause:
     """Return the cause that keeps several robots from arriving, or the fault of one of them."""
     evidence = episode.evidence
     if isinstance(evidence, JointLoopEvidence):
-        # If the robots do not affect each other, the first one's own reason decides.
         if (known := _BY_STANDOFF.get(standoff(evidence))) is not None:
             return known
+        # No robot drives into another one, but those that would arrive alone keep out of its way.
+        waiting = evidence.waiting
+        if arrives is not None and all(arrives(world.alone(number)) for number in waiting):
+            is_last = len(waiting) == 1
+            return Cause.BLOCKED_BY_PARKED if is_last else Cause.WAITS_FOR_OTHERS
+        # The robots do not affect each other, so the first one's own reason decides.
         number = evidence.waiting[0]
         # If nobody moves, only the robots' contacts explain why.
         trace = episode.robots[number - 1].trace

@@ -15,7 +15,7 @@ from fuzz.oracles import Trial
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.triage.cause import Cause
-from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.diagnosis import cause_of, cause_of_run
 from fuzz.triage.fleet_signature import Standoff, standoff
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
@@ -191,6 +191,26 @@ def test_a_standoff_is_named_after_who_drives_into_whom(
     evidence: JointLoopEvidence, expected: Standoff
 ) -> None:
     assert standoff(evidence) == expected
+
+
+def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
+    # In a room of 4 x 4 cells, pibt's robots of 1.4 cells stop before they touch.
+    room = np.zeros((4, 4), bool)
+    other = Robot(Pose(0.25, 0.15), Target(0.15, 0.25, 0.05))
+    polite = World(room, Pose(0.15, 0.25), Target(0.25, 0.15, 0.05), others=(other,))
+    episode = simulate(polite, "pibt", record=True)
+    assert episode.verdict == Verdict.DEADLOCK and episode.evidence.blocked == ()
+    assert cause_of_run(polite, episode, lambda _: True) == Cause.WAITS_FOR_OTHERS
+    assert cause_of_run(polite, episode, lambda _: False) == Cause.STANDS_STILL
+
+    # One that has parked in a passage stops the other one without touching it.
+    passage = np.ones((4, 15), bool)
+    passage[:2] = False
+    parked = Robot(Pose(0.75, 0.1), Target(0.8, 0.1, 0.05))
+    closed = World(passage, Pose(0.35, 0.1), Target(1.25, 0.1, 0.05), others=(parked,))
+    episode = simulate(closed, "pibt", record=True)
+    assert episode.verdict == Verdict.STARVED and episode.evidence.blocked == ()
+    assert cause_of_run(closed, episode, lambda _: True) == Cause.BLOCKED_BY_PARKED
 
 
 def test_shrinking_drops_the_robot_that_is_not_needed_and_all_walls() -> None:

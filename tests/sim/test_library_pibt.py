@@ -1,0 +1,190 @@
+"""PIBT as a controller: robots that back out, that never touch, and that provably block each other."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim import simulate
+from sim.controllers.library import pibt
+from worldgen.generation import generate
+from worldgen.world import Pose, Robot, Target, World
+
+# In edges of the grid, which are half a cell.
+NARROW = 0.5
+WIDE = 1.4
+
+
+def hall(robots, *, width=12, height=8, walls=()):
+    """A hall with a wall around it, and robots given as (start, target), m, with cells of 0.1 m."""
+    solid = np.zeros((height, width), np.bool_)
+    solid[[0, -1], :] = solid[:, [0, -1]] = True
+    for ix, iy in walls:
+        solid[iy, ix] = True
+    placed = [
+        Robot(Pose(*start, 0.0), Target(*target, 0.02), radius=0.04, speed=2.0)
+        for start, target in robots
+    ]
+    first = placed[0]
+    return World(
+        walls=solid,
+        cell_size=0.1,
+        start=first.start,
+        target=first.target,
+        robot_radius=first.radius,
+        robot_speed=first.speed,
+        others=tuple(placed[1:]),
+    )
+
+
+def open_map(side):
+    nodes = side * side
+    words = []
+    for first in range(0, nodes, 52):
+        words.append(float(2 ** min(52, nodes - first) - 1))
+    return pibt._Map(tuple(words), side)
+
+
+def agent(priority, node, target, radius=NARROW):
+    return pibt._Agent(float(priority), node, radius, pibt._Target(*target, 0.1))
+
+
+def moves_of(grid, agents, others=()):
+    ordered = tuple(sorted(agents, reverse=True))
+    plan = pibt._plan(grid, ordered, tuple(others))
+    return {one: plan[one.priority] for one in ordered}
+
+
+def nearest(one, move, other, other_move):
+    """How near two agents come during their moves, from 1,000 points in time."""
+    return min(
+        math.hypot(
+            other.node[0] - one.node[0] + share * (other_move[0] - move[0]),
+            other.node[1] - one.node[1] + share * (other_move[1] - move[1]),
+        )
+        for share in np.linspace(0.0, 1.0, 1_001)
+    )
+
+
+def spread(nodes, radius):
+    """Keep the nodes at which discs do not overlap."""
+    kept = []
+    for node in nodes:
+        if all(math.dist(node, other) >= 2 * radius for other in kept):
+            kept.append(node)
+    return kept
+
+
+NODES = st.tuples(st.integers(0, 9), st.integers(0, 9))
+
+
+@given(
+    st.lists(NODES, min_size=2, max_size=14, unique=True),
+    st.lists(NODES, min_size=14, max_size=14),
+    st.sampled_from([NARROW, WIDE]),
+)
+def test_no_two_moves_of_a_plan_touch(nodes, targets, radius):
+    grid = open_map(10)
+    agents = [
+        agent(k, node, target, radius)
+        for k, (node, target) in enumerate(zip(spread(nodes, radius), targets, strict=False))
+    ]
+    moves = moves_of(grid, agents)
+    assert moves.keys() == set(agents)
+    for (one, move), (other, other_move) in itertools.combinations(moves.items(), 2):
+        assert nearest(one, move, other, other_move) >= one.radius + other.radius - 1e-6
+
+
+@given(st.lists(NODES, min_size=2, max_size=60, unique=True), NODES)
+def test_the_highest_priority_always_gets_nearer_among_narrow_robots(nodes, target):
+    # Lemma 1 of the paper: on a graph in which each edge lies on a cycle. A robot of radius 0.3
+    # edges can follow another one around a corner.
+    grid = open_map(10)
+    agents = [agent(k, node, target, 0.3) for k, node in enumerate(nodes)]
+    first = agents[-1]
+    move = moves_of(grid, agents)[first]
+    distances = pibt._distances(grid, first.target)
+    assert distances[first.after(move)] == max(0, distances[first.node] - 1)
+
+
+def test_robots_that_meet_in_a_passage_both_arrive_because_one_backs_out():
+    # A passage of one cell between two rooms.
+    walls = [(ix, iy) for ix in range(4, 9) for iy in (1, 2, 3, 5, 6)]
+    world = hall(
+        [((0.25, 0.45), (1.05, 0.45)), ((1.05, 0.25), (0.15, 0.25))], width=13, walls=walls
+    )
+    episode = simulate(world, "pibt")
+    assert episode.verdict == "reached"
+    assert [one.collisions for one in episode.robots] == [0, 0]
+    assert simulate(world, "naive").verdict == "starved"
+
+
+def test_robots_that_must_swap_in_a_dead_end_provably_never_do():
+    walls = [(ix, iy) for ix in range(1, 11) for iy in (1, 2, 3, 5, 6)]
+    world = hall([((0.25, 0.45), (0.85, 0.45)), ((0.95, 0.45), (0.15, 0.45))], walls=walls)
+    episode = simulate(world, "pibt")
+    assert episode.verdict == "deadlock" and episode.evidence.waiting == (1, 2)
+
+
+def test_an_arrived_robot_that_closes_the_way_is_an_obstacle():
+    walls = [(ix, iy) for ix in range(1, 11) for iy in (1, 2, 3, 5, 6)]
+    world = hall([((0.65, 0.45), (0.75, 0.45)), ((0.25, 0.45), (1.05, 0.45))], walls=walls)
+    episode = simulate(world, "pibt")
+    assert episode.verdict == "starved" and episode.evidence.waiting == (2,)
+    assert sum(one.collisions for one in episode.robots) == 0
+
+
+def test_the_robots_numbers_have_no_effect():
+    world = generate("crossing", 4, robots=5)
+    robots = world.robots
+    turned = (*robots[2:], *robots[:2])
+    first = turned[0]
+    other = replace(
+        world,
+        start=first.start,
+        target=first.target,
+        others=turned[1:],
+        certificate=None,
+        provenance=None,
+    )
+    one = simulate(world, "pibt")
+    two = simulate(other, "pibt")
+    assert one.verdict == two.verdict and one.steps == two.steps
+    digests = [run.trace_digest for run in one.robots]
+    assert [run.trace_digest for run in two.robots] == [*digests[2:], *digests[:2]]
+
+
+def test_it_takes_a_robot_with_another_controller_for_an_obstacle():
+    world = hall([((0.25, 0.25), (0.95, 0.25)), ((0.95, 0.65), (0.25, 0.65))])
+    episode = simulate(world, {1: "pibt", 2: "naive"})
+    assert episode.verdict == "reached"
+
+
+@pytest.mark.parametrize("radius", [0.03, 0.07])
+def test_alone_it_takes_a_shortest_path_of_the_grid(radius):
+    world = replace(generate("rooms", 3), robot_radius=radius, certificate=None, provenance=None)
+    episode = simulate(world, "pibt")
+    assert episode.verdict == "reached" and episode.collisions == 0
+    edge = world.cell_size / 2
+    grid = pibt._Map(*pibt_memory_map(world))
+    target = pibt._Target(world.target.x / edge, world.target.y / edge, world.target.radius / edge)
+    start = (round(world.start.x / edge), round(world.start.y / edge))
+    length = pibt._distances(grid, target)[start] * edge
+    assert episode.path_length == pytest.approx(length, abs=2 * world.cell_size / 1024)
+
+
+def pibt_memory_map(world):
+    memory = pibt.pibt.reset(world)
+    return memory[pibt._MAP :], int(memory[pibt._COLUMNS])
+
+
+def test_a_robot_pushed_off_the_grid_finds_back_to_it():
+    world = generate("rooms", 3)
+    pushed = simulate(world, "pibt", pushes=(0.3, 0.013, 0.021, 0.4))
+    assert pushed.verdict == "reached"
