@@ -43,7 +43,9 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
 )
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="File to write.  [default: NAME.shrunk.grid]"
+    "--out",
+    type=click.Path(path_type=Path),
+    help="File to write.  [default: NAME.shrunk.grid, or no file with --snippet]",
 )
 @named_also(
     "--budget",
@@ -64,7 +66,7 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     "--snippet",
     "as_snippet",
     is_flag=True,
-    help="Print a test module that contains the shrunk world.",
+    help="Print a test module that contains the shrunk world; write no file unless --out names one.",
 )
 @click.option(
     "--passes", is_flag=True, is_eager=True, expose_value=False, callback=_list_passes,
@@ -93,22 +95,26 @@ def shrink(
 
     if as_snippet and as_json:
         raise click.UsageError("--snippet and --json both choose what to print; give one of them")
-    target = out or path.with_name(
-        f"{path.name.removesuffix('.gz').removesuffix('.grid')}.shrunk.grid"
-    )
-    check_output(target, force)
+    target = out
+    # Whoever asks for a test gets its world in there, and no file unless one is named.
+    if target is None and not as_snippet:
+        name = path.name.removesuffix(".gz").removesuffix(".grid")
+        target = path.with_name(f"{name}.shrunk.grid")
+    if target is not None:
+        check_output(target, force)
     result = _watched(Failure.read(path), seconds, keep)
-    result.failure.write(target, force=force)
-    if as_json:
+    if target is not None:
+        result.failure.write(target, force=force)
+    if as_json and target is not None:
         emit_json(_summary(result, target))
         return
-    click.echo(
-        snippet(result.failure) if as_snippet else describe(result.failure, target),
-        nl=not as_snippet,
-    )
+    if target is None or as_snippet:
+        click.echo(snippet(result.failure), nl=False)
+    else:
+        click.echo(describe(result.failure, target))
     state = "1-minimal" if not result.left else f"not 1-minimal: {result.left[0]}"
     note(
-        f"wrote {target}: {result.before} -> {result.after} solid cells, {state}, "
+        f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, {state}, "
         f"{result.simulations} runs"
     )
     if result.interrupted:

@@ -84,10 +84,18 @@ def run_pytest(folder):
 
 @pytest.mark.gate
 def test_the_printed_module_runs_and_fails_as_the_failure_does(big, tmp_path):
-    code = worldgen("shrink", big, "--out", tmp_path / "small.grid", "--snippet").out
+    files = {*big.parent.iterdir()}
+    code = worldgen("shrink", big, "--snippet").out
+    assert {*big.parent.iterdir()} == files
     (tmp_path / "test_small.py").write_text(code)
     told = run_pytest(tmp_path)
-    assert "2 failed" in told and "loop forever" in told and "Failing explicit example" in told
+    assert "1 failed" in told and "loop forever" in told
+
+
+def test_a_module_and_a_file_can_both_be_asked_for(big, tmp_path):
+    code = worldgen("shrink", big, "--out", tmp_path / "small.grid", "--snippet").out
+    small = Failure.read(tmp_path / "small.grid")
+    assert code == snippet(small)
 
 
 ROBOT = """
@@ -110,7 +118,7 @@ def test_the_module_passes_once_the_controller_is_repaired(tmp_path, monkeypatch
     )
     (tmp_path / "mine.py").write_text(ROBOT.format('raise OSError("no motor")'))
     made = failure_of(corridor, Scenario("./mine.py:Mine"))
-    (tmp_path / "test_mine.py").write_text(snippet(made).partition("\n\n@given")[0] + "\n")
+    (tmp_path / "test_mine.py").write_text(snippet(made))
     assert "1 failed" in run_pytest(tmp_path)
     (tmp_path / "mine.py").write_text(ROBOT.format("return Command(speed=1.0), memory"))
     assert "1 passed" in run_pytest(tmp_path)
