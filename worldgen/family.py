@@ -62,7 +62,7 @@ ROBOTS_PARAMETER = Parameter(
     ROBOTS,
     1,
     (),
-    "Robots of the world; the others are like the first, at random places.",
+    "Number of robots; all have the same size and speed, and start at random places.",
     Bounds(1, MAX_ROBOTS),
 )
 MARGIN = "margin"  # every parameter with this name: seconds by which the witness may start late

@@ -26,12 +26,12 @@ class SearchOptions:
     Args:
         oracles: Check each run with this oracle: detour, repeat, turn, shift, scale, mirror, finer,
             wall, block, or ./file.py:name; may be repeated.
-        examples: Number of worlds each unit tries, or up to 80 times as many if they are screened
-            in C.
+        examples: Number of worlds that each unit of work tries; up to 80 times as many for compiled
+            controllers.
         robots: Number of robots in each world. Several robots are all driven by the same
             controller; the search then looks for deadlocks, livelocks and collisions.
-        epoch: Number of units that learn from the same earlier ones; at most twice as many run at a
-            time.
+        epoch: Number of units in a round. Each round learns from the rounds before it; at most two
+            rounds run at a time.
         database: Hypothesis database, such as .hypothesis/examples. Examples in it run first, and
             failures are added to it.
     """
@@ -49,16 +49,16 @@ class CampaignOptions(SearchOptions):
 
     Args:
         controller: Controller to test; ``+option=value`` changes an option of the run.
-        motion: Motion model.
+        motion: Motion model: swept, endpoint or stepped.
         task: Reach the target, or cover every cell whose centre the robot can reach.
         families: Generate worlds with this family only; may be repeated.
         strategies: Search with this strategy only: native, archive, boundary, features, sealed, or
-            a family; may be repeated.
+            a family; may be repeated. docs/explanation/search.md describes them.
         world: Search on this map; only start, target and radius vary.
-        vary: Draw robot_radius, robot_speed, time_step or an option of the motion model from these
-            values; list the simplest first. May be repeated.
+        vary: Choose robot_radius, robot_speed, time_step or an option of the motion model at random
+            from these values; list the simplest first. May be repeated.
         time_step: Duration of a step, s.  [default: the motion model's]
-        detour: Count a path longer than RATIO times the witness as a failure; the same as --oracle
+        detour: Count a path longer than RATIO times the proof's path as a failure; the same as --oracle
             detour=RATIO.
         shrink: Shrink failures.  [default: yes, but not with --world]
 

@@ -485,7 +485,7 @@ class CampaignSession:
             f"{scenario.label()} under {scenario.run.motion}",
             self._out,
             state.worlds,
-            len(state.met),
+            len(state.met.keys() | state.best.keys()),
             is_failing=bool(self._failing()),
             is_known=bool(state.known),
             lasts=self._lasts,

@@ -19,10 +19,10 @@ def output_options(command: F) -> F:
     for name, what in (
         (
             "--summary",
-            "Add a summary in Markdown to the end of this file, such as $GITHUB_STEP_SUMMARY.",
+            "Append a Markdown summary to this file, such as $GITHUB_STEP_SUMMARY.",
         ),
-        ("--sarif", "Write SARIF 2.1.0, for code scanning."),
-        ("--junit", "Write JUnit's XML."),
+        ("--sarif", "Write a SARIF 2.1.0 report, for code scanning."),
+        ("--junit", "Write a JUnit XML report."),
     ):
         command = click.option(name, type=click.Path(path_type=Path), metavar="OUT", help=what)(
             command

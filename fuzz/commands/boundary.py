@@ -59,8 +59,8 @@ def boundary(
 
     Runs the scenario at 65 values, from half to twice its own (headings: a whole turn; depths: 1 to
     65 cells), and narrows each change down to two neighbouring values. Two changes between
-    neighbouring values are not detected. Exit code 0 if the robot arrives at every value at which
-    the target can be reached, else 1.
+    neighbouring values are not detected. Exits with 0 if the robot arrives at every value at which
+    the target can be reached, with 1 otherwise.
     """
     from fuzz.boundary import AXES, BoundaryRuns, scan
     from worldgen.errors import InvalidParameter

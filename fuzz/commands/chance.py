@@ -45,8 +45,8 @@ def chance(
     """Decide whether a random controller always, never or sometimes arrives.
 
     Explores every state that some random numbers lead to; if there are too many, counts the seeds
-    that do not arrive. Exit code 0 if the robot arrives with probability one, or with every seed; 1
-    if not.
+    that do not arrive. Exits with 0 if the robot arrives with probability one, or with every seed,
+    with 1 if not.
     """
     from fuzz.chance import MOST_STATES, chance_of, in_words, share_that_fails
     from fuzz.failure import Failure

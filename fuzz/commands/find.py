@@ -55,16 +55,14 @@ EXAMPLES = (
     "--leash",
     type=click.IntRange(0),
     metavar="CELLS",
-    help="Maximum distance to move walls and target; no walls are added.",
+    help="Move walls and target at most this far, and add no walls.",
 )
 @click.option(
     "--together",
     is_flag=True,
     help="With --leash, keep each obstacle in one piece and separate from the others.",
 )
-@click.option(
-    "--no-edit", is_flag=True, help="Use only worlds as the family makes them, without edits."
-)
+@click.option("--no-edit", is_flag=True, help="Do not edit worlds; use them as generated.")
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
 @click.option(
@@ -116,11 +114,11 @@ def find(
     An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang,
     invalid-command), never (loop or stalled; for random controllers also timeout), or fails
     (anything but reached). Add steps to reached, or the period to loop: reached@330,
-    reached@300..400, reached@<400, reached@4.95s, loop@104. For a random controller, 19 of 20 seeds
-    must do so, or their median time counts.
+    reached@300..400, reached@<400, reached@4.95s, loop@104. For a random controller, at least 19 of
+    20 seeds must have that outcome; for a time, the median counts.
 
-    The target of the written world can be reached. Exit code 0 if every outcome is as requested,
-    else 1. Ctrl-C writes the nearest world so far, with exit code 130.
+    The target of the written world can be reached. Exits with 0 if every outcome is as requested,
+    with 1 otherwise. Ctrl-C writes the closest match so far and exits with 130.
     """
     import os
 

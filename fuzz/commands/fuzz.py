@@ -68,7 +68,7 @@ _BEGUN = {option.name for option in _DECLARED} | {"out", "seed"}
     "--resume",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Continue the campaign in FOLDER to its end, or for --units or --budget.",
+    help="Continue the campaign in FOLDER until it is complete, or for the given --units or --budget.",
 )
 @click.option(
     "--report",
@@ -114,8 +114,8 @@ def fuzz(
 
     The smallest world of each class of failure is written to a .grid file. The exit code is 1 if a
     class is found that no --baseline has, and 0 if not. Hazards that the controller cannot sense or
-    withstand are listed separately. Ctrl-C keeps the findings so far. Run the same command again,
-    or --resume FOLDER, to continue an interrupted campaign.
+    withstand are listed separately. Ctrl-C keeps the failures found so far; run the same command
+    again, or --resume FOLDER, to continue.
     """
     import os
     import time
@@ -128,6 +128,7 @@ def fuzz(
     from fuzz.corpus import Baseline, read_corpus
     from fuzz.report import write_report
     from sim.runners.controller_time import Effort
+    from worldgen.support.plain_text import counted
 
     # Refuse contradicting options before any work.
     loaded = Effort.so_far()
@@ -154,7 +155,7 @@ def fuzz(
             note(
                 f"continues the campaign in {campaign_run.store.out}: seed "
                 f"{campaign_run.config.seed}, "
-                f"{campaign_run.done} units done"
+                f"{counted(campaign_run.done, 'unit')} done"
             )
         # Choose the baseline and the workers.
         was_known = Baseline.of(known, campaign_run.config.scenario, note)

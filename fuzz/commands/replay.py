@@ -25,7 +25,7 @@ __all__ = ["replay"]
     "--transcript",
     type=click.Path(path_type=Path),
     metavar="OUT",
-    help="Write the input of a program (cmd:) for a single failure, for use in a debugger.",
+    help="Save what was sent to a program (cmd:) in a single failure, for use in a debugger.",
 )
 @output_options
 @json_option
@@ -42,8 +42,8 @@ def replay(
     """Run saved failures again and report what has changed.
 
     A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and
-    certificate. Exit code 0 if every one is, 1 if one is not (also if the robot now arrives), 2 if
-    a file holds no failure.
+    certificate. Exits with 0 if all are confirmed, with 1 if any is not (also if the robot now
+    arrives), with 2 if a file contains no failure.
     """
     from fuzz.ci import CiFinding, Outputs, Report, State
     from fuzz.describe import describe

@@ -102,9 +102,11 @@ def shrink(
         target = path.with_name(f"{name}.shrunk.grid")
     if target is not None:
         check_output(target, force)
+    # Shrink, and write what is left.
     result = _watched(Failure.read(path), seconds, keep)
     if target is not None:
         result.failure.write(target, force=force)
+    # Print the result in the form that was asked for.
     if as_json and target is not None:
         emit_json(_summary(result, target))
         return

@@ -28,18 +28,18 @@ EXAMPLES = (
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Address to listen on; any other than this is a risk.",
+    help="Address to listen on; others expose the studio to the network.",
 )
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
     help="Port to listen on; 0 means any free one.  [default: 8642, or one that is free]",
 )
-@click.option("--browser/--no-browser", default=True, help="Open the page.  [default: open]")
+@click.option("--browser/--no-browser", default=True, help="Open the browser.  [default: open]")
 def studio(
     path: Path, controllers: tuple[str, ...], host: str, port: int | None, browser: bool
 ) -> None:
-    """Draw worlds, run robots in them and watch, in your browser.
+    """Draw worlds and watch robots run in them, in your browser.
 
     PATH is a world's file, or a folder; the page can read and write only that folder, or the
     file's. The server answers only this machine, and only the browser that opens the printed

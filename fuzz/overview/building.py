@@ -19,6 +19,7 @@ from fuzz.overview.natural import natural_families, natural_runs
 from fuzz.overview.overview import Overview
 from fuzz.triage.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
+from sim.evidence import FaultEvidence
 from sim.runners.stopping import OutOfTime, stopping_when
 from worldgen.errors import WorldgenError
 
@@ -148,7 +149,20 @@ def _shown(
         return cause
     smallest = min(own.values(), key=lambda failure: (failure.size, failure.id))
     why = explained(best, is_over) if is_explained else None
-    return replace(cause, file=_name_of(best, own), smallest=_name_of(smallest, own), why=why)
+    return replace(
+        cause,
+        file=_name_of(best, own),
+        smallest=_name_of(smallest, own),
+        why=why,
+        fault=_fault_of(best),
+    )
+
+
+def _fault_of(failure: Failure) -> str:
+    evidence = failure.evidence
+    if not isinstance(evidence, FaultEvidence):
+        return ""
+    return ": ".join(filter(None, (evidence.at, evidence.error)))
 
 
 def explained(

@@ -28,6 +28,8 @@ class CauseTotals:
             none.
         smallest: File of the simplest world; empty if there is none.
         why: The single changes after which the robot of ``file`` arrives; ``None`` if not tried.
+        fault: The controller's error in ``file``, and its place: ``mine.py:6: KeyError: 'left'``;
+            empty if the controller made none.
         state: ``new`` or ``still`` compared with the known failures; empty if there were none.
     """
 
@@ -38,6 +40,7 @@ class CauseTotals:
     file: str = ""
     smallest: str = ""
     why: Counterfactuals | None = None
+    fault: str = ""
     state: str = ""
 
     @property
@@ -59,6 +62,7 @@ class CauseTotals:
             "classes": list(self.classes),
             "file": self.file,
             "smallest": self.smallest,
+            "fault": self.fault,
             "why": "" if self.why is None else self.why.describe(),
             "changes": [] if self.why is None else [vars(change) for change in self.why.changes],
         }

@@ -107,6 +107,7 @@ _CAUSE = {
     "classes": [str],
     "file": str,
     "smallest": str,
+    "fault": str,
     "why": str,
 }
 _NATURAL = {
@@ -131,6 +132,9 @@ _FILE = re.compile(rf"({re.escape(MEMORY)}/failures/)?[^/\\]+\.grid")
 
 
 def _checked_cause(value: object) -> dict[str, Any]:
+    # Older campaigns do not have the fault.
+    if isinstance(value, dict):
+        value = {"fault": "", **value}
     cause: dict[str, Any] = _checked(value, _CAUSE)
     if cause["severity"] not in {severity.word for severity in Severity}:
         raise _FormError(f"{cause['severity']!r} is not a severity")

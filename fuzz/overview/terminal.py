@@ -135,11 +135,11 @@ def describe_coverage(natural: NaturalRuns) -> str:
     turns = [name for name, row in table["turns"].items() if not row["worlds"]]
     never = []
     if clearances:
-        never.append(f"paths with room for {_listed(clearances)} robot radii")
+        never.append(f"gaps of {_listed(clearances)} robot radii")
     if turns:
-        never.append(f"paths with {_listed(turns).replace('no', '0')} quarter turns")
+        never.append(f"paths with {_listed(turns)} quarter turns")
     text = f"natural worlds of {counted(len(tried), 'family', 'families')}"
-    return text + (f"; never tried: {', '.join(never)}" if never else "")
+    return text + (f"; not covered: {'; '.join(never)}" if never else "")
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -215,7 +215,9 @@ def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline
     lines = [f"1. {_title(cause, natural)}", f"   {cause.cause.sentence} {cause.cause.advice}"]
     path = shown(shlex.quote(str(headline.folder / cause.file)))
     has_file = bool(cause.file) and headline.lasts
-    if cause.why is not None:
+    if cause.fault:
+        lines.append(f"   {shown(cause.fault)}")
+    elif cause.why is not None:
         lines.append(f"   It {shown(cause.why.describe())}.")
     elif has_file and cause.cause.severity in _EXPLAINED:
         lines.append(f"   what the failure depends on: worldgen explain {path}")

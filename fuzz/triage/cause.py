@@ -38,10 +38,10 @@ class Severity(IntEnum):
 _PHRASES = {
     Severity.THROUGH_WALLS: "goes through walls",
     Severity.THROUGH_ROBOTS: "drives through another robot",
-    Severity.CONTROLLER_ERROR: "its controller breaks down",
+    Severity.CONTROLLER_ERROR: "its controller crashes or does not answer",
     Severity.HARMED: "runs into a hazard that it can sense",
     Severity.NEVER_ARRIVES: "never arrives",
-    Severity.TOO_SLOW: "is still under way",
+    Severity.TOO_SLOW: "often runs out of time",
     Severity.QUESTIONABLE: "breaks a rule that you set",
     Severity.UNSENSED: "is harmed by what it cannot sense",
 }

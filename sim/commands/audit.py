@@ -68,7 +68,7 @@ def audit(
     TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up); - is stdin. It
     reports walls that the centre went through (tunnel) or the disc cut into (overlap), paths
     outside the grid, jumps faster than the robot, and touched fire; docs/howto/audit.md describes
-    them. Exit code 0 if it was possible, 1 if not.
+    them. Exits with 0 if it was possible, with 1 if not.
     """
     from sim.audit import audit as audit_trajectory
     from sim.audit.file import read_trajectory

@@ -32,7 +32,7 @@ EXAMPLES = (
 @json_option
 @force_option
 def behaviours(controller: str | None, chart: Path | None, as_json: bool, force: bool) -> None:
-    """List behaviours, or show how a controller arbitrates among its own.
+    """List behaviours, or show how a controller chooses among its own.
 
     Compose your own: --controller behaviours:avoid,follow,wander starts with the highest
     priority.

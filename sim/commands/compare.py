@@ -48,7 +48,8 @@ _TIME_FOR_NEVER = 300.0
     help="Controllers to compare; see above. May be repeated.",
 )
 @click.option(
-    "--motion", help="Motion model.  [default: that of the published figures, otherwise swept]"
+    "--motion",
+    help="Motion model.  [default: swept, or that of published figures for these worlds]",
 )
 @click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
 @click.option(
@@ -56,14 +57,14 @@ _TIME_FOR_NEVER = 300.0
     type=click.IntRange(1, 1_000_000),
     default=100,
     show_default=True,
-    help="Runs with chance.",
+    help="Number of seeds for each random controller.",
 )
 @click.option(
     "--seed",
     type=click.IntRange(0, 2**64 - 1),
     default=0,
     show_default=True,
-    help="The first seed.",
+    help="First seed.",
 )
 @click.option("--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]")
 @click.option(
@@ -97,8 +98,8 @@ def compare(
     """Run several controllers in many worlds and print one table.
 
     PATH is a .grid file or a folder of them. After a controller's name, +option=value varies its
-    run, so that thesis-1,thesis-1+arbiter=A2 compares the old arbiter with the new. A random
-    controller runs with many seeds. docs/howto/compare.md describes table, CSV and JSON.
+    run, so bug2,bug2+time_step=0.03 compares two time steps. A random controller runs with many
+    seeds. docs/howto/compare.md describes table, CSV and JSON.
     """
     from sim.compare.comparison import compare as compare_worlds
     from sim.compare.picture import MAX_CONTROLLERS, draw_comparison

@@ -47,7 +47,9 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 @click.command(epilog=EXAMPLES)
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
-@click.option("--motion", default="swept", show_default=True, help="Motion model.")
+@click.option(
+    "--motion", default="swept", show_default=True, help="Motion model: swept, endpoint or stepped."
+)
 @click.option(
     "--task",
     type=click.Choice(("target", "cover")),
@@ -68,13 +70,13 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     "--trace",
     type=OUT,
     metavar="OUT",
-    help="Write t,x,y,heading per step, as CSV; for a composition also the active behaviour.",
+    help="Write t,x,y,heading per step, as CSV; for a controller made of behaviours also the active one.",
 )
 @click.option(
     "--transcript",
     type=OUT,
     metavar="OUT",
-    help="Write the input of a program (cmd:), for use in a debugger.",
+    help="Save what was sent to a program (cmd:), for use in a debugger.",
 )
 @json_option
 @force_option
@@ -94,7 +96,7 @@ def run(
 ) -> None:
     """Run a controller in a world and report how it ends.
 
-    Exit code 0 if the robot arrives, 1 if it does not.
+    Exits with 0 if the robot arrives, with 1 if it does not.
     """
     from sim.commands.acting import acting_shares, counts_behaviours, who_acted
     from sim.controllers.contract import check_contract
@@ -167,7 +169,7 @@ def run(
     if trail is not None:
         title = (
             f"{_label(scenarios)}, {scenarios[0].run.motion}: {_sentence(episode)}, "
-            f"{episode.area_covered:.4g} m2 covered"
+            f"{episode.area_covered:.4g} m² covered"
         )
         with working(f"drawing {trail}"):
             picture = _picture(world, episode, scenarios[0].controller, title, trail.suffix)

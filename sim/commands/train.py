@@ -88,7 +88,7 @@ def train(
     learning_of(found, scenario.controller)
     files = [file for path in paths for file in _worlds_in(path)]
     if not files:
-        raise click.UsageError(f"{paths[0]} holds no .grid file")
+        raise click.UsageError(f"{paths[0]} contains no .grid files")
     worlds = [read_world(file) for file in files]
     # Train, with the number of the episode in the progress line.
     options = TrainingOptions(episodes, steps, explore, seed)

@@ -189,8 +189,13 @@ def _totals_table(comparison: Comparison) -> str:
     if len(totals) > 1:
         count = len(comparison.common)
         of = len(comparison.worlds)
-        which = f"the {count} of {of} worlds" if count else f"no world of {of}, so none are given,"
-        text += f"\nMean and median times are over {which} in which every controller arrives."
+        if count:
+            text += (
+                f"\nMean and median times are over the {count} of {of} worlds in which every "
+                "controller arrives."
+            )
+        else:
+            text += f"\nNo mean or median times: in none of the {of} worlds do all arrive."
     if any(total.random for total in totals):
         text += "\nIntervals: 95 %, Clopper and Pearson, over the seeds in these worlds."
     return text

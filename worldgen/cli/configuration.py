@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import click
 
+from worldgen.cli.output import note
 from worldgen.errors import InvalidParameter
 from worldgen.files.whole import expanded
 from worldgen.support.progress import say_once
@@ -95,6 +96,9 @@ def configured(
         _value_of(parameters, key, value, project.file.parent, where)
         for key, value in table.items()
     )
+    # Whoever is in a subfolder may not think of the file.
+    if values and project.file.parent != Path.cwd():
+        note(f"settings of {path[0]} from {os.path.relpath(project.file)}")
     # A command-line option replaces configured ones that exclude it.
     crowded_out = {
         name

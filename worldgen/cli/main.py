@@ -29,8 +29,8 @@ EPILOG = (
     "--trail run.png\n"
     "  worldgen fuzz --controller turn-right --budget 30s --out failures/\n  worldgen replay "
     "failures/\n\n"
-    "Every command has --help. Exit codes: 0 fine, 1 a failure was found, 2 bad input, 3 our "
-    "fault, 130 interrupted."
+    "Every command has --help. Exit codes: 0 success, 1 a failure was found, 2 bad input, 3 "
+    "internal error (please report it), 130 interrupted."
 )
 
 
@@ -106,7 +106,7 @@ class LazyGroup(click.Group):
 
 
 def _print_include(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
-    """Print the folder of the header for controllers in C."""
+    """Print the include folder for controllers in C."""
     if wanted:
         click.echo(Path(__file__).parents[2] / "sim" / "include")
         ctx.exit()
@@ -139,7 +139,7 @@ def _print_versions(ctx: click.Context, _: click.Parameter, wanted: bool) -> Non
     is_eager=True,
     expose_value=False,
     callback=_print_include,
-    help="Print the folder of worldgen_controller.h, for cc -I, and exit.",
+    help="Print the include folder with worldgen_controller.h, for cc -I, and exit.",
 )
 def cli() -> None:
     """Make worlds for mobile robots, run controllers in them, and find the worlds where they fail."""
@@ -212,6 +212,10 @@ def _our_fault(error: BaseException) -> int:
     # In that case the error is not our fault.
     except WorldgenError as hidden:
         note(f"worldgen: {hidden}", always=True)
+        return 2
+    # A source checkout that is not installed: the message says so.
+    if isinstance(error, ModuleNotFoundError) and str(error.name).endswith("._core"):
+        note(f"worldgen: {error}", always=True)
         return 2
     if os.environ.get("WORLDGEN_DEBUG"):
         import traceback

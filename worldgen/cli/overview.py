@@ -16,15 +16,15 @@ COMMANDS: dict[str, dict[str, str]] = {
         "check-family": "Check that your own family keeps the promises that every family makes.",
     },
     "Run controllers": {
-        "behaviours": "List behaviours, or show how a controller arbitrates among its own.",
+        "behaviours": "List behaviours, or show how a controller chooses among its own.",
         "new-controller": "Write a working, commented controller to start from.",
         "train": "Train a learning controller in worlds, and store what it learned.",
         "run": "Run a controller in a world and report how it ends.",
         "compare": "Run several controllers in many worlds and print one table.",
-        "studio": "Draw worlds, run robots in them and watch, in your browser.",
+        "studio": "Draw worlds and watch robots run in them, in your browser.",
     },
     "Find failures": {
-        "demo": "Make a world, run a robot in it and find its failures, in one go.",
+        "demo": "Make a world, run a robot in it and find its failures, in one command.",
         "fuzz": "Search for worlds in which a controller fails.",
         "find": "Search for a world with the outcomes that you name.",
         "boundary": "Find the radius, speed or heading at which failures begin.",

@@ -35,7 +35,7 @@ EXAMPLES = (
 @click.option(
     "--radius",
     type=float,
-    help="Robot's radius, m.  [default: the file's, or one that suits such maps]",
+    help="Robot's radius, m.  [default: the file's, or a common one for such maps]",
 )
 @click.option("--speed", type=float, help="Robot's top speed, m/s.  [default: 2.0]")
 @click.option(
@@ -135,12 +135,12 @@ def import_map(
     """Make a world from another program's map.
 
     PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI,
-    worlds of robot simulators, pictures, drawings, meshes, or a .grid, which keeps its own places
-    unless you give others. A mesh is cut at the height --slice, where the lidar is. If neither you
+    worlds of robot simulators, pictures, drawings, meshes, or a .grid, which keeps its own start
+    and target unless you give others. A mesh is cut at the height --slice, where the lidar is. If neither you
     nor the file gives start and target, they are placed far apart in the largest region the robot
     can drive through, with room to turn.
 
-    Exits with 0 if the target can be reached, with 1 if it cannot or that remains undecided. If a
+    Exits with 0 if the target can be reached, with 1 if it cannot, or if this is undecided. If a
     path was found but the file has obstacles that cannot be read, such as a mesh, nothing is
     written and the exit code is 2; --ignore-unread judges the world without them.
     """

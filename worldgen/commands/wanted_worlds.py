@@ -53,8 +53,8 @@ class Difficulty(click.ParamType[tuple[float, ...]]):
 WISH_OPTIONS = (
     click.option(
         "--where",
-        metavar="WISH",
-        help="Search for a world with such metrics: 'detour > 3 and bottleneck < 1.2r'. Parameters "
+        metavar="CONDITION",
+        help="Search for a world whose metrics meet it: 'detour > 3 and bottleneck < 1.2r'. Parameters "
         "not given vary.",
     ),
     click.option(
@@ -66,7 +66,7 @@ WISH_OPTIONS = (
     click.option(
         "--tries",
         type=click.IntRange(1, 1_000_000),
-        help=f"Worlds that a search makes at most, for each that it finds.  [default: {_TRIES}]",
+        help=f"Maximum number of worlds to try per world found.  [default: {_TRIES}]",
     ),
 )
 

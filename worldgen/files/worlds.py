@@ -66,7 +66,7 @@ def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
         if not found:
             raise FormatError(
                 "no-map-found",
-                "holds no .grid file",
+                "contains no .grid files",
                 "name a file, or a folder or archive with some",
                 source=str(path),
             )

@@ -7,7 +7,7 @@ import { copyButton } from "#report/copy.js";
 const PHRASES = {
   "through-walls": "It goes through walls",
   "through-robots": "It drives through other robots",
-  "controller-error": "Its controller breaks down",
+  "controller-error": "Its controller crashes or does not answer",
   harmed: "It runs into hazards that it can sense",
   "never-arrives": "It does not always arrive",
   "too-slow": "It is too slow in some worlds",
@@ -113,7 +113,7 @@ function ratePart(natural) {
   range.style.width = `${Math.max(1, 100 * (natural.high - natural.low))}%`;
   point.style.left = `${100 * natural.share}%`;
   bar.append(range, point);
-  const unsensed = natural.unsensed ? ` ${natural.unsensed} more have hazards that it cannot sense.` : "";
+  const unsensed = natural.unsensed ? ` ${natural.unsensed} more ${natural.unsensed === 1 ? "has" : "have"} hazards that it cannot sense.` : "";
   return el(
     "p",
     { class: "rate-line" },

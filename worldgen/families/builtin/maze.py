@@ -69,7 +69,7 @@ def maze(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """Build a maze from one corner of the square to the opposite one.
+    """Make a maze with start and target in opposite corners.
 
     Dead ends and long ways around defeat a robot that only turns away from what it bumps into. A
     maze is a lattice of chambers, each a passage wide. Every chamber is reachable by construction;
@@ -79,12 +79,12 @@ def maze(
         rng: The only source of randomness; equal state gives an equal world.
         size: Cells per side, including the solid border.
         algorithm: wilson, aldous-broder: every maze is equally likely; backtracker: long winding
-            passages; kruskal, prim: the lightest tree of random weights; for the others see the
-            documentation.
+            passages; kruskal, prim: a minimum spanning tree with random weights; for the others see
+            the documentation.
         newest: Fraction of a growing tree's steps that continue from the newest chamber; if
             omitted, half.
-        oldest: Fraction that continue from the oldest; if omitted, none. The rest continue from any
-            chamber.
+        oldest: Fraction of the steps that continue from the oldest chamber; if omitted, none. The
+            rest continue from any chamber.
         mask: Shape of the maze; the rest of the square is rock.
         braid: Fraction of the dead ends that get a second exit; 1 leaves no dead end.
         rooms: Number of open rectangular rooms, each of 2 x 2 chambers or more.

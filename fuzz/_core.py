@@ -1,0 +1,7 @@
+"""Stand in for the compiled core: Python imports this file only if the core is missing."""
+
+from pathlib import Path
+
+from worldgen.support.missing_core import refuse
+
+refuse("fuzz", str(Path(__file__).parents[1]))

@@ -1,0 +1,6 @@
+"""The C core, which cffi makes; its functions are in ``fuzz/core/wg_*.h``."""
+
+from typing import Any
+
+ffi: Any
+lib: Any
