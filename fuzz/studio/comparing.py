@@ -11,7 +11,7 @@ from fuzz.studio.messages import field, restored, seed_of
 from fuzz.studio.opened import Opened
 from fuzz.studio.running import check_registered, scenario_of
 from sim.compare.comparison import Cell, Comparison, NamedWorld, Total, compare, standing
-from sim.compare.report import describe_outcome
+from sim.compare.report import describe_detail
 from sim.options.run import step_budget
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
@@ -120,7 +120,7 @@ def _cell(world: NamedWorld, label: str, scenario: Scenario, seeds: int, steps: 
 def _shown(cell: Cell) -> dict[str, Any]:
     return {
         "verdict": cell.verdict,
-        "words": describe_outcome(cell),
+        "detail": describe_detail(cell),
         "steps": cell.steps,
         "time": cell.time,
         "runs": len(cell.runs),

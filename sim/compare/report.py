@@ -52,7 +52,7 @@ def describe_outcome(cell: Cell) -> str:
         share = f"({cell.reached}/{len(cell.runs)})"
         if cell.time is not None:
             return f"{cell.time:.3f} {share}"
-        failures = ", ".join(f"{verdict} {count}" for verdict, count in cell.verdicts.items())
+        failures = describe_detail(cell)
         return (
             f"never ({failures})"
             if set(cell.verdicts) <= set(NEVER)
@@ -65,6 +65,13 @@ def describe_outcome(cell: Cell) -> str:
     if cell.verdict == Verdict.STALLED:
         return f"never ({cell.detail or 'stalled'})"
     return f"{cell.verdict} ({cell.detail})" if cell.detail else cell.verdict
+
+
+def describe_detail(cell: Cell) -> str:
+    """Return what is known beyond the verdict: ``period 104``, or ``loop 3, stalled 2`` by chance."""
+    if not cell.random:
+        return cell.detail
+    return ", ".join(f"{verdict} {count}" for verdict, count in cell.verdicts.items())
 
 
 def as_text(comparison: Comparison, beside: Agreement | None = None) -> str:

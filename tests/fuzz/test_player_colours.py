@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sim.verdict import Verdict
 from worldgen.render import palette
 from worldgen.render.palette import mix
 
@@ -128,3 +129,10 @@ def test_stripes_of_a_pierced_wall_stand_out_from_what_is_below_them_and_that_fr
 def test_so_they_do_in_pictures_that_are_saved(seen):
     assert apart(palette.PIERCED, palette.PIERCED_GROUND, seen) >= PLAIN
     assert apart(palette.PIERCED_GROUND, palette.WALL, seen) >= PLAIN
+
+
+def test_each_verdict_has_a_sign_and_a_colour():
+    script = (Path(__file__).parents[2] / "fuzz/player/page/dom.js").read_text("utf-8")
+    signs = script[script.index("const SIGNS") :].partition("};")[0]
+    assert re.findall(r'"([\w-]+)":', signs) == [verdict.value for verdict in Verdict]
+    assert set(re.findall(r'\[data-verdict="([\w-]+)"\]', CSS)) >= {*map(str, Verdict)}

@@ -7,7 +7,7 @@ import pytest
 
 from fuzz.studio.messages import message_of
 from sim.compare.comparison import NamedWorld, compare
-from sim.compare.report import describe_outcome
+from sim.compare.report import describe_detail
 from sim.scenario import Scenario
 from tests.helpers.studio import page_of, studio_of
 from worldgen import generate
@@ -60,7 +60,7 @@ def test_every_cell_is_that_of_the_command(gate):
     for row, cells in enumerate(expected.cells):
         for column, cell in enumerate(cells):
             part = found[row, column]
-            assert (part["verdict"], part["words"]) == (cell.verdict, describe_outcome(cell))
+            assert (part["verdict"], part["detail"]) == (cell.verdict, describe_detail(cell))
             assert (part["steps"], part["time"]) == (cell.steps, cell.time)
     assert len({part["verdict"] for part in found.values()}) > 1
     totals = [(total["reached"], total["runs"]) for total in said["answer"]["totals"]]

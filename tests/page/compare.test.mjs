@@ -35,9 +35,9 @@ test("each cell has its verdict as a colour and a word, and what the words add t
   const chosen = [];
   const table = makeTable((row, column) => chosen.push([row, column]));
   table.begin(["bug2", "vfh"], [{ name: "trap" }, { name: "broken" }]);
-  const cell = { row: 0, words: "never (loop, period 104)", steps: 1511, time: null, runs: 1, reached: 0, seed: 4 };
+  const cell = { row: 0, detail: "period 104", steps: 1511, time: null, runs: 1, reached: 0, seed: 4 };
   table.take({ row: 0, column: 0, verdict: "loop", ...cell });
-  table.take({ row: 0, column: 1, verdict: "reached", ...cell, time: 4.95, words: "4.950", runs: 20, reached: 19 });
+  table.take({ row: 0, column: 1, verdict: "reached", ...cell, time: 4.95, detail: "", runs: 20, reached: 19 });
   table.take({ row: 0, best: [1] });
   table.take({ row: 1, error: { problem: "it is broken", remedy: "mend it" } });
   table.totals([{ reached: 0, runs: 1, wins: 0, shared: 0 }, { reached: 19, runs: 20, wins: 1, shared: 0 }], 1);

@@ -102,3 +102,17 @@ def test_a_module_that_our_package_hides_is_named_by_its_file(tmp_path, monkeypa
     file.write_text("act = None\n")
     with raises(InvalidParameter, "hidden-module", file="sim/robot.py", attribute="act"):
         CONTROLLERS.get("sim.robot:act")
+
+
+def test_an_import_that_our_package_hides_says_so(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "sim" / "motors.py"
+    file.parent.mkdir()
+    file.write_text("")
+    (tmp_path / "mine.py").write_text("import sim.motors\n")
+    with raises(InvalidParameter, "hidden-module", module="sim.motors", folder="sim"):
+        CONTROLLERS.get("./mine.py:Robot")
+    # A module that nobody has is the user's own mistake.
+    (tmp_path / "other.py").write_text("import sim.wheels\n")
+    with raises(InvalidParameter, "code-failed"):
+        CONTROLLERS.get("./other.py:Robot")

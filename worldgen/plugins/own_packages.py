@@ -16,9 +16,18 @@ from pathlib import Path
 import worldgen
 from worldgen.errors import InvalidParameter
 
-__all__ = ["check_hidden", "check_not_ours", "hidden_package", "prefer_own_packages"]
+__all__ = [
+    "check_hidden",
+    "check_import",
+    "check_not_ours",
+    "hidden_package",
+    "prefer_own_packages",
+]
 
 _PACKAGES = ("sim", "fuzz", "worldgen_plugins")
+_LOOKED_FOR = (
+    "{module!r} is looked for in worldgen's own package {package!r}, not in your folder {folder}/"
+)
 _ROOT = Path(worldgen.__file__).resolve().parent.parent
 
 
@@ -96,23 +105,47 @@ def check_not_ours(module: str, attribute: str) -> None:
     Raises:
         InvalidParameter: If the module is in a folder with the name of one of our packages.
     """
+    file = _file_behind(module)
+    if file is not None:
+        raise InvalidParameter(
+            "hidden-module",
+            _LOOKED_FOR,
+            "name the file: ./{file}:{attribute}",
+            module=module,
+            package=module.partition(".")[0],
+            folder=file.parent.as_posix(),
+            file=file.as_posix(),
+            attribute=attribute,
+        )
+
+
+def check_import(missing: ModuleNotFoundError) -> None:
+    """Raise an error if a user's code imports a module of its own that one of our packages hides.
+
+    Raises:
+        InvalidParameter: If the module is in a folder with the name of one of our packages.
+    """
+    module = missing.name or ""
+    file = _file_behind(module)
+    if file is not None:
+        raise InvalidParameter(
+            "hidden-module",
+            _LOOKED_FOR,
+            "rename the folder, or put its modules into a package of another name",
+            module=module,
+            package=module.partition(".")[0],
+            folder=file.parent.as_posix(),
+        ) from missing
+
+
+def _file_behind(module: str) -> Path | None:
+    """Return the user's file for a module, if one of our packages hides it."""
     package, _, inner = module.partition(".")
+    if package not in _PACKAGES or not inner:
+        return None
     file = Path(*module.split(".")).with_suffix(".py")
-    if package not in _PACKAGES or not inner or not file.is_file():
-        return
-    if _ROOT.joinpath(*module.split(".")).with_suffix(".py").is_file():
-        return
-    raise InvalidParameter(
-        "hidden-module",
-        "{module!r} is looked for in worldgen's own package {package!r}, not in your folder "
-        "{folder}/",
-        "name the file: ./{file}:{attribute}",
-        module=module,
-        package=package,
-        folder=file.parent.as_posix(),
-        file=file.as_posix(),
-        attribute=attribute,
-    )
+    is_ours = _ROOT.joinpath(*module.split(".")).with_suffix(".py").is_file()
+    return file if file.is_file() and not is_ours else None
 
 
 def _place_of(name: str) -> Path | None:

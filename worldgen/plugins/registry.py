@@ -18,7 +18,7 @@ from typing import Any, Generic, TypeVar
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
 from worldgen.plugins.entry_points import points_of
-from worldgen.plugins.own_packages import check_not_ours
+from worldgen.plugins.own_packages import check_import, check_not_ours
 from worldgen.plugins.user_modules import (
     SourceLoader,
     forget_folder,
@@ -125,6 +125,8 @@ def _loading(doing: str) -> Iterator[None]:
         with user_code(doing), time_limit(seconds):
             yield
     except InvalidParameter as error:
+        if isinstance(error.__cause__, ModuleNotFoundError):
+            check_import(error.__cause__)
         if not isinstance(error.__cause__, TimeLimitReached):
             raise
         raise InvalidParameter(

@@ -140,7 +140,33 @@ export function say(text) {
   byId("said").textContent = text;
 }
 
-const SIGNS = { reached: "✓", loop: "↻", stalled: "‖", timeout: "…", tunnel: "⇥", overlap: "⇥", burned: "✹" };
+// By verdict, as in sim/verdict.py.
+const SIGNS = {
+  "reached": "✓",
+  "covered": "✓",
+  "loop": "↻",
+  "livelock": "↻",
+  "deadlock": "‖",
+  "starved": "‖",
+  "stalled": "‖",
+  "timeout": "…",
+  "tunnel": "⇥",
+  "overlap": "⇥",
+  "collision": "⇥",
+  "burned": "✹",
+  "crash": "✗",
+  "hang": "✗",
+  "invalid-command": "✗",
+};
+
+/**
+ * Returns the verdict of a class of failures, whose name begins with it.
+ * @param {string} name
+ * @returns {string}
+ */
+export function verdictOfClass(name) {
+  return Object.keys(SIGNS).find((verdict) => name === verdict || name.startsWith(`${verdict}-`)) ?? "";
+}
 
 /**
  * Makes a sign for a verdict next to robots, whose colours are taken: a shape in the colour of the text.

@@ -114,7 +114,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
             "nothing stands {height:g} m above floor {floor}, which is at {level:g} m; the mesh "
             "reaches from {low:g} "
             "to {high:g} m",
-            "give another slice_height, floor, unit or up axis",
+            "give another slice height, floor, unit or up axis",
             height=plane.height,
             floor=plane.floor,
             level=level,

@@ -1,7 +1,7 @@
 // The state of a campaign: its progress, its speed, its failures, and the strategies that find them.
 
 import { rangeOf } from "#player/archive.js";
-import { el, grouped, plural, verdictDot } from "#player/dom.js";
+import { el, grouped, plural, verdictDot, verdictOfClass } from "#player/dom.js";
 import { refusalWords } from "#studio/shared/refusals.js";
 
 const SPAN = 10_000; // ms over which the current speed is measured
@@ -215,7 +215,7 @@ function showClasses({ parts, campaign }, classes) {
     ...classes.map(({ name, times, best, stands }) => {
       const show = el("button", { type: "button", class: "link", title: "Show only these", onclick: () => campaign.wall.only(name) }, name);
       const size = best ? `${best.width} x ${best.height}, ${best.solid} solid` : stands;
-      const kind = el("span", { class: "kind" }, verdictDot(best ? best.verdict : name.split("-")[0]), best ? show : name);
+      const kind = el("span", { class: "kind" }, verdictDot(best ? best.verdict : verdictOfClass(name)), best ? show : name);
       return rowOf([kind, times || "by shrinking", size]);
     }),
   );

@@ -59,7 +59,7 @@ function showCell({ rows, robots, open }, part) {
   }
   place.dataset.verdict = part.verdict;
   const many = part.runs > 1;
-  const ending = part.time === null ? detailOf(part) : `${part.time.toFixed(2)} s`;
+  const ending = part.time === null ? part.detail : `${part.time.toFixed(2)} s`;
   const facts = [many ? `${part.reached} of ${part.runs}` : "", ending, `${grouped(part.steps)} steps`];
   const button = el(
     "button",
@@ -68,12 +68,6 @@ function showCell({ rows, robots, open }, part) {
     el("span", { class: "quiet" }, facts.filter(Boolean).join(", ")),
   );
   place.replaceChildren(button);
-}
-
-// Returns what a failed run's words add to its verdict, such as "period 104".
-function detailOf({ verdict, words }) {
-  const inner = words.match(/\((.*)\)/s)?.[1] ?? "";
-  return inner.split(", ").filter((word) => word !== verdict).join(", ");
 }
 
 function markBest(place) {
