@@ -24,6 +24,7 @@ from fuzz.player.worlds import drawn_certificate
 from fuzz.studio.campaigns.answers import CampaignAnswers
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.comparing import CompareAnswers
+from fuzz.studio.driving import HandDriven
 from fuzz.studio.exchange import ExchangeAnswers
 from fuzz.studio.gallery import WallAnswers
 from fuzz.studio.limits import MOST_ROBOTS, MOST_STEPS
@@ -35,8 +36,10 @@ from sim.describe import describe_evidence
 from sim.drawing.picture import drive_of, trails_of
 from sim.episode import Episode, simulate
 from sim.evidence import FaultEvidence
+from sim.motion import MOTIONS, THESIS
 from sim.options.run import RunOptions, step_budget
 from sim.thesis.run import signal_in
+from sim.verdict import UNENDED
 from worldgen.difficulty import METRICS, measure, search_world
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.families.builtin.shift import shifted
@@ -212,6 +215,40 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
             except InvalidParameter as error:
                 part({"number": number, "name": str(label), "error": self.folder.refusal(error)})
         return {}
+
+    def drive(self, message: Message, part: Part) -> dict[str, Any]:
+        """Run a robot by the user's commands from the start; ``ended`` if the world ended the run.
+
+        The page asks again with more commands, several times a second. That is simple, and the run
+        is as exact and as repeatable as any other.
+        """
+        world = restored(field(message, "world", dict))
+        if world.others:
+            raise InvalidParameter(
+                "world-of-several-robots",
+                "only a single robot can be driven by hand, and this world has {robots}",
+                "open a world of one robot",
+                robots=len(world.robots),
+            )
+        driver = HandDriven.of(field(message, "commands", list))
+        motion = field(message, "motion", str)
+        check_registered("motion", motion, MOTIONS.names())
+        changed: dict[str, Value] = field(message, "options", dict)
+        # The thesis's model drives only the thesis's robots.
+        if MOTIONS.get(motion).kernel == THESIS:
+            motion = "swept"
+            changed = {}
+        time_step = field(message, "time_step", float)
+        parameters: dict[str, Value] = {**changed, "time_step": time_step, "steps": driver.steps}
+        options = RunOptions.of(motion, field(message, "seed", int), parameters)
+        if message.get("still") is True:
+            world = replace(world, timeline=Timeline(), certificate=None)
+        episode = simulate(world, driver, options, record=True)
+        ended = episode.verdict not in UNENDED
+        seen = _seen(_Driven("you", world, options, episode, driver))
+        # A drive that goes on has not failed.
+        why = seen["why"] if ended else "still driving"
+        return {**seen, "why": why, "motion": motion, "ended": ended}
 
     def check(self, message: Message, part: Part) -> dict[str, Any]:
         """Check that a controller may run under this name with its options."""

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from fuzz.studio.folder import Opened
 from fuzz.studio.limits import MOST_COMPARED, MOST_SEEDS, MOST_STEPS, MOST_WORLDS
 from fuzz.studio.messages import field, restored, seed_of
-from fuzz.studio.opened import Opened
 from fuzz.studio.running import check_registered, scenario_of
 from sim.compare.comparison import Cell, Comparison, NamedWorld, Total, compare, standing
 from sim.compare.report import describe_detail

@@ -14,10 +14,9 @@ from typing import Any
 
 import msgspec
 
-from fuzz.studio.folder import Folder
+from fuzz.studio.folder import Folder, Opened
 from fuzz.studio.limits import MOST_DROPPED
 from fuzz.studio.messages import converted, field, opened_message, restored, seed_of
-from fuzz.studio.opened import Opened
 from fuzz.studio.refusals import describe_note, hide
 from fuzz.studio.running import check_registered
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError

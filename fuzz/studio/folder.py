@@ -6,7 +6,7 @@ import errno
 import glob
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from worldgen.files.archives import ENDINGS
 from worldgen.files.worlds import is_world_file
 from worldgen.support.plain_text import shown
 
-__all__ = ["KNOWN", "MOST_FAILURES", "MOST_FILES", "Folder"]
+__all__ = ["KNOWN", "MOST_FAILURES", "MOST_FILES", "Folder", "Opened"]
 
 KNOWN = "known"
 """The folder, in the opened one, of failures that are marked as known.
@@ -194,3 +194,16 @@ class Folder:
                     "world": is_world_file(entry.name),
                     "found": found,
                 }
+
+
+@dataclass(frozen=True)
+class Opened:
+    """The folder and the controllers with which the studio was started.
+
+    Args:
+        folder: The folder that can be read and written.
+        named: Controllers that were named at the start, in addition to the registered ones.
+    """
+
+    folder: Folder
+    named: Sequence[str] = ()

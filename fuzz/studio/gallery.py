@@ -16,9 +16,8 @@ from fuzz.describe import describe_seeds
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.player import drawn_robots, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
-from fuzz.studio.folder import KNOWN, MOST_FAILURES
+from fuzz.studio.folder import KNOWN, MOST_FAILURES, Opened
 from fuzz.studio.messages import field as part_of
-from fuzz.studio.opened import Opened
 from fuzz.studio.pasted import from_anywhere
 from fuzz.studio.running import check_record, check_registered
 from fuzz.triage.cause import Cause

@@ -39,6 +39,7 @@ REMEDIES: Mapping[str, str] = {
     "invalid-campaign": _ANOTHER_FOLDER,
     "strategy-needs-keep-going": "choose another motion model than stepped+keep_going, or another "
     "family",
+    "motion-for-one-robot": "choose the motion model swept or endpoint",
     "many-posts": "export as sdf, which has fewer, larger boxes",
     "motion-is-the-thesis-robots": "choose the motion model swept or endpoint for other "
     "controllers",

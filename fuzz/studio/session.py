@@ -29,7 +29,7 @@ _REPLACED = frozenset(
     {"compare", "decide", "edits", "generate", "measure", "run", "signal", "watch", "widest"}
 )
 # Requests that run controllers or take long, and write nothing, can be ended.
-_ENDED = _REPLACED | {"before", "hello", "look", "picture"}
+_ENDED = _REPLACED | {"before", "drive", "hello", "look", "picture"}
 # Seconds in which a replaced request may finish, because starting a new process takes longer.
 _PATIENCE = 0.7
 _WARM = {"campaigns": ("walls", "looks")}  # workers that the campaign page will use next

@@ -38,6 +38,7 @@ WORKER_OF = {
     "shift": "making",
     "measure": "widths",
     "run": "runs",
+    "drive": "looks",
     "check": "looks",
     "compare": "tables",
     "picture": "pictures",

@@ -499,6 +499,24 @@ def test_a_world_with_changes_comes_back_from_its_message():
     assert restored(json.loads(json.dumps(message_of(burning)))) == burning
 
 
+def test_a_world_of_several_robots_keeps_them_whatever_is_drawn():
+    world = generate("doorway", 1, robots=3)
+    message = message_of(world)
+    assert restored(message) == world
+    # After an edit, the first robot is the drawn one, and the others stay.
+    edited = restored({**message, "robot_speed": 1.0})
+    assert edited.robot_speed == 1.0 and edited.others == world.others
+    assert edited.certificate is None
+    # A robot drawn onto another one is an error, not a loss.
+    x, y = world.others[0].start.x, world.others[0].start.y
+    with raises(InvalidWorld, "robots-overlap"):
+        restored({**message, "start": [x, y, 0.0]})
+    with raises(InvalidWorld, "other-robots", robots=3):
+        restored(
+            {**message, **message_of(generate("doorway", 1, size=20)), "source": message["source"]}
+        )
+
+
 def test_a_world_whose_lengths_the_page_would_round_to_nothing_is_refused_in_words():
     tiny = World(
         np.zeros((3, 3), np.bool_),

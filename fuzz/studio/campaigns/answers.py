@@ -40,10 +40,9 @@ from fuzz.studio.campaigns.state import (
     is_own,
     running_process,
 )
-from fuzz.studio.folder import KNOWN, MOST_FAILURES, Folder
+from fuzz.studio.folder import KNOWN, MOST_FAILURES, Folder, Opened
 from fuzz.studio.messages import field as part_of
 from fuzz.studio.messages import opened_message, restored
-from fuzz.studio.opened import Opened
 from fuzz.studio.running import may_run
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError

@@ -11,6 +11,7 @@ import { messageOf } from "#studio/draw/model.js";
 import { joinNames, splitNames } from "#studio/shared/links.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
 import { makeCodeNote } from "#studio/play/code_note.js";
+import { makeDriving } from "#studio/play/driving.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
 import { makeRobots } from "#studio/play/robots.js";
 import { runsOneOf } from "#studio/shared/edits.js";
@@ -40,7 +41,13 @@ export function makePlay(section, studio) {
   /** @type {any} */
   const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, isEdited: false, wantedStep: null, cut: false, way: false, runs: [], world: null, message: null, looked: 0, version: -1, under: null, asked: 0 };
   play.code = makeCodeNote(studio, () => run(play, true));
-  play.robots = makeRobots(studio, () => run(play, true), play.code.setting);
+  play.driving = makeDriving({
+    begin: () => beginDriving(play),
+    ask: (message) => studio.connection.ask("drive", message),
+    show: (robot) => showDriven(play, robot),
+    tell: (words, isBad = false) => tell(play, words, isBad),
+  });
+  play.robots = makeRobots(studio, () => run(play, true), play.driving.button, play.code.setting);
   section.replaceChildren(
     el("div", { class: "middle" }, parts.stage, parts.instruments, parts.under),
     el("aside", { class: "side" }, play.robots.element, play.code.element, parts.said, parts.stop, el("div", { class: "results" }, parts.list, parts.beside)),
@@ -53,6 +60,7 @@ export function makePlay(section, studio) {
     run: () => run(play, true),
     begin: () => begin(play),
     pause: () => play.player && play.player.play(false),
+    drive: () => play.driving.button.click(),
     redraw: () => (play.player || play.bare)?.draw(),
     refresh: () => {
       play.code.offer();
@@ -127,6 +135,7 @@ async function run(play, pressed = false) {
     showWrong(play, version);
     return;
   }
+  play.driving.end();
   play.asked += 1;
   play.under = version;
   const { asked } = play;
@@ -156,6 +165,28 @@ async function run(play, pressed = false) {
     clearTimeout(slow);
     if (asked === play.asked) endRun(play);
   }
+}
+
+function tell({ parts }, words, isBad) {
+  parts.said.className = isBad ? "said bad" : "said quiet";
+  parts.said.textContent = words;
+}
+
+// Runs the chosen robots if that is due, and returns the settings of their run for the one that the user drives.
+async function beginDriving(play) {
+  if (play.version !== play.studio.model.version || play.isEdited || !play.message) await run(play, true);
+  if (play.version !== play.studio.model.version) return null;
+  play.player?.play(false);
+  play.runs = play.runs.filter((one) => !one.isDriven);
+  const { controllers: _, ...message } = play.message;
+  return message;
+}
+
+// Shows the robot that the user drives in front of the others, at the end of its run so far.
+function showDriven(play, robot) {
+  play.runs = [...play.runs.filter((one) => !one.isDriven), { ...robot, isDriven: true }];
+  look(play, play.runs.length - 1);
+  play.player.go(robot.steps); // others may have driven longer
 }
 
 function finish(play) {
@@ -251,7 +282,7 @@ function look(play, number) {
   if (!front || !front.run) return;
   play.looked = number;
   /** @type {Drawn} */
-  const drawn = { ...sceneOf(play.world, runs, number), name: play.studio.model.world.name, saves: savesOf(play), stopSaving: () => play.saving && play.saving.stop(), beside: besideOf(play) };
+  const drawn = { ...sceneOf(play.world, runs, number), name: play.studio.model.world.name, saves: front.isDriven ? [] : savesOf(play), stopSaving: () => play.saving && play.saving.stop(), beside: besideOf(play) };
   const former = play.player,
     seen = former && former.drawn.world === play.world && former.step < former.last ? former : null;
   const playing = seen && seen.playing;

@@ -14,10 +14,11 @@ const WIDE = 15; // letters of a name that fill half a line
 /**
  * @param {Studio} studio
  * @param {() => void} run
+ * @param {HTMLElement} drive - Another button next to Run
  * @param {HTMLElement} more - Another setting, shown under the list of robots
  * @returns {any}
  */
-export function makeRobots(studio, run, more) {
+export function makeRobots(studio, run, drive, more) {
   const state = {
     motion: "stepped",
     chosen: ["thesis-2"],
@@ -44,7 +45,7 @@ export function makeRobots(studio, run, more) {
   const element = el(
     "div",
     { class: "setup" },
-    el("div", { class: "line" }, el("h2", {}, "Robots"), parts.due, parts.run),
+    el("div", { class: "line" }, el("h2", {}, "Robots"), parts.due, el("div", { class: "tools" }, drive, parts.run)),
     parts.motion,
     parts.list,
     more,

@@ -1,0 +1,101 @@
+// Driving a robot by hand: keys become commands, and the server runs the robot from the start with all of them.
+
+import { el } from "#player/dom.js";
+import { Ended } from "#studio/shared/connection.js";
+import { addSteps, commandOf, wishOf } from "#studio/play/commands.js";
+import { Refused } from "#studio/shared/refusals.js";
+
+const EVERY = 100; // ms between two requests
+const PACE = 0.25; // share of real time: a robot crosses a small world in two seconds
+const HELP = "Drive with the arrow keys or W A S D, at a quarter of the robot's pace. Escape ends.";
+
+/**
+ * Makes the button, and what happens while the user drives.
+ * @param {object} uses
+ * @param {() => Promise<object | null>} uses.begin - Runs the chosen robots; returns the settings of the run, or null
+ * @param {(message: object) => Promise<any>} uses.ask - Asks the server for the run so far
+ * @param {(robot: any) => void} uses.show - Shows the run so far, at its last step
+ * @param {(words: string, isBad?: boolean) => void} uses.tell
+ */
+export function makeDriving(uses) {
+  const button = el("button", { type: "button", id: "drive", "aria-pressed": "false", title: "Drive a robot with the keys", onclick: () => (state.drive ? end() : begin()) }, "Drive by hand");
+  /** @type {{drive: any}} */
+  const state = { drive: null };
+
+  async function begin() {
+    const message = await uses.begin();
+    if (!message || state.drive) return;
+    const drive = { message, commands: [], held: new Set(), due: 0, isAsking: false, timer: 0 };
+    state.drive = drive;
+    button.textContent = "Stop driving";
+    button.setAttribute("aria-pressed", "true");
+    uses.tell(HELP);
+    addEventListener("keydown", press, { capture: true });
+    addEventListener("keyup", release, { capture: true });
+    addEventListener("blur", letGo);
+    drive.timer = setInterval(tick, EVERY);
+  }
+
+  function end(words = "") {
+    const { drive } = state;
+    if (!drive) return;
+    state.drive = null;
+    clearInterval(drive.timer);
+    removeEventListener("keydown", press, { capture: true });
+    removeEventListener("keyup", release, { capture: true });
+    removeEventListener("blur", letGo);
+    button.textContent = "Drive by hand";
+    button.setAttribute("aria-pressed", "false");
+    uses.tell(words);
+  }
+
+  // While driving, the keys of the page and of its fields do not act.
+  function press(event) {
+    const wish = wishOf(event.key);
+    if (event.ctrlKey || event.metaKey || event.altKey || !(wish || event.key === "Escape")) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    if (wish) state.drive.held.add(wish);
+    else end();
+  }
+
+  function release(event) {
+    state.drive?.held.delete(wishOf(event.key));
+  }
+
+  function letGo() {
+    state.drive?.held.clear();
+  }
+
+  async function tick() {
+    const { drive } = state;
+    drive.due += (EVERY * PACE) / 1000 / drive.message.time_step;
+    const steps = Math.floor(drive.due);
+    // The clock begins with the first key, and waits for no answer.
+    if (drive.commands.length === 0 && drive.held.size === 0) drive.due = 0;
+    else if (steps > 0) {
+      drive.due -= steps;
+      addSteps(drive.commands, steps, commandOf(drive.held));
+      if (!drive.isAsking) await ask(drive);
+    }
+  }
+
+  async function ask(drive) {
+    drive.isAsking = true;
+    try {
+      const robot = await uses.ask({ ...drive.message, commands: drive.commands.map((one) => [...one]) });
+      if (state.drive !== drive) return;
+      uses.show(robot);
+      if (robot.ended) end(`You drove ${robot.time.toFixed(2)} s under ${robot.motion}: ${[robot.verdict, robot.why].filter(Boolean).join(" ")}.`);
+    } catch (error) {
+      if (!(error instanceof Refused || error instanceof Ended)) throw error;
+      if (state.drive !== drive) return;
+      end();
+      uses.tell(error.message, error instanceof Refused);
+    } finally {
+      drive.isAsking = false;
+    }
+  }
+
+  return { button, end, begin };
+}

@@ -1,0 +1,57 @@
+"""Driving by hand on the page Play: with real keys, next to a controller."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.fuzz.test_studio_driving import CORRIDOR
+from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import opened
+from worldgen.files.grid import write_world
+
+pytestmark = pytest.mark.gate
+
+
+@pytest.fixture(scope="module")
+def gate(tmp_path_factory):
+    folder: Path = tmp_path_factory.mktemp("driving")
+    write_world(CORRIDOR, folder / "corridor.grid")
+    with studio_of(folder, file="corridor.grid") as gate:
+        yield gate
+
+
+def test_a_robot_is_driven_to_the_target_next_to_a_controller(browser, gate):
+    with opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.locator(".result").first.wait_for()
+        page.keyboard.press("h")
+        page.locator("#drive[aria-pressed=true]").wait_for()
+        assert "arrow keys" in page.locator("#run-said").inner_text()
+        # Nothing happens before the first key, however long that takes.
+        page.wait_for_timeout(400)
+        assert page.locator(".result").count() == 1
+        page.keyboard.down("ArrowUp")
+        page.locator("#run-said", has_text="You drove").wait_for()
+        page.keyboard.up("ArrowUp")
+        assert "reached" in page.locator("#run-said").inner_text()
+        assert page.locator("#drive[aria-pressed=false]").count() == 1
+        names = [one.get_attribute("data-controller") for one in page.locator(".result").all()]
+        assert names == ["thesis-2", "you"]
+        # The keys of the page act again.
+        page.keyboard.press("ArrowLeft")
+        assert page.locator("[aria-current] .result").get_attribute("data-controller") == "you"
+
+
+def test_escape_ends_a_drive_and_a_new_run_forgets_it(browser, gate):
+    with opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.locator(".result").first.wait_for()
+        page.locator("#drive").click()
+        page.locator("#drive[aria-pressed=true]").wait_for()
+        page.keyboard.down("s")
+        page.locator(".result[data-controller=you]").wait_for()
+        page.keyboard.up("s")
+        page.keyboard.press("Escape")
+        page.locator("#drive[aria-pressed=false]").wait_for()
+        page.locator("#run").click()
+        page.locator(".result[data-controller=you]").wait_for(state="detached")

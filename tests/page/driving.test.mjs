@@ -1,0 +1,28 @@
+// Driving by hand: what keys mean, and how commands add up.
+
+import assert from "node:assert/strict";
+import test from "node:test";
+
+import "./stand_in.mjs";
+import { addSteps, commandOf, wishOf } from "#studio/play/commands.js";
+
+test("arrow keys and letters steer, whether or not Shift or Caps Lock is on", () => {
+  assert.deepEqual(["ArrowUp", "w", "W", "ArrowLeft", "d", "q", "Enter"].map(wishOf), ["forward", "forward", "forward", "left", "right", undefined, undefined]);
+});
+
+test("keys held together combine, and opposite ones cancel out", () => {
+  const turn = commandOf(new Set(["left"]))[1];
+  assert.ok(turn > 0); // counter-clockwise
+  assert.deepEqual(commandOf(new Set(["forward", "left"])), [1, turn]);
+  assert.deepEqual(commandOf(new Set(["back", "right"])), [-1, -turn]);
+  assert.deepEqual(commandOf(new Set(["forward", "back", "left", "right"])), [0, 0]);
+});
+
+test("equal commands that follow each other are one", () => {
+  const commands = [];
+  addSteps(commands, 2, [1, 0]);
+  addSteps(commands, 3, [1, 0]);
+  addSteps(commands, 1, [1, 3]);
+  addSteps(commands, 4, [1, 0]);
+  assert.deepEqual(commands, [[5, 1, 0], [1, 1, 3], [4, 1, 0]]);
+});
