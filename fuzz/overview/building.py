@@ -144,10 +144,13 @@ def _shown(
     """Return a cause with its clearest and its smallest world, and the clearest one's dependencies."""
     with stopping_when(is_over or (lambda: False)):
         own = {name: one for name, one in candidates.items() if cause_of(one) == cause.cause}
-        best = clearest(own.values(), cause.cause)
-    if best is None:
+        # An error of the controller shows in its message, not in the picture.
+        is_error = cause.cause.severity == Severity.CONTROLLER_ERROR
+        best = None if is_error else clearest(own.values(), cause.cause)
+    smallest = min(own.values(), key=lambda failure: (failure.size, failure.id), default=None)
+    best = smallest if is_error else best
+    if best is None or smallest is None:
         return cause
-    smallest = min(own.values(), key=lambda failure: (failure.size, failure.id))
     why = explained(best, is_over) if is_explained else None
     return replace(
         cause,

@@ -30,6 +30,14 @@ test("speed, distance to the target and clearance are in metres and seconds", ()
   assert.equal(seriesOf(world, run)[0], speed);
 });
 
+test("a contact just after a step does not make the robot seem fast", () => {
+  const { world, run } = straight();
+  // The contact is 0.01 steps after the first step, and its place is rounded up.
+  Object.assign(run.open, { at: Float64Array.of(0, 1, 1.01, 2), x: Float64Array.of(2.5, 3.5, 3.53, 4.5) });
+  const [speed] = seriesOf(world, run);
+  assert.ok(speed.most < 1.03, String(speed.most));
+});
+
 test("the legend explains the marks that are there, and no others", () => {
   const words = (drawn) => legendOf(drawn).querySelectorAll("li").map((item) => item.textContent);
   const { world, run } = straight();

@@ -22,10 +22,7 @@ export function seriesOf(world, run) {
   for (let row = 0; row < count; row += 1) {
     const x = open.x[row],
       y = open.y[row];
-    if (row > 0) {
-      const passed = (open.at[row] - open.at[row - 1]) * run.dt;
-      speed[row] = passed > 0 ? (Math.hypot(x - open.x[row - 1], y - open.y[row - 1]) * side) / passed : speed[row - 1];
-    }
+    if (row > 0) speed[row] = speedAt(open, row, run.dt) * side;
     distance[row] = Math.max(0, Math.hypot(x - targetX, y - targetY) - reach) * side;
     clearance[row] = clearanceAt(world, cellsAt(world, open.at[row] * run.dt * 1000), x, y) * side;
   }
@@ -33,6 +30,18 @@ export function seriesOf(world, run) {
   const series = (name, unit, values, capped = false) => ({ name, unit, values, capped, most: values.reduce((most, value) => Math.max(most, value), 0) });
   open.series = [series("Speed", "m/s", speed), series("Distance to the target", "m", distance), series("Clearance", "m", clearance, true)];
   return open.series;
+}
+
+// Returns the speed up to a row, cells/s, over a step at least: between two contacts, rounding would count too much.
+function speedAt({ at, x, y }, row, dt) {
+  let first = row,
+    path = 0;
+  do {
+    first -= 1;
+    path += Math.hypot(x[first + 1] - x[first], y[first + 1] - y[first]);
+  } while (first > 0 && at[row] - at[first] < 1);
+  const passed = (at[row] - at[first]) * dt;
+  return passed > 0 ? path / passed : 0;
 }
 
 // Returns the distance in cells from the edge of the robot's disc to the nearest wall or fire; negative inside of one.
