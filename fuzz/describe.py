@@ -52,7 +52,7 @@ def describe(
     """
     world = failure.world
     record = failure.record
-    kind = failure.bucket
+    bucket = failure.bucket
     evidence: Evidence | None
     try:
         episode, words = run_to_draw(failure)
@@ -65,7 +65,7 @@ def describe(
         evidence = failure.evidence
 
     # Collect everything known about how often, from where and how reliably the failure occurs.
-    often = f", met {counted(met[kind], 'time')}" if met and met[kind] else ""
+    often = f", met {counted(met[bucket], 'time')}" if met and met[bucket] else ""
     seeds = describe_seeds(failure)
     chance = f", {seeds}" if seeds else ""
     chance += _CHANCES.get(str(record.details.get("chance")), "")
@@ -78,7 +78,7 @@ def describe(
         f"{shown(failure.who)}: {record.verdict}{shown(words)}\n"
         f"{shown_lines(describe_frames(evidence))}"
         f"{_doubt(failure)}"
-        f"  class {shown(kind)}{often}; "
+        f"  class {shown(bucket)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"  {cause.value}: {cause.sentence}\n"
         f"{shown_lines(depends)}"

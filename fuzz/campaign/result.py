@@ -105,7 +105,9 @@ class SearchState:
             classes=had.classes + len(result.failures.keys() - self.failures.keys()),
         )
         smaller = {
-            kind: one for kind, one in result.failures.items() if self.is_interesting(kind, one)
+            bucket: one
+            for bucket, one in result.failures.items()
+            if self.is_interesting(bucket, one)
         }
         better = {
             cell: elite for cell, elite in result.elites.items() if self.is_better(cell, elite)
@@ -116,9 +118,9 @@ class SearchState:
             {**self.elites, **better},
         )
 
-    def is_interesting(self, kind: str, failure: Failure) -> bool:
+    def is_interesting(self, bucket: str, failure: Failure) -> bool:
         """Return True if a failure is the first of its class, or smaller than the known one."""
-        before = self.failures.get(kind)
+        before = self.failures.get(bucket)
         return before is None or failure.size < before.size
 
     def is_better(self, cell: tuple[int, ...], elite: Elite) -> bool:

@@ -409,21 +409,21 @@ class Campaign:
         state = self.state
         jobs: list[ShrinkJob] = []
         kept: dict[str, Failure] = {}
-        for kind, failure in sorted(result.failures.items()):
+        for bucket, failure in sorted(result.failures.items()):
             is_known = self._is_known(failure)
-            is_interesting = state.memory.is_interesting(kind, failure)
+            is_interesting = state.memory.is_interesting(bucket, failure)
             if is_interesting:
                 totals = (state.worlds, state.steps, seconds)
-                state.finds.append(DiscoveryTotals(unit, result.strategy, kind, failure, *totals))
+                state.finds.append(DiscoveryTotals(unit, result.strategy, bucket, failure, *totals))
             # The stored result depends only on complete units, so that a resumed campaign agrees.
-            few_whole = self.config.shrink and self._met_whole[kind, is_known] < RESTARTS
-            if few_whole or self._memory.is_interesting(kind, failure):
-                kept[kind] = failure
-            self._met_whole[kind, is_known] += not result.cut
+            few_whole = self.config.shrink and self._met_whole[bucket, is_known] < RESTARTS
+            if few_whole or self._memory.is_interesting(bucket, failure):
+                kept[bucket] = failure
+            self._met_whole[bucket, is_known] += not result.cut
             if is_known:
-                state.known[kind] += result.met[kind]
+                state.known[bucket] += result.met[bucket]
             job = self._queue.job_for(
-                kind, failure, is_known=is_known, is_interesting=is_interesting
+                bucket, failure, is_known=is_known, is_interesting=is_interesting
             )
             if job is not None:
                 jobs.append(job)
@@ -463,11 +463,11 @@ class Campaign:
             # Shrinking moved it here from a new class, which is processed at the end.
             if self._is_known(shrunk):
                 continue
-            kind = shrunk.bucket
-            before = self.state.best.get(kind)
+            bucket = shrunk.bucket
+            before = self.state.best.get(bucket)
             if before is None or size_of(shrunk) < size_of(before):
-                self.state.best[kind] = shrunk
-                yield Discovery(kind, shrunk, before is not None)
+                self.state.best[bucket] = shrunk
+                yield Discovery(bucket, shrunk, before is not None)
 
 
 def _finished(result: T) -> Future[T]:

@@ -283,13 +283,17 @@ class CampaignSession:
         return (
             best
             if self._count_hazards
-            else {kind: one for kind, one in best.items() if not is_hazard(one)}
+            else {bucket: one for bucket, one in best.items() if not is_hazard(one)}
         )
 
     def _hazards(self) -> dict[str, Failure]:
         """Return the classes, with counts, in which the controller could not have avoided the fire."""
         failing = self._failing()
-        return {kind: one for kind, one in self._campaign.state.best.items() if kind not in failing}
+        return {
+            bucket: one
+            for bucket, one in self._campaign.state.best.items()
+            if bucket not in failing
+        }
 
     def _nothing_ran(self) -> InvalidParameter | None:
         """Return an error if no world could be run.
@@ -390,7 +394,7 @@ class CampaignSession:
         self._goes_on = False
         if self._campaign.units is not None:
             self._store.remove_failures_but(
-                [self._path(kind).name for kind in self._campaign.state.best]
+                [self._path(bucket).name for bucket in self._campaign.state.best]
             )
         late = sum(
             not one.is_shrunk
@@ -434,7 +438,7 @@ class CampaignSession:
 
     def _see(self, event: Progress) -> None:
         if isinstance(event, Discovery):
-            self._unsaved.add(event.kind)
+            self._unsaved.add(event.bucket)
         elif isinstance(event, UnitDone):
             self._goes_on = event.again
         if not self._goes_on:
@@ -442,9 +446,9 @@ class CampaignSession:
 
     def _save(self, at_least_after: float = 0.0) -> None:
         """Write the new failures, and periodically the file that reports read."""
-        for kind in sorted(self._unsaved):
-            data = self._campaign.state.best[kind].dumps()
-            path = self._path(kind)
+        for bucket in sorted(self._unsaved):
+            data = self._campaign.state.best[bucket].dumps()
+            path = self._path(bucket)
             # The date of its first occurrence is kept.
             if not path.is_file() or path.read_bytes() != data:
                 self._store.write_failure(path.name, data)
@@ -467,8 +471,8 @@ class CampaignSession:
         self._save()
         return pending
 
-    def _path(self, kind: str) -> Path:
-        return self._out / f"{kind}.grid"
+    def _path(self, bucket: str) -> Path:
+        return self._out / f"{bucket}.grid"
 
     def _report(self) -> None:
         # Scripts get one object.
@@ -526,19 +530,19 @@ class CampaignSession:
         """Print each class with its picture, and the yield of each strategy."""
         state = self._campaign.state
         hazards = self._hazards()
-        for kind, failure in sorted(self._failing().items()):
-            click.echo(describe(failure, self._path(kind), met=state.met))
+        for bucket, failure in sorted(self._failing().items()):
+            click.echo(describe(failure, self._path(bucket), met=state.met))
         if hazards:
             click.echo(
                 f"{hazard_words(hazards.values())}: {counted(len(hazards), 'class', 'classes')}\n"
             )
-        for kind, failure in sorted(hazards.items()):
-            click.echo(describe(failure, self._path(kind), met=state.met))
+        for bucket, failure in sorted(hazards.items()):
+            click.echo(describe(failure, self._path(bucket), met=state.met))
         click.echo(describe_strategies(state))
         if state.known:
             often = ", ".join(
-                f"{shown(kind)} {counted(times, 'time')}"
-                for kind, times in sorted(state.known.items())
+                f"{shown(bucket)} {counted(times, 'time')}"
+                for bucket, times in sorted(state.known.items())
             )
             click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
 
@@ -575,11 +579,11 @@ class CampaignSession:
         new = [
             CiFinding.of(
                 one,
-                self._path(kind),
-                "new" if kind in failing else "hazard",
-                why=why.get(self._path(kind), ""),
+                self._path(bucket),
+                "new" if bucket in failing else "hazard",
+                why=why.get(self._path(bucket), ""),
             )
-            for kind, one in best
+            for bucket, one in best
         ]
         stored = sorted(self._baseline.failures.items(), key=lambda item: (item[0][2], item[1][0]))
         met = [
@@ -590,12 +594,12 @@ class CampaignSession:
     def _listed(self, failures: Mapping[str, Failure]) -> list[dict[str, object]]:
         return [
             {
-                "file": str(self._path(kind)),
+                "file": str(self._path(bucket)),
                 "verdict": failure.verdict,
-                "class": kind,
+                "class": bucket,
                 "solid_cells": failure.world.solid_cells,
                 "shrunk": failure.is_shrunk,
-                "replay": failure.replay_command(self._path(kind)),
+                "replay": failure.replay_command(self._path(bucket)),
             }
-            for kind, failure in sorted(failures.items())
+            for bucket, failure in sorted(failures.items())
         ]

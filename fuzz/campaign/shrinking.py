@@ -79,22 +79,22 @@ class ShrinkQueue:
         return len(self._waiting)
 
     def job_for(
-        self, kind: str, failure: Failure, *, is_known: bool, is_interesting: bool
+        self, bucket: str, failure: Failure, *, is_known: bool, is_interesting: bool
     ) -> ShrinkJob | None:
         """Return the work on a new failure; ``None`` if enough of its class are shrunk, or none.
 
         Args:
-            kind: Its class.
+            bucket: Its class.
             failure: The failure as found.
             is_known: Whether the class is known. Such failures are counted, but not shrunk.
             is_interesting: Whether it is the first or the smallest of its class. Without shrinking,
                 only these matter.
         """
         group = self._known if is_known else self._queued
-        before = len(group.get(kind, ()))
+        before = len(group.get(bucket, ()))
         if not (before < RESTARTS if self._shrinks else is_interesting):
             return None
-        group.setdefault(kind, []).append(failure)
+        group.setdefault(bucket, []).append(failure)
         return None if is_known else ShrinkJob(failure, before=before)
 
     def add(self, job: ShrinkJob) -> None:
@@ -120,9 +120,9 @@ class ShrinkQueue:
     def unshrunk(self, best: Container[str]) -> dict[str, Failure]:
         """Return the smallest failure of each class that has no shrunk one in ``best``."""
         return {
-            kind: min(found, key=size_of)
-            for kind, found in self._queued.items()
-            if kind not in best
+            bucket: min(found, key=size_of)
+            for bucket, found in self._queued.items()
+            if bucket not in best
         }
 
     def slid(self, best: Container[str], busy: Container[str] = ()) -> list[ShrinkJob]:
@@ -136,12 +136,12 @@ class ShrinkQueue:
             busy: Classes that are left out, because a failure of theirs is still being shrunk.
         """
         fresh = sorted(
-            kind
-            for kind in self._queued
-            if kind not in best and kind not in busy and kind not in self._kept_whole
+            bucket
+            for bucket in self._queued
+            if bucket not in best and bucket not in busy and bucket not in self._kept_whole
         )
         self._kept_whole.update(fresh)
-        return [ShrinkJob(min(self._queued[kind], key=size_of), "class") for kind in fresh]
+        return [ShrinkJob(min(self._queued[bucket], key=size_of), "class") for bucket in fresh]
 
     def classes_with_a_first(self) -> set[str]:
         """Return the classes whose first failure is waiting."""

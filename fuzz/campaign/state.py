@@ -32,12 +32,12 @@ class Discovery:
     """A failure is the first of its class, or smaller than the known one.
 
     Args:
-        kind: Its class.
+        bucket: Its class.
         failure: The shrunk failure.
         replaces: True if the class already had one.
     """
 
-    kind: str
+    bucket: str
     failure: Failure
     replaces: bool
 
@@ -52,7 +52,7 @@ class DiscoveryTotals:
     Args:
         unit: Unit that found it.
         strategy: Strategy of that unit.
-        kind: The class.
+        bucket: The class.
         failure: The failure as found, before shrinking.
         worlds: Worlds of the campaign up to and including that unit.
         steps: Steps up to and including that unit.
@@ -61,7 +61,7 @@ class DiscoveryTotals:
 
     unit: int
     strategy: str
-    kind: str
+    bucket: str
     failure: Failure
     worlds: int
     steps: int

@@ -45,7 +45,7 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: str, folder
         BucketTotals(
             unit=find.unit,
             strategy=find.strategy,
-            kind=find.kind,
+            bucket=find.bucket,
             solid_cells=find.failure.world.solid_cells,
             worlds=find.worlds,
             steps=find.steps,

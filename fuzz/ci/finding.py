@@ -35,7 +35,7 @@ class CiFinding:
         controller: The recorded controller, without options.
         who: Controller with options, and motion model.
         verdict: Recorded verdict.
-        kind: The failure's bucket.
+        bucket: The failure's bucket.
         what: What happened, as a sentence without a full stop.
         size: Size of the world, in words.
         picture: The world as lines of text, with the robot's path if its controller can be run.
@@ -53,7 +53,7 @@ class CiFinding:
     controller: str
     who: str
     verdict: str
-    kind: str
+    bucket: str
     what: str
     size: str
     picture: str
@@ -117,7 +117,7 @@ class CiFinding:
             controller=record.controller,
             who=shown(failure.who),
             verdict=shown(record.verdict),
-            kind=shown(failure.bucket),
+            bucket=shown(failure.bucket),
             what=shown(what),
             frames=shown_lines(frames),
             size=f"{world.width} x {world.height} cells, {world.solid_cells} solid",
@@ -155,7 +155,7 @@ class CiFinding:
     def text(self) -> str:
         """The complete finding, as lines of text."""
         cause = f"\n{self.cause}: {self.explanation}" if self.cause else ""
-        about = f"{self.headline}{cause}\nclass {self.kind}; {self.size}"
+        about = f"{self.headline}{cause}\nclass {self.bucket}; {self.size}"
         return f"{about}\n{self.frames}{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
 
 

@@ -44,12 +44,12 @@ def junit(report: Report) -> bytes:
 
 
 def _case(suite: Element, command: str, finding: CiFinding) -> None:
-    name = finding.place if command == "replay" else f"{finding.who}: {finding.kind}"
+    name = finding.place if command == "replay" else f"{finding.who}: {finding.bucket}"
     case = SubElement(
         suite, "testcase", classname=f"worldgen.{command}", name=name, file=finding.place
     )
     about = {
-        "class": finding.kind,
+        "class": finding.bucket,
         "cause": finding.cause,
         "why": finding.why,
         "seed": finding.seed,

@@ -51,7 +51,7 @@ def escaped(text: str) -> str:
 def _row(finding: CiFinding) -> str:
     cells = (
         finding.state,
-        finding.kind,
+        finding.bucket,
         finding.cause,
         finding.who,
         finding.what,
@@ -63,7 +63,7 @@ def _row(finding: CiFinding) -> str:
 
 def _fold(finding: CiFinding) -> str:
     """Return the complete finding in a fold, open if it makes the command exit with code 1."""
-    title = html.escape(f"{finding.kind}, {finding.state}")
+    title = html.escape(f"{finding.bucket}, {finding.state}")
     fold = "<details open>" if finding.fails else "<details>"
     text = html.escape(finding.text)
     return f"{fold}<summary>{title}</summary>\n\n<pre>\n{text}\n</pre>\n\n</details>"

@@ -78,7 +78,7 @@ def _category(report: Report) -> str:
 
 
 def _rule_id(finding: CiFinding) -> str:
-    return "not-confirmed" if finding.state == "not confirmed" else finding.kind[:_LONGEST_ID]
+    return "not-confirmed" if finding.state == "not confirmed" else finding.bucket[:_LONGEST_ID]
 
 
 def _rule(finding: CiFinding) -> dict[str, Any]:
@@ -105,7 +105,7 @@ def _rule(finding: CiFinding) -> dict[str, Any]:
 
 
 def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
-    class_digest = hashlib.sha256("\0".join((finding.who, finding.kind)).encode()).hexdigest()
+    class_digest = hashlib.sha256("\0".join((finding.who, finding.bucket)).encode()).hexdigest()
     world = Place(uri_of(finding.file, root) or quote(shown(finding.file.name)))
     place = (
         world if finding.state == "not confirmed" else place_of(finding.controller, root) or world

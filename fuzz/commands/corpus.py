@@ -26,7 +26,7 @@ def _filters(command: F) -> F:
     """Add the options ``--controller``, ``--class`` and ``--verdict``, which take shell patterns."""
     for name, argument, what in (
         ("--verdict", "verdicts", "Select only this verdict: 'loop', or a pattern such as '*'."),
-        ("--class", "kinds", "Select only this class: 'tunnel-*'."),
+        ("--class", "buckets", "Select only this class: 'tunnel-*'."),
         (
             "--controller",
             "controllers",
@@ -142,7 +142,7 @@ def show(
             click.echo(describe(failure, entry.path))
         except WorldgenError as error:
             click.echo(
-                f"{shown(entry.path)}: {shown(entry.facts.kind)}, {entry.facts.describe_size()}"
+                f"{shown(entry.path)}: {shown(entry.facts.bucket)}, {entry.facts.describe_size()}"
             )
             note(f"  {entry.facts.controller} cannot be run here: {error}")
     if not entries:
@@ -328,7 +328,7 @@ def _json(entry: CorpusEntry) -> dict[str, Any]:
 def _row(entry: CorpusEntry) -> list[str]:
     facts = entry.facts
     words = (
-        facts.kind,
+        facts.bucket,
         facts.verdict,
         facts.controller,
         facts.motion,

@@ -74,15 +74,15 @@ class Baseline:
             if now is None:
                 if reason == _FIXED:
                     fixed.append(failure)
-                say(f"{entry.path}: {reason}, so its class {entry.facts.kind} is not known")
+                say(f"{entry.path}: {reason}, so its class {entry.facts.bucket} is not known")
                 continue
             facts = Facts.of(now, str(entry.path))
-            known = facts.kind == entry.facts.kind or _is_known(failure, now)
-            if facts.kind != entry.facts.kind:
+            known = facts.bucket == entry.facts.bucket or _is_known(failure, now)
+            if facts.bucket != entry.facts.bucket:
                 unknown = "" if known else ", which is not known"
                 say(
-                    f"{entry.path}: stored as {entry.facts.kind}, its class is now "
-                    f"{facts.kind}{unknown}"
+                    f"{entry.path}: stored as {entry.facts.bucket}, its class is now "
+                    f"{facts.bucket}{unknown}"
                 )
             if known:
                 failures.setdefault(_key(facts), (entry.path, now))
@@ -115,7 +115,7 @@ def _who(controller: str, motion: str) -> tuple[str, str]:
 
 
 def _key(facts: Facts) -> _Key:
-    return (*_who(facts.controller, facts.motion), facts.kind)
+    return (*_who(facts.controller, facts.motion), facts.bucket)
 
 
 def _is_known(stored: Failure, now: Failure) -> bool:

@@ -24,7 +24,7 @@ class Facts:
     Args:
         controller: With its options, as commands take it; without motion model, time step and seed.
         motion: Name of the motion model.
-        kind: The failure's bucket.
+        bucket: The failure's bucket.
         verdict: Recorded verdict.
         width: Width in cells.
         height: Height in cells.
@@ -36,7 +36,7 @@ class Facts:
 
     controller: str
     motion: str
-    kind: str
+    bucket: str
     verdict: str
     width: int
     height: int
@@ -70,7 +70,7 @@ class Facts:
         return cls(
             controller=controller,
             motion=record.motion,
-            kind=failure.bucket,
+            bucket=failure.bucket,
             verdict=record.verdict,
             width=world.width,
             height=world.height,
@@ -89,7 +89,7 @@ class Facts:
     @property
     def key(self) -> tuple[str, str, str]:
         """The key by which failures are grouped: controller, motion model, class."""
-        return in_plain_place(self.controller), self.motion, self.kind
+        return in_plain_place(self.controller), self.motion, self.bucket
 
     @property
     def order(self) -> tuple[tuple[int, ...], str]:
@@ -137,6 +137,6 @@ class CorpusEntry:
         facts = asdict(self.facts)
         del facts["size"]  # the other columns describe the world well enough
         row = {"file": str(self.path)}
-        row |= {("class" if name == "kind" else name): value for name, value in facts.items()}
+        row |= {("class" if name == "bucket" else name): value for name, value in facts.items()}
         row["first_seen"] = self.first_seen
         return row

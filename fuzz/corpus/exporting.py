@@ -23,7 +23,7 @@ __all__ = ["TABLE", "export"]
 
 TABLE = "corpus.csv"  # name of the table in an archive
 _FACTS = [field.name for field in fields(Facts) if field.name != "size"]
-_COLUMNS = ("file", *("class" if name == "kind" else name for name in _FACTS))
+_COLUMNS = ("file", *("class" if name == "bucket" else name for name in _FACTS))
 
 
 def export(entries: Iterable[CorpusEntry], out: Path, *, force: bool = False) -> int:

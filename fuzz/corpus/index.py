@@ -19,11 +19,11 @@ __all__ = ["INDEX_FOLDER", "Index"]
 INDEX_FOLDER = ".worldgen-corpus"  # in the corpus; it contains a .gitignore for itself
 _FILE = "index.json"
 # Version of `Facts` and of how they are read from a file; an index of another version is ignored.
-_VERSION = 3
+_VERSION = 4
 _TYPES = {
     "controller": str,
     "motion": str,
-    "kind": str,
+    "bucket": str,
     "verdict": str,
     "width": int,
     "height": int,

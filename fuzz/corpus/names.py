@@ -18,8 +18,8 @@ def name_of(facts: Facts, number: int = 1) -> str:
 
     Further failures of the same class get ``~2`` and so on appended.
     """
-    controller, motion, kind = (_plain(word) for word in facts.key)
-    return f"{controller}/{motion}/{kind}" + (f"~{number}" if number > 1 else "")
+    controller, motion, bucket = (_plain(word) for word in facts.key)
+    return f"{controller}/{motion}/{bucket}" + (f"~{number}" if number > 1 else "")
 
 
 def _plain(text: str) -> str:

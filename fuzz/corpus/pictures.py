@@ -22,7 +22,7 @@ _MOST = 200  # panels: a sheet of five columns is then 16,000 px high
 def draw_failure(entry: CorpusEntry, failure: Failure) -> bytes:
     """Return a picture of a failure as the bytes of a PNG file."""
     facts = entry.facts
-    title = f"{facts.controller}, {facts.motion}: {facts.kind}"
+    title = f"{facts.controller}, {facts.motion}: {facts.bucket}"
     return draw_png(failure.stored, trail=_trails(failure), title=title, pixels=_PIXELS)
 
 
@@ -58,7 +58,7 @@ def _panel(entry: CorpusEntry) -> Panel:
         else facts.controller.rpartition("/")[2]
     )
     return Panel(
-        failure.stored, facts.kind, each_trail(_trails(failure)), (f"{name}, {facts.motion}",)
+        failure.stored, facts.bucket, each_trail(_trails(failure)), (f"{name}, {facts.motion}",)
     )
 
 

@@ -27,19 +27,19 @@ class Selection:
 
     Args:
         controllers: Shell patterns for controllers, such as ``turn-*``.
-        kinds: Shell patterns for classes.
+        buckets: Shell patterns for classes.
         verdicts: Shell patterns for verdicts.
     """
 
     controllers: tuple[str, ...] = ()
-    kinds: tuple[str, ...] = ()
+    buckets: tuple[str, ...] = ()
     verdicts: tuple[str, ...] = ()
 
     def fits(self, facts: Facts) -> bool:
         """Return True if a failure is selected."""
         wanted = (
             (self.controllers, facts.controller),
-            (self.kinds, facts.kind),
+            (self.buckets, facts.bucket),
             (self.verdicts, facts.verdict),
         )
         return all(not patterns or _fits_one(text, patterns) for patterns, text in wanted)

@@ -82,7 +82,7 @@ def build_overview(
 
     # Group first, because it takes no runs.
     found = {**state.best, **state.memory.failures}
-    causes = causes_of(found, {kind: state.met[kind] for kind in found})
+    causes = causes_of(found, {bucket: state.met[bucket] for bucket in found})
 
     # Natural worlds show how often each cause matters, and so which to explain first.
     runs = None
@@ -129,7 +129,7 @@ def _after(began: float, seconds: float | None, share: float) -> Callable[[], bo
 
 def _candidates(state: CampaignState) -> dict[str, Failure]:
     """Return the failures that have a file, by its name in the campaign's folder."""
-    found = {f"{kind}.grid": failure for kind, failure in state.best.items()}
+    found = {f"{bucket}.grid": failure for bucket, failure in state.best.items()}
     kept = {find.failure.id: find.failure for find in state.finds}
     return found | {f"{MEMORY}/failures/{name}.grid": failure for name, failure in kept.items()}
 
@@ -213,7 +213,7 @@ def _compared(state: CampaignState, conclusion: Conclusion) -> RegressionView | 
         if not conclusion.known.is_empty
         else ("last campaign", conclusion.last)
     )
-    now = {kind: cause_of(failure) for kind, failure in state.best.items()}
+    now = {bucket: cause_of(failure) for bucket, failure in state.best.items()}
     return compare(against, now, _causes(before.failing()), _causes(before.fixed))
 
 

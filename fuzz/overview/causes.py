@@ -78,13 +78,13 @@ def causes_of(failures: Mapping[str, Failure], met: Mapping[str, int]) -> list[C
     """
     classes: dict[Cause, list[str]] = {}
     verdicts: dict[Cause, Counter[str]] = {}
-    for kind, failure in sorted(failures.items()):
+    for bucket, failure in sorted(failures.items()):
         cause = cause_of(failure)
-        classes.setdefault(cause, []).append(kind)
-        verdicts.setdefault(cause, Counter())[failure.verdict] += met.get(kind, 1)
+        classes.setdefault(cause, []).append(bucket)
+        verdicts.setdefault(cause, Counter())[failure.verdict] += met.get(bucket, 1)
     return in_order(
-        CauseTotals(cause, tuple(kinds), dict(verdicts[cause].most_common()))
-        for cause, kinds in classes.items()
+        CauseTotals(cause, tuple(buckets), dict(verdicts[cause].most_common()))
+        for cause, buckets in classes.items()
     )
 
 

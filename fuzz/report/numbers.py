@@ -59,7 +59,7 @@ def _of_the_failure(reported: Reported) -> list[Row]:
     record = seen.failure.record
     rows = [
         ("verdict", record.verdict),
-        ("class", facts.kind),
+        ("class", facts.bucket),
         ("controller", facts.controller),
         (
             "motion model",
@@ -157,10 +157,10 @@ def _of_the_search(reported: Reported, campaign: Summary | None) -> list[Row]:
         rows.append(("found by strategy", describe_value(details["found_by"])))
     # The campaign knows how often and when the class was met.
     if campaign is not None:
-        kind = reported.entry.facts.kind
-        if kind in campaign.met:
-            rows.append(("class met", counted(campaign.met[kind], "time")))
-        first = next((find for find in campaign.found if find.kind == kind), None)
+        bucket = reported.entry.facts.bucket
+        if bucket in campaign.met:
+            rows.append(("class met", counted(campaign.met[bucket], "time")))
+        first = next((find for find in campaign.found if find.bucket == bucket), None)
         if first is not None:
             until = f"in world {first.worlds:,}, after {first.steps:,} steps, {first.seconds:.3g} s"
             rows.append(("class first met", until))

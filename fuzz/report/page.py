@@ -103,10 +103,10 @@ def _failure(
     facts = entry.facts
     record = seen.failure.record
     cause = cause_of(seen.failure)
-    met = campaigns[reported.campaign].met.get(facts.kind) if reported.campaign >= 0 else None
+    met = campaigns[reported.campaign].met.get(facts.bucket) if reported.campaign >= 0 else None
     return {
         "id": facts.digest[:_ID_DIGITS],
-        "kind": facts.kind,
+        "kind": facts.bucket,
         "verdict": facts.verdict,
         "controller": facts.controller,
         "motion": facts.motion,

@@ -72,7 +72,7 @@ class WallAnswers(Opened):
             "failures": [
                 {
                     "name": entry.path.relative_to(self.folder.root).as_posix(),
-                    "class": entry.facts.kind,
+                    "class": entry.facts.bucket,
                     "cause": self._cause(entry),
                     "verdict": entry.facts.verdict,
                     "controller": entry.facts.controller,

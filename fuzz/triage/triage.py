@@ -107,9 +107,9 @@ class Triage:
             OutOfTime: If the unit's time is over.
         """
         self.count(verdict, steps)
-        kind = "" if verdict in ARRIVALS else self.enter(world, scenario, verdict, cause)
+        bucket = "" if verdict in ARRIVALS else self.enter(world, scenario, verdict, cause)
         check_time()
-        return self.ask(world, scenario) or kind
+        return self.ask(world, scenario) or bucket
 
     def enter(
         self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any
@@ -191,12 +191,12 @@ class Triage:
     def _keep(self, failure: Failure | None) -> str:
         if failure is None:
             return ""
-        kind = failure.bucket
-        self.result.met[kind] += 1
-        before = self.result.failures.get(kind)
+        bucket = failure.bucket
+        self.result.met[bucket] += 1
+        before = self.result.failures.get(bucket)
         if before is None or failure.size < before.size:
-            self.result.failures[kind] = failure
-        return kind
+            self.result.failures[bucket] = failure
+        return bucket
 
 
 def _with_witness(world: World) -> World | None:

@@ -77,7 +77,7 @@ def test_sarif_is_as_it_was(project):
         controller="thesis-1",
         who="thesis-1 under stepped",
         verdict="tunnel",
-        kind="tunnel-slide-post",
+        bucket="tunnel-slide-post",
         what="tunnel (step 3, wall cell (1, 2))",
         size="4 x 3 cells, 1 solid",
         picture="....\n.S#G\n....",
@@ -90,7 +90,7 @@ def test_sarif_is_as_it_was(project):
         state="new",
         file=project / "a b.grid",
         verdict="loop",
-        kind="loop-bumps",
+        bucket="loop-bumps",
         what="loop forever {}",
     )
     text = sarif(report(new, known), project).decode().replace(version("worldgen"), "VERSION")

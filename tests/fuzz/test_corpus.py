@@ -149,7 +149,7 @@ def test_a_file_that_changed_under_the_same_date_and_length_is_noticed(tmp_path)
     read(tmp_path)
     path.write_bytes(path.read_bytes().replace(b"loop-a", b"loop-b"))
     os.utime(path, (1_700_000_000, 1_700_000_000))
-    assert [entry.facts.kind for entry in read(tmp_path)] == ["loop-b"]
+    assert [entry.facts.bucket for entry in read(tmp_path)] == ["loop-b"]
 
 
 def test_the_index_forgets_files_that_are_gone(tmp_path):

@@ -85,7 +85,7 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
             verdicts=Counter({str(name): int(count) for name, count in entry["verdicts"].items()}),
             met=Counter({str(name): int(count) for name, count in entry["met"].items()}),
             failures={
-                str(kind): failure(_checked(name)) for kind, name in entry["failures"].items()
+                str(bucket): failure(_checked(name)) for bucket, name in entry["failures"].items()
             },
             elites=dict(_elite(*one) for one in entry["elites"]),
         )

@@ -224,9 +224,9 @@ class FolderStore(CampaignStore):
             OutputError: If it cannot be written.
         """
         names: dict[str, str] = {}
-        for kind, failure in done.result.failures.items():
-            names[kind] = failure.id
-            self._save(f"failures/{names[kind]}.grid", failure.dumps())
+        for bucket, failure in done.result.failures.items():
+            names[bucket] = failure.id
+            self._save(f"failures/{names[bucket]}.grid", failure.dumps())
         file = self._cut_file(unit) if done.result.cut else self._unit_file(unit)
         write_bytes(file, write_entry(unit, done, self._fingerprint, names), force=True)
         if not done.result.cut:

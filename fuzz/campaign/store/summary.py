@@ -55,7 +55,7 @@ class BucketTotals:
 
     unit: int
     strategy: str
-    kind: str
+    bucket: str
     solid_cells: int
     worlds: int
     steps: int
@@ -67,7 +67,7 @@ class BucketTotals:
         return {
             "unit": self.unit,
             "strategy": self.strategy,
-            "class": self.kind,
+            "class": self.bucket,
             "solid_cells": self.solid_cells,
             "worlds": self.worlds,
             "steps": self.steps,
@@ -298,7 +298,7 @@ def _find(said: _SummaryReader) -> BucketTotals:
     return BucketTotals(
         unit=said.whole("unit"),
         strategy=said.text("strategy"),
-        kind=said.text("class"),
+        bucket=said.text("class"),
         solid_cells=said.whole("solid_cells"),
         worlds=said.whole("worlds"),
         steps=said.whole("steps"),
