@@ -6,8 +6,8 @@ Each of these is imported when it is first used: World, Robot, Pose, Target, Wit
     demand. read_world, write_world, world_digest: the ``.grid`` file. decide, check_certificate:
     prove reachability, and check the proof independently. WorldgenError, with FormatError,
     GenerationFailed, InvalidParameter, InvalidWorld, OutputError: errors as data and as a sentence.
-    Modules of their own are families (``worldgen.families.maze(seed=7)``), compose, interop
-    (import and export), render (pictures) and testing (for your own families).
+    Submodules: families (``worldgen.families.maze(seed=7)``), compose, interop (import and
+    export), render (pictures), testing (for your own families).
 
 PYTEST_DONT_REWRITE: lets a program that has imported this call pytest.main() without a warning.
 """

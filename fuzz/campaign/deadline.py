@@ -15,7 +15,7 @@ TO_HAND_IN = 3.0
 # Seconds after a stop during which earlier failures are still proved; less than TO_HAND_IN.
 _TO_PROVE = 2.0
 
-# In addition to the clock, this process asks these when Ctrl-C was pressed.
+# In addition to the clock, this process also calls these, to learn when Ctrl-C was pressed.
 _stops: list[Callable[[], float]] = []
 
 

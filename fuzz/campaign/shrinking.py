@@ -1,4 +1,4 @@
-"""The failures that a campaign shrinks, in which order, and how one is shrunk."""
+"""Choose, order and shrink a campaign's failures."""
 
 from __future__ import annotations
 
@@ -81,7 +81,9 @@ class ShrinkQueue:
     def job_for(
         self, bucket: str, failure: Failure, *, is_known: bool, is_interesting: bool
     ) -> ShrinkJob | None:
-        """Return the work on a new failure; ``None`` if enough of its class are shrunk, or none.
+        """Return the work on a new failure.
+
+        It is ``None`` if enough of its class are shrunk, or shrinking is off.
 
         Args:
             bucket: Its class.
@@ -98,7 +100,7 @@ class ShrinkQueue:
         return None if is_known else ShrinkJob(failure, before=before)
 
     def add(self, job: ShrinkJob) -> None:
-        """Let a failure wait."""
+        """Add a failure to the queue."""
         self._waiting.append(job)
 
     def take(self, *, first_only: bool = False) -> ShrinkJob | None:

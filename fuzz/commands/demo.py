@@ -38,6 +38,8 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
 
     Prints each command before it runs it. Everything is written to one folder. Exits with 0.
     """
+    from sim.controllers import CONTROLLERS
+    from sim.motion import MOTIONS
     from worldgen.errors import OutputError
 
     if out.exists() and not force:
@@ -48,24 +50,28 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
             at_terminal=True,
             out=out,
         )
+    # Refuse a wrong name before anything is written.
+    CONTROLLERS.get(controller)
+    MOTIONS.get(motion)
     out.mkdir(parents=True, exist_ok=True)
     world = str(out / "w.grid")
     failures = str(out / "failures")
     page = str(out / "report.html")
     search = ["--controller", controller, "--motion", motion]
     amount = ["--units", str(_UNITS), "--examples", str(_EXAMPLES), "--seed", "1"]
+    again = ["--force"] if force else []
     commands = (
-        ["maze", "--size", "60", "--seed", str(_SEED), "--out", world],
-        ["run", world, "--controller", controller, "--trail", str(out / "run.png")],
-        ["fuzz", *search, *amount, "--out", failures],
+        ["maze", "--size", "60", "--seed", str(_SEED), "--out", world, *again],
+        ["run", world, "--controller", controller, "--trail", str(out / "run.png"), *again],
+        ["fuzz", *search, *amount, "--out", failures, *again],
         ["replay", failures],
-        ["report", failures, "--out", page],
+        ["report", failures, "--out", page, *again],
     )
     # With --json, the only output on stdout is one object.
     with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
         for words in commands:
             note(f"\n$ worldgen {shlex.join(words)}")
-            _run([*words, "--force"] if force and words[0] != "replay" else words)
+            _run(words)
     if as_json:
         emit_json(
             {
@@ -77,7 +83,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
 
 
 def _run(words: list[str]) -> None:
-    """Run one of the commands; a robot that fails is no reason to stop."""
+    """Run one of the commands, and continue if the robot fails."""
     from worldgen.cli.main import cli
 
     try:

@@ -68,7 +68,8 @@ _BEGUN = {option.name for option in _DECLARED} | {"out", "seed"}
     "--resume",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Continue the campaign in FOLDER until it is complete, or for the given --units or --budget.",
+    help="Continue the campaign in FOLDER until it is complete, or for the given --units or "
+    "--budget.",
 )
 @click.option(
     "--report",

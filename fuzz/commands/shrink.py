@@ -66,7 +66,8 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     "--snippet",
     "as_snippet",
     is_flag=True,
-    help="Print a test module that contains the shrunk world; write no file unless --out names one.",
+    help="Print a test module that contains the shrunk world; write no file unless --out names "
+    "one.",
 )
 @click.option(
     "--passes", is_flag=True, is_eager=True, expose_value=False, callback=_list_passes,
@@ -96,7 +97,7 @@ def shrink(
     if as_snippet and as_json:
         raise click.UsageError("--snippet and --json both choose what to print; give one of them")
     target = out
-    # Whoever asks for a test gets its world in there, and no file unless one is named.
+    # With --snippet, the test contains the world, so write a file only if one is named.
     if target is None and not as_snippet:
         name = path.name.removesuffix(".gz").removesuffix(".grid")
         target = path.with_name(f"{name}.shrunk.grid")

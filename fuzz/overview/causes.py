@@ -29,7 +29,7 @@ class CauseTotals:
         smallest: File of the simplest world; empty if there is none.
         why: The single changes after which the robot of ``file`` arrives; ``None`` if not tried.
         fault: The controller's error in ``file``, and its place: ``mine.py:6: KeyError: 'left'``;
-            empty if the controller made none.
+            empty if the controller raised none.
         state: ``new`` or ``still`` compared with the known failures; empty if there were none.
     """
 

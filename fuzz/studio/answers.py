@@ -226,7 +226,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         if world.others:
             raise InvalidParameter(
                 "world-of-several-robots",
-                "only a single robot can be driven by hand, and this world has {robots}",
+                "you can drive only in worlds with one robot; this one has {robots}",
                 "open a world of one robot",
                 robots=len(world.robots),
             )

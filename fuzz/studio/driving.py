@@ -49,8 +49,8 @@ class HandDriven:
         if not ends or ends[-1] > MOST_DRIVEN:
             raise InvalidParameter(
                 "out-of-range",
-                "{count} steps driven by hand",
-                "drive 1 to {most}",
+                "the drive has {count} steps",
+                "drive for 1 to {most}",
                 count=ends[-1] if ends else 0,
                 most=MOST_DRIVEN,
             )
@@ -66,7 +66,7 @@ class HandDriven:
         return (0.0,)
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
-        """Return the command of this step; the robot stands once there are no more."""
+        """Return the command of this step; the robot stops when the commands run out."""
         (step,) = memory
         k = bisect_right(self.ends, int(step))
         if k == len(self.ends):
@@ -87,7 +87,7 @@ def _checked(command: object) -> tuple[int, float, float]:
             return steps, float(speed), float(turn_rate)
     raise InvalidParameter(
         "wrong-type",
-        "a command is not a number of steps, a share of the speed and a turn rate",
+        "each command must be a number of steps, a share of the top speed, and a turn rate",
         "send [steps, -1 to 1, up to {fastest:g} rad/s]",
         fastest=_FASTEST_TURN,
     )

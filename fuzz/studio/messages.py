@@ -222,8 +222,8 @@ def world_of(message: Mapping[str, Any]) -> World:
 def restored(message: Mapping[str, Any]) -> World:
     """Return the world in a message.
 
-    If it still equals the one in its file, it has the file's proof, provenance and failure. The page
-    shows and edits one robot; the file's other robots stay as they are.
+    If it still equals the one in its file, it has the file's proof, provenance and failure. The
+    page shows and edits one robot; the file's other robots stay as they are.
 
     Raises:
         InvalidParameter: If a part of the message is missing or of another type.
@@ -239,13 +239,13 @@ def restored(message: Mapping[str, Any]) -> World:
         return opened
     if not opened.others:
         return world
-    # Where they would stand in a world of another size is not known.
+    # Their positions in a resized world are undefined.
     if (opened.walls.shape, opened.cell_size) != (world.walls.shape, world.cell_size):
         raise InvalidWorld(
             "other-robots",
-            "the file has {robots} robots, and the studio cannot move the others along when the "
-            "world changes its size",
-            "undo the change of size, or drop the others: open the world with one [[robot]] only",
+            "the file has {robots} robots, and the studio cannot reposition the others when you resize "
+            "the world",
+            "undo the change of size, or open a copy with a single [[robot]]",
             robots=len(opened.robots),
         )
     return dataclasses.replace(world, others=opened.others)

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
 from fuzz.triage.cause import Cause
@@ -131,11 +133,11 @@ def _of_fleet(world: World, episode: FleetEpisode, arrives: Arrives | None) -> C
     if isinstance(evidence, JointLoopEvidence):
         if (known := _BY_STANDOFF.get(standoff(evidence))) is not None:
             return known
-        # No robot drives into another one, but those that would arrive alone keep out of its way.
-        waiting = evidence.waiting
-        if arrives is not None and all(arrives(world.alone(number)) for number in waiting):
-            is_last = len(waiting) == 1
-            return Cause.BLOCKED_BY_PARKED if is_last else Cause.WAITS_FOR_OTHERS
+        # No robot drives into another one, but robots may wait for each other at a distance.
+        held = _held_at_a_distance(world, episode, evidence)
+        waiting = [world.alone(number) for number in evidence.waiting]
+        if held and arrives is not None and all(map(arrives, waiting)):
+            return held
         # The robots do not affect each other, so the first one's own reason decides.
         number = evidence.waiting[0]
         # If nobody moves, only the robots' contacts explain why.
@@ -153,6 +155,37 @@ def _of_fleet(world: World, episode: FleetEpisode, arrives: Arrives | None) -> C
     ]
     number = getattr(evidence, "robot", None) or late[0]
     return cause_of_run(world.alone(number), episode.robots[number - 1])
+
+
+def _held_at_a_distance(
+    world: World, episode: FleetEpisode, evidence: JointLoopEvidence
+) -> Cause | None:
+    """Return the cause if each robot that waits is near another one; ``None`` if one is not.
+
+    Near means that no other robot of its size would fit in between.
+    """
+    traces = [one.trace for one in episode.robots]
+    parked = {number - 1 for number, _ in evidence.parked}
+    only_parked = True
+    for number in evidence.waiting:
+        own = traces[number - 1]
+        if own is None:
+            return None
+        radius = world.robots[number - 1].radius
+        near = {
+            k
+            for k, other in enumerate(traces)
+            if other is not None
+            and other is not own
+            and np.hypot(
+                own.x[evidence.entry :] - other.x[-1], own.y[evidence.entry :] - other.y[-1]
+            ).min()
+            < 3.0 * radius + world.robots[k].radius
+        }
+        if not near:
+            return None
+        only_parked &= near <= parked
+    return Cause.BLOCKED_BY_PARKED if only_parked else Cause.WAITS_FOR_OTHERS
 
 
 def _of_wall(evidence: WallEvidence) -> Cause:

@@ -70,7 +70,7 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     "--trace",
     type=OUT,
     metavar="OUT",
-    help="Write t,x,y,heading per step, as CSV; for a controller made of behaviours also the active one.",
+    help="Write t,x,y,heading per step, as CSV, plus the active behaviour if there are any.",
 )
 @click.option(
     "--transcript",

@@ -202,7 +202,9 @@ def _totals_table(comparison: Comparison) -> str:
                 "controller arrives."
             )
         else:
-            text += f"\nNo mean or median times: in none of the {of} worlds do all arrive."
+            text += (
+                "\nNo mean or median times: there is no world in which every controller arrives."
+            )
     if any(total.random for total in totals):
         text += "\nIntervals: 95 %, Clopper and Pearson, over the seeds in these worlds."
     return text

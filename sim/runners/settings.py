@@ -20,7 +20,8 @@ __all__ = ["fill_settings"]
 def fill_settings(settings: Any, world: World, controller: Controller, options: RunOptions) -> None:
     """Fill in all that does not depend on the walls, in the core's units.
 
-    What is left to the caller: the start, which must be clear of walls, and disturbances.
+    What is left to the caller: the start, which must be clear of walls, disturbances, and what each
+    run sets for itself: ``steps``, ``digest`` and ``find_loop``.
 
     Args:
         settings: The core's ``WgSettings``, all zero.

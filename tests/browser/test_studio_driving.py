@@ -25,7 +25,7 @@ def test_a_robot_is_driven_to_the_target_next_to_a_controller(browser, gate):
         page.keyboard.press("2")
         page.locator(".result").first.wait_for()
         page.keyboard.press("h")
-        page.locator("#drive[aria-pressed=true]").wait_for()
+        page.locator("#drive", has_text="Stop").wait_for()
         assert "arrow keys" in page.locator("#run-said").inner_text()
         # Nothing happens before the first key, however long that takes.
         page.wait_for_timeout(400)
@@ -34,7 +34,7 @@ def test_a_robot_is_driven_to_the_target_next_to_a_controller(browser, gate):
         page.locator("#run-said", has_text="You drove").wait_for()
         page.keyboard.up("ArrowUp")
         assert "reached" in page.locator("#run-said").inner_text()
-        assert page.locator("#drive[aria-pressed=false]").count() == 1
+        assert page.locator("#drive", has_text="Drive").count() == 1
         names = [one.get_attribute("data-controller") for one in page.locator(".result").all()]
         assert names == ["thesis-2", "you"]
         # The keys of the page act again.
@@ -47,11 +47,27 @@ def test_escape_ends_a_drive_and_a_new_run_forgets_it(browser, gate):
         page.keyboard.press("2")
         page.locator(".result").first.wait_for()
         page.locator("#drive").click()
-        page.locator("#drive[aria-pressed=true]").wait_for()
+        page.locator("#drive", has_text="Stop").wait_for()
         page.keyboard.down("s")
         page.locator(".result[data-controller=you]").wait_for()
         page.keyboard.up("s")
         page.keyboard.press("Escape")
-        page.locator("#drive[aria-pressed=false]").wait_for()
+        page.locator("#drive", has_text="Drive").wait_for()
         page.locator("#run").click()
         page.locator(".result[data-controller=you]").wait_for(state="detached")
+
+
+def test_another_page_ends_a_drive_so_that_its_keys_act_there(browser, gate):
+    with opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.locator(".result").first.wait_for()
+        page.keyboard.press("h")
+        page.locator("#drive", has_text="Stop").wait_for()
+        page.locator("#tabs a", has_text="Draw").click()
+        # On the board, W shows the path or hides it.
+        shown = page.get_by_label("Path", exact=True)
+        before = shown.is_checked()
+        page.keyboard.press("w")
+        assert shown.is_checked() != before
+        page.keyboard.press("2")
+        page.locator("#drive", has_text="Drive").wait_for()

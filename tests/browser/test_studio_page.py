@@ -373,7 +373,7 @@ def test_play_and_campaign_begin_with_the_controller_that_was_named_at_the_start
         assert (named.input_value(), named.is_checked()) == ("bug1", True)
         page.locator("#play").get_by_label("Motion model").select_option("stepped")
         page.locator("#other-controllers", has_text="more under swept, including bug1").wait_for()
-        page.locator("#run-due", has_text="press Run").wait_for()
+        page.locator("#run-due", has_text="Not run yet").wait_for()
 
 
 @pytest.mark.gate

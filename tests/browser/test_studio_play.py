@@ -134,7 +134,7 @@ def test_the_behaviours_settings_are_those_of_the_command_line(page):
     page.get_by_role("button", name="Sensor").click()
     page.get_by_label("Sensor range").fill("50")
     page.locator("#play").get_by_label("Noise", exact=True).check()
-    page.locator("#run-due", has_text="press Run").wait_for()
+    page.locator("#run-due", has_text="Not run yet").wait_for()
     run(page, 261)  # the end of the first period of a loop
     own = {
         "collide_ticks": 9,

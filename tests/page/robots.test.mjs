@@ -83,7 +83,7 @@ test("what is chosen and not run is due", () => {
   robots.running(robots.message());
   assert.equal(part("#run-due").textContent, "");
   tick(box("thesis-1"));
-  assert.equal(part("#run-due").textContent, "Not run yet: press Run.");
+  assert.equal(part("#run-due").textContent, "Not run yet.");
   tick(box("thesis-1"), false);
   assert.equal(part("#run-due").textContent, "");
 });

@@ -96,7 +96,7 @@ def configured(
         _value_of(parameters, key, value, project.file.parent, where)
         for key, value in table.items()
     )
-    # Whoever is in a subfolder may not think of the file.
+    # Users in a subfolder may not know that this file applies.
     if values and project.file.parent != Path.cwd():
         note(f"settings of {path[0]} from {os.path.relpath(project.file)}")
     # A command-line option replaces configured ones that exclude it.

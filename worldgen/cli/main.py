@@ -165,6 +165,9 @@ def _say_how_to_import(error: NotAGrid) -> None:
     )
 
 
+_CORES = ("worldgen._core", "sim._core", "fuzz._core")
+
+
 def main() -> NoReturn:
     """Run the command line and end the process with the documented exit code."""
     # Our own packages come first, even if the user has a folder called sim.
@@ -214,7 +217,7 @@ def _our_fault(error: BaseException) -> int:
         note(f"worldgen: {hidden}", always=True)
         return 2
     # A source checkout that is not installed: the message says so.
-    if isinstance(error, ModuleNotFoundError) and str(error.name).endswith("._core"):
+    if isinstance(error, ModuleNotFoundError) and error.name in _CORES:
         note(f"worldgen: {error}", always=True)
         return 2
     if os.environ.get("WORLDGEN_DEBUG"):

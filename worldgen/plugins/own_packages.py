@@ -143,9 +143,11 @@ def _file_behind(module: str) -> Path | None:
     package, _, inner = module.partition(".")
     if package not in _PACKAGES or not inner:
         return None
-    file = Path(*module.split(".")).with_suffix(".py")
-    is_ours = _ROOT.joinpath(*module.split(".")).with_suffix(".py").is_file()
-    return file if file.is_file() and not is_ours else None
+    place = Path(*module.split("."))
+    for file in (place.with_suffix(".py"), place / "__init__.py"):
+        if file.is_file() and not (_ROOT / file).is_file():
+            return file
+    return None
 
 
 def _place_of(name: str) -> Path | None:

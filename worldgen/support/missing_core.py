@@ -6,6 +6,7 @@ folder, even if worldgen is installed elsewhere.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import NoReturn
 
 __all__ = ["refuse"]
@@ -21,8 +22,11 @@ def refuse(package: str, folder: str) -> NoReturn:
     Raises:
         ModuleNotFoundError: Always.
     """
+    is_checkout = Path(folder, "pyproject.toml").is_file()
     raise ModuleNotFoundError(
         f"{package} was found in {folder}, a source checkout without its compiled core: start "
-        "Python in another folder, or install the checkout in place with pip install -e .",
+        "Python in another folder, or install the checkout in place with pip install -e ."
+        if is_checkout
+        else f"{package} in {folder} has no compiled core for this Python: install worldgen again",
         name=f"{package}._core",
     )

@@ -2,14 +2,17 @@
 
 The robots drive on a grid whose nodes are half a cell apart. All of them take the same number of
 steps from node to node. Before each move, a robot works out the moves of all the robots that it
-sees, in order of priority: each takes the free move that leads nearest to its target, and whoever
-is in its way inherits its priority and must move first. Since the robots know the same, they come
-to the same plan, and each drives its own part of it.
+sees, in order of priority: each takes the free move that brings it closest to its target, and any
+robot in its way inherits its priority and must move first. All robots have the same information, so
+they compute the same plan, and each drives its own part of it.
 
 It knows the map at the start, and the robots' targets and priorities by message. Unlike in the
 paper, robots may be wider than the grid's edges, so moves are compared as motions of discs; a
 robot that has arrived stays where it is; and priorities are fixed: the farther from its target a
 robot starts, the higher.
+
+Two robots may touch if one of them is off the grid, where it starts or where its target is, if they
+differ in speed, or if there are more robots than a robot can sense.
 
 Source: Keisuke Okumura, Manao Machida, Xavier Defago and Yasumasa Tamura, "Priority inheritance
     with backtracking for iterative multi-agent path finding", Artificial Intelligence 310 (2022).
@@ -19,16 +22,19 @@ from __future__ import annotations
 
 import functools
 import math
-from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
 
 from sim.controllers.base import Command, Memory, Neighbour, Observation
 from sim.controllers.memory_view import MemoryField
 from sim.options.robot import RobotOptions
 from worldgen.lattice import radius_in_cells
 from worldgen.reach.still.lattice_graph import build_graph
+from worldgen.support.grid_search import steps_from
 from worldgen.world import World
 
 __all__ = ["Pibt", "pibt"]
@@ -44,6 +50,8 @@ _STAY: Move = (0, 0)
 _MOVES: tuple[Move, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1), _STAY)
 # Distance, in edges, within which a robot counts as standing on a node.
 _NEAR = 0.02
+# Numbers in a message.
+_MESSAGE = 5
 # Bits of the map in one number of the memory; a float holds 53.
 _BITS = 52
 # Places in the memory before the map.
@@ -75,7 +83,7 @@ class _Agent(NamedTuple):
     """A robot that takes part in the plan.
 
     Args:
-        priority: Higher ones choose first; no two robots have the same.
+        priority: Higher ones choose first.
         node: Where it stands.
         radius: In edges.
         target: Where it wants to go.
@@ -112,11 +120,11 @@ class Pibt:
     """Moves from node to node by PIBT."""
 
     senses = ("heading", "x", "y", "time_step", "top_speed", "radius", "neighbours")
-    needs = RobotOptions(neighbour_range=1e6, neighbours=64, message=5)
+    needs = RobotOptions(neighbour_range=1e6, neighbours=64, message=_MESSAGE)
     memory_fields = (MemoryField("steps left", _LEFT),)
 
     def reset(self, world: World) -> Memory:
-        """Return the memory: the move in progress, what the robot tells others, and the map."""
+        """Return the memory: the move in progress, what the robot sends to others, and the map."""
         edge = world.cell_size / _PER_CELL
         clear = build_graph(world.walls, radius_in_cells(world), _PER_CELL).clear
         bits = clear.ravel().tolist()
@@ -127,10 +135,12 @@ class Pibt:
         grid = _Map(words, clear.shape[1])
         wanted = world.target
         target = _Target(wanted.x / edge, wanted.y / edge, wanted.radius / edge)
-        distances = _distances(grid, target)
-        start = _nearest(world.start.x / edge, world.start.y / edge, distances)
-        # The start makes priorities differ: no two robots stand on the same node.
-        priority = distances.get(start, 0) * len(bits) + start[1] * grid.columns + start[0]
+        x = world.start.x / edge
+        y = world.start.y / edge
+        start = _nearest(x, y, _clear_nodes(grid)) or (round(x), round(y))
+        # The start makes priorities differ, unless two robots start off the grid at the same node.
+        to_go = _distances(grid, target).get(start) or 0
+        priority = to_go * len(bits) + start[1] * grid.columns + start[0]
         return (
             0.0,
             0.0,
@@ -149,10 +159,10 @@ class Pibt:
         x = observation.x / edge
         y = observation.y / edge
         if memory[_STEPS] == 0.0:
-            # In the first step nobody knows anything about the others.
+            # In the first step no robot has received a message yet.
             reach = observation.top_speed * observation.time_step
             now[_STEPS] = float(max(1, math.ceil(edge / reach - 1e-9)))
-            return Command(message=_told(now)), tuple(now)
+            return Command(message=_message(now)), tuple(now)
         if memory[_LEFT] == 0.0:
             now[_X], now[_Y] = self._next_place(observation, memory, x, y)
             now[_LEFT] = memory[_STEPS]
@@ -164,7 +174,7 @@ class Pibt:
         if math.hypot(ahead, left) > 1e-6:
             turn = _shortest(math.atan2(left, ahead) - observation.heading)
         now[_LEFT] -= 1.0
-        command = Command(speed, turn / observation.time_step, message=_told(now))
+        command = Command(speed, turn / observation.time_step, message=_message(now))
         return command, tuple(now)
 
     def _next_place(
@@ -173,10 +183,11 @@ class Pibt:
         """Return where to drive next, in edges; the robot is at (x, y)."""
         grid = _Map(memory[_MAP:], int(memory[_COLUMNS]))
         target = _target(memory)
-        distances = _distances(grid, target)
-        node = _nearest(x, y, distances)
+        node = _nearest(x, y, _clear_nodes(grid))
+        if node is None:
+            return x, y
         # The last part of the path leads off the grid, unless a node lies in the target.
-        if distances.get(node) == 0:
+        if _distances(grid, target).get(node) == 0:
             return target.x, target.y
         # Something pushed the robot off the grid, or it started there.
         if math.hypot(x - node[0], y - node[1]) > _NEAR:
@@ -191,7 +202,7 @@ class Pibt:
             else:
                 obstacles.append(seen)
         plan = _plan(grid, tuple(sorted(agents, reverse=True)), tuple(sorted(obstacles)))
-        return me.after(plan[me.priority])
+        return me.after(plan[me])
 
 
 pibt = Pibt()
@@ -201,7 +212,7 @@ def _target(memory: Sequence[float]) -> _Target:
     return _Target(memory[_TARGET_X], memory[_TARGET_Y], memory[_WITHIN])
 
 
-def _told(memory: Sequence[float]) -> tuple[float, ...]:
+def _message(memory: Sequence[float]) -> tuple[float, ...]:
     """Return the message: the target, the priority, and the steps that a move takes."""
     return (*_target(memory), memory[_PRIORITY], memory[_STEPS])
 
@@ -214,8 +225,16 @@ def _seen(other: Neighbour, observation: Observation, memory: Memory) -> _Agent 
     # Rounded, because each robot computes the others' positions from its own.
     x = round((observation.x + cos * other.x - sin * other.y) / edge, 6)
     y = round((observation.y + sin * other.x + cos * other.y) / edge, 6)
-    *numbers, priority, steps = other.message
+    if len(other.message) < _MESSAGE:
+        return _Bystander(x, y, other.radius / edge)
+    *numbers, priority, steps = other.message[:_MESSAGE]
     target = _Target(*numbers)
+    columns = memory[_COLUMNS]
+    rows = len(memory[_MAP:]) * _BITS / columns
+    is_on_map = 0 <= target.x <= columns and 0 <= target.y <= rows and 0 < target.radius < columns
+    if not is_on_map:
+        # Another controller's message.
+        return _Bystander(x, y, other.radius / edge)
     node = (round(x), round(y))
     is_off = math.hypot(x - node[0], y - node[1]) > _NEAR
     has_arrived = math.hypot(x - target.x, y - target.y) <= target.radius + 1e-6
@@ -227,8 +246,8 @@ def _seen(other: Neighbour, observation: Observation, memory: Memory) -> _Agent 
 @functools.lru_cache(maxsize=256)
 def _plan(
     grid: _Map, agents: tuple[_Agent, ...], obstacles: tuple[_Bystander, ...]
-) -> dict[float, Move]:
-    """Return the agents' moves, by priority. Robots that see the same share the work.
+) -> dict[_Agent, Move]:
+    """Return the agents' moves. Robots that see the same share the work.
 
     Args:
         grid: The map.
@@ -240,14 +259,14 @@ def _plan(
         if agent not in plan.decided:
             plan.choose(agent)
     plan.make_way()
-    return {agent.priority: move for agent, move in plan.decided.items()}
+    return plan.decided
 
 
 class _JointMove:
     """A plan in the making.
 
-    Whatever has been decided touches neither another decided move nor an undecided agent that
-    stays.
+    No decided move touches another one. Unless an agent is about to push, none touches an undecided
+    agent that stays where it is, either.
     """
 
     def __init__(
@@ -270,14 +289,16 @@ class _JointMove:
                 first.
 
         Returns:
-            False if it must stay, and has not been able to do so freely.
+            False if no move is free, so that whoever pushes it must look for another move.
         """
-        distances = _distances(self._grid, agent.target, agent.radius, self._parked)
-        if agent.node not in distances:
-            # Robots that have arrived close its way; get near.
-            distances = _distances(self._grid, agent.target)
-        moves = [move for move in _MOVES if agent.after(move) in distances]
-        moves.sort(key=lambda move: distances[agent.after(move)])
+        field = _distances(self._grid, agent.target, agent.radius, self._parked)
+        if field.get(agent.node) is None:
+            # Arrived robots block its path; get as close as possible.
+            field = _distances(self._grid, agent.target)
+        to_go = {move: field.get(agent.after(move)) for move in _MOVES}
+        moves = sorted(
+            (move for move in _MOVES if to_go[move] is not None), key=lambda move: to_go[move] or 0
+        )
         if giving_way is not None:
             moves.sort(key=lambda move: -math.dist(agent.after(move), giving_way))
         for move in moves:
@@ -288,8 +309,11 @@ class _JointMove:
             failed = self._push(agent, move)
             if failed is None:
                 return True
-            # Whoever found no way out stays; the others it pushed may choose again.
+            # The agent that found no way out stays; the others that it pushed may choose again.
             self.decided = before
+            if not self._is_free(failed, _STAY):
+                # It is also in the way of an agent that pushes this one, so this one fails too.
+                break
             self.decided[failed] = _STAY
             self._late.setdefault(failed, agent.after(move))
         self.decided[agent] = _STAY
@@ -354,23 +378,38 @@ def _touch_at(x: float, y: float, dx: float, dy: float, together: float) -> bool
     return math.hypot(x + at * dx, y + at * dy) < together - 1e-9
 
 
-@functools.lru_cache(maxsize=64)
-def _clear_nodes(grid: _Map) -> frozenset[Node]:
-    return frozenset(
-        ((place * _BITS + k) % grid.columns, (place * _BITS + k) // grid.columns)
-        for place, word in enumerate(grid.words)
-        for k in range(_BITS)
-        if int(word) >> k & 1
-    )
+class _Field:
+    """The edges from each node to a target.
+
+    Args:
+        steps: (rows, columns) int32, -1 at nodes from which no path leads there.
+    """
+
+    def __init__(self, steps: npt.NDArray[np.int32]) -> None:
+        self._steps = steps
+
+    def get(self, node: Node) -> int | None:
+        """Return the edges from a node; ``None`` if there is no path, or no such node."""
+        x, y = node
+        rows, columns = self._steps.shape
+        found = int(self._steps[y, x]) if 0 <= x < columns and 0 <= y < rows else -1
+        return None if found < 0 else found
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=16)
+def _clear_nodes(grid: _Map) -> npt.NDArray[np.bool_]:
+    """Return (rows, columns) where a robot alone is clear of walls."""
+    words = np.array(grid.words).astype(np.uint64)
+    bits = (words[:, np.newaxis] >> np.arange(_BITS, dtype=np.uint64)) & np.uint64(1)
+    flat = bits.ravel().astype(np.bool_)
+    return flat[: flat.size // grid.columns * grid.columns].reshape(-1, grid.columns)
+
+
+@functools.lru_cache(maxsize=128)
 def _distances(
     grid: _Map, target: _Target, radius: float = 0.0, parked: tuple[_Bystander, ...] = ()
-) -> dict[Node, int]:
-    """Return the edges from each node to a target; nodes that do not reach it are missing.
-
-    They count from the nodes inside the target, or from the nearest one if there is none.
+) -> _Field:
+    """Return the edges from each node to the clear node nearest to a target.
 
     Args:
         grid: The map.
@@ -378,38 +417,28 @@ def _distances(
         radius: Radius of the robot, in edges; needed only if others are parked.
         parked: Robots to go around.
     """
-    clear = {
-        node
-        for node in _clear_nodes(grid)
-        if all(math.dist(node, one[:2]) >= radius + one.radius - 1e-9 for one in parked)
-    }
-    reach = range(-math.ceil(target.radius) - 1, math.ceil(target.radius) + 2)
-    near = [(round(target.x) + i, round(target.y) + j) for i in reach for j in reach]
-    sources = [
-        node
-        for node in near
-        if node in clear and math.dist(node, target[:2]) <= target.radius + 1e-9
-    ]
-    if not sources and clear:
-        sources = [_nearest(target.x, target.y, clear)]
-    found = dict.fromkeys(sources, 0)
-    waiting = deque(sources)
-    while waiting:
-        node = waiting.popleft()
-        for move in _MOVES:
-            after = (node[0] + move[0], node[1] + move[1])
-            if after in clear and after not in found:
-                found[after] = found[node] + 1
-                waiting.append(after)
-    return found
+    clear = _clear_nodes(grid).copy()
+    y, x = np.indices(clear.shape)
+    for one in parked:
+        clear &= np.hypot(x - one.x, y - one.y) >= radius + one.radius - 1e-9
+    source = _nearest(target.x, target.y, clear)
+    if source is None:
+        return _Field(np.full(clear.shape, -1, np.int32))
+    steps, _ = steps_from(clear, source[1] * grid.columns + source[0])
+    return _Field(steps.reshape(clear.shape))
 
 
-def _nearest(x: float, y: float, nodes: Iterable[Node]) -> Node:
-    """Return the nearest of some nodes, in edges; the rounded point if there are none."""
+def _nearest(x: float, y: float, clear: npt.NDArray[np.bool_]) -> Node | None:
+    """Return the clear node nearest to a place; ``None`` if no node is clear."""
+    rows, columns = clear.shape
     rounded = (round(x), round(y))
-    if rounded in nodes:
+    if 0 <= rounded[0] < columns and 0 <= rounded[1] < rows and clear[rounded[1], rounded[0]]:
         return rounded
-    return min(nodes, key=lambda one: ((one[0] - x) ** 2 + (one[1] - y) ** 2, one), default=rounded)
+    ys, xs = np.nonzero(clear)
+    if len(xs) == 0:
+        return None
+    k = int(np.argmin((xs - x) ** 2 + (ys - y) ** 2))
+    return int(xs[k]), int(ys[k])
 
 
 def _shortest(turn: float) -> float:

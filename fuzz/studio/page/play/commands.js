@@ -18,9 +18,9 @@ export const wishOf = (key) => KEYS[key.length === 1 ? key.toLowerCase() : key];
  * @returns {[number, number]}
  */
 export function commandOf(held) {
-  const forward = Number(held.has("forward")) - Number(held.has("back"));
-  const left = Number(held.has("left")) - Number(held.has("right"));
-  return [forward * SPEED, left * TURN_RATE];
+  const wishes = [...held].map(wishOf);
+  const count = (wish) => Number(wishes.includes(wish));
+  return [(count("forward") - count("back")) * SPEED, (count("left") - count("right")) * TURN_RATE];
 }
 
 /**

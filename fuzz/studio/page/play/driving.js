@@ -7,7 +7,7 @@ import { Refused } from "#studio/shared/refusals.js";
 
 const EVERY = 100; // ms between two requests
 const PACE = 0.25; // share of real time: a robot crosses a small world in two seconds
-const HELP = "Drive with the arrow keys or W A S D, at a quarter of the robot's pace. Escape ends.";
+const HELP = "Drive with the arrow keys or W A S D, at a quarter of real speed. Press Escape to stop.";
 
 /**
  * Makes the button, and what happens while the user drives.
@@ -18,7 +18,7 @@ const HELP = "Drive with the arrow keys or W A S D, at a quarter of the robot's 
  * @param {(words: string, isBad?: boolean) => void} uses.tell
  */
 export function makeDriving(uses) {
-  const button = el("button", { type: "button", id: "drive", "aria-pressed": "false", title: "Drive a robot with the keys", onclick: () => (state.drive ? end() : begin()) }, "Drive by hand");
+  const button = el("button", { type: "button", id: "drive", title: "Drive a robot by hand, with the keys", onclick: () => (state.drive ? end() : begin()) }, "Drive");
   /** @type {{drive: any}} */
   const state = { drive: null };
 
@@ -27,8 +27,7 @@ export function makeDriving(uses) {
     if (!message || state.drive) return;
     const drive = { message, commands: [], held: new Set(), due: 0, isAsking: false, timer: 0 };
     state.drive = drive;
-    button.textContent = "Stop driving";
-    button.setAttribute("aria-pressed", "true");
+    button.textContent = "Stop";
     uses.tell(HELP);
     addEventListener("keydown", press, { capture: true });
     addEventListener("keyup", release, { capture: true });
@@ -44,8 +43,7 @@ export function makeDriving(uses) {
     removeEventListener("keydown", press, { capture: true });
     removeEventListener("keyup", release, { capture: true });
     removeEventListener("blur", letGo);
-    button.textContent = "Drive by hand";
-    button.setAttribute("aria-pressed", "false");
+    button.textContent = "Drive";
     uses.tell(words);
   }
 
@@ -55,12 +53,12 @@ export function makeDriving(uses) {
     if (event.ctrlKey || event.metaKey || event.altKey || !(wish || event.key === "Escape")) return;
     event.preventDefault();
     event.stopImmediatePropagation();
-    if (wish) state.drive.held.add(wish);
+    if (wish) state.drive.held.add(event.key);
     else end();
   }
 
   function release(event) {
-    state.drive?.held.delete(wishOf(event.key));
+    state.drive?.held.delete(event.key);
   }
 
   function letGo() {
@@ -69,7 +67,8 @@ export function makeDriving(uses) {
 
   async function tick() {
     const { drive } = state;
-    drive.due += (EVERY * PACE) / 1000 / drive.message.time_step;
+    // With a long time step, each tick is a step.
+    drive.due += Math.max((EVERY * PACE) / 1000 / drive.message.time_step, drive.message.time_step > 1 ? 1 : 0);
     const steps = Math.floor(drive.due);
     // The clock begins with the first key, and waits for no answer.
     if (drive.commands.length === 0 && drive.held.size === 0) drive.due = 0;

@@ -59,7 +59,10 @@ export function makePlay(section, studio) {
     player: () => play.player,
     run: () => run(play, true),
     begin: () => begin(play),
-    pause: () => play.player && play.player.play(false),
+    pause: () => {
+      play.driving.end();
+      play.player?.play(false);
+    },
     drive: () => play.driving.button.click(),
     redraw: () => (play.player || play.bare)?.draw(),
     refresh: () => {
@@ -91,7 +94,7 @@ function wheel(play, event) {
 // Returns the robot in front and how it ran; null before the first run.
 function played({ message, runs, looked }) {
   const front = runs[looked];
-  return front && front.run ? { controller: front.name, motion: message.motion, time_step: message.time_step } : null;
+  return front && front.run && !front.isDriven ? { controller: front.name, motion: message.motion, time_step: message.time_step } : null;
 }
 
 // Opens the page: changes since the last run are run immediately.
@@ -130,12 +133,12 @@ function edited(play, files) {
 async function run(play, pressed = false) {
   const { studio, parts } = play;
   if (!studio.offered) return;
+  play.driving.end();
   const { version } = studio.model;
   if (!play.robots.good(pressed)) {
     showWrong(play, version);
     return;
   }
-  play.driving.end();
   play.asked += 1;
   play.under = version;
   const { asked } = play;
@@ -172,12 +175,14 @@ function tell({ parts }, words, isBad) {
   parts.said.textContent = words;
 }
 
-// Runs the chosen robots if that is due, and returns the settings of their run for the one that the user drives.
+// Runs the chosen robots if needed, and returns the settings of their run for the one that the user drives.
 async function beginDriving(play) {
   if (play.version !== play.studio.model.version || play.isEdited || !play.message) await run(play, true);
-  if (play.version !== play.studio.model.version) return null;
+  if (play.version !== play.studio.model.version || play.studio.page() !== "play") return null;
   play.player?.play(false);
   play.runs = play.runs.filter((one) => !one.isDriven);
+  play.looked = Math.max(0, Math.min(play.looked, play.runs.length - 1));
+  if (play.world) showTable(play);
   const { controllers: _, ...message } = play.message;
   return message;
 }

@@ -45,7 +45,7 @@ export function makeRobots(studio, run, drive, more) {
   const element = el(
     "div",
     { class: "setup" },
-    el("div", { class: "line" }, el("h2", {}, "Robots"), parts.due, el("div", { class: "tools" }, drive, parts.run)),
+    el("div", { class: "line head" }, el("h2", {}, "Robots"), parts.due, el("div", { class: "tools" }, drive, parts.run)),
     parts.motion,
     parts.list,
     more,
@@ -177,7 +177,7 @@ function addOwn(robots, label) {
 // Shows that the chosen settings differ from those of the shown runs; nothing runs until the user presses Run.
 function showDue(robots) {
   const due = robots.ran !== null && robots.ran !== JSON.stringify(messageFor(robots)) && robots.state.chosen.length > 0;
-  robots.parts.due.textContent = due ? "Not run yet: press Run." : "";
+  robots.parts.due.textContent = due ? "Not run yet." : "";
 }
 
 function runButton(run) {
