@@ -106,7 +106,7 @@ def _failure(
     met = campaigns[reported.campaign].met.get(facts.bucket) if reported.campaign >= 0 else None
     return {
         "id": facts.digest[:_ID_DIGITS],
-        "kind": facts.bucket,
+        "bucket": facts.bucket,
         "verdict": facts.verdict,
         "controller": facts.controller,
         "motion": facts.motion,
@@ -150,7 +150,7 @@ def _drawn(seen: ReplayedFailure) -> dict[str, Any]:
         "size": f"{world.width} x {world.height}",
         "solid": world.solid_cells,
         "events": len(world.timeline),
-        "kind": failure.bucket,
+        "bucket": failure.bucket,
         "world": drawn_world(failure.stored),
         **run,
         "sensors": sensors,

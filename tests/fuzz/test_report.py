@@ -157,7 +157,7 @@ def test_a_hostile_class_stays_inside_the_data(tmp_path):
     )
     write_report([tmp_path / "a.grid"], tmp_path / "r.html")
     assert (
-        data_of(tmp_path / "r.html")["failures"][0]["kind"]
+        data_of(tmp_path / "r.html")["failures"][0]["bucket"]
         == "</script><script>alert(1)</script>\u2028"
     )
 
@@ -189,7 +189,7 @@ def test_a_failure_belongs_to_the_innermost_campaign_around_it(tmp_path):
     loop = next(
         failure
         for failure in data_of(tmp_path / "r.html")["failures"]
-        if failure["kind"] == "loop-a"
+        if failure["bucket"] == "loop-a"
     )
     assert (loop["path"], loop["met"]) == (str(tmp_path / "outer" / "inner" / LOOP), 3)
 

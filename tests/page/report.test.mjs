@@ -11,10 +11,10 @@ const CAUSES = { loop: "circles-a-wall", tunnel: "steps-over-a-wall", stalled: "
 
 function failure(id, verdict, solid, more = {}) {
   const now = { size: "9 x 3", solid, events: 0, run: { steps: 10 * solid, loop: null }, world: null };
-  return { id, verdict, kind: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, cells: 27, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], now, ...more };
+  return { id, verdict, bucket: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, cells: 27, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], now, ...more };
 }
 
-const FAILURES = [failure("one", "loop", 20), failure("two", "tunnel", 8, { met: 30 }), failure("three", "tunnel", 12, { kind: "tunnel-b", controller: "bug1" }), failure("four", "stalled", 9, { confirmed: false })];
+const FAILURES = [failure("one", "loop", 20), failure("two", "tunnel", 8, { met: 30 }), failure("three", "tunnel", 12, { bucket: "tunnel-b", controller: "bug1" }), failure("four", "stalled", 9, { confirmed: false })];
 
 let list;
 beforeEach(() => {
@@ -87,7 +87,7 @@ test("a card says what it is, and that it was not confirmed here", () => {
 test("names of strangers are only text", () => {
   list.replaceChildren();
   const hostile = "<img src=x onerror=alert(1)></script>";
-  makeOverview(list, [failure("one", "loop", 20, { kind: hostile })]);
+  makeOverview(list, [failure("one", "loop", 20, { bucket: hostile })]);
   assert.equal(list.querySelector(".kind").textContent, hostile);
   assert.equal(list.querySelectorAll("img, script").length, 0);
 });
@@ -108,9 +108,9 @@ const CAMPAIGN = {
   verdicts: { reached: 700, loop: 12 }, met: { "loop-a": 17, "tunnel-a": 2 },
   strategies: [{ strategy: "native", units: 3, worlds: 800, steps: 100_000, failures: 9, classes: 1 }, { strategy: "archive", units: 1, worlds: 100, steps: 20_000, failures: 2, classes: 2 }],
   found: [
-    { unit: 0, strategy: "native", kind: "loop-a", solid_cells: 40, worlds: 12, steps: 900, seconds: 0.2 },
-    { unit: 1, strategy: "archive", kind: "tunnel-a", solid_cells: 9, worlds: 300, steps: 40_000, seconds: 1.2 },
-    { unit: 2, strategy: "native", kind: "loop-a", solid_cells: 4, worlds: 500, steps: 70_000, seconds: 2.5 },
+    { unit: 0, strategy: "native", bucket: "loop-a", solid_cells: 40, worlds: 12, steps: 900, seconds: 0.2 },
+    { unit: 1, strategy: "archive", bucket: "tunnel-a", solid_cells: 9, worlds: 300, steps: 40_000, seconds: 1.2 },
+    { unit: 2, strategy: "native", bucket: "loop-a", solid_cells: 4, worlds: 500, steps: 70_000, seconds: 2.5 },
   ],
   archive: { names: ["detour", "density"], edges: [[1.5, 2], [0.1]], cells: [[0, 0, 1.5, "reached"], [2, 1, 4, "loop"]], axes: [{ name: "detour", edges: [1.5, 2] }, { name: "density", edges: [0.1] }] },
 };

@@ -185,7 +185,7 @@ interface DrawnFailure {
   size: string;
   solid: number;
   events: number;
-  kind: string;
+  bucket: string;
   world: DrawnWorld | null;
   run: DrawnRun | null;
   sensors: Sensors | null;
@@ -197,7 +197,7 @@ interface DrawnFailure {
 
 interface ReportFailure {
   id: string;
-  kind: string;
+  bucket: string;
   verdict: string;
   controller: string;
   motion: string;
@@ -237,7 +237,7 @@ interface ReportCampaign {
   worlds: number;
   steps: number;
   seconds: number;
-  found: { kind: string; strategy: string; unit: number; solid_cells: number; worlds: number; steps: number; seconds: number }[];
+  found: { bucket: string; strategy: string; unit: number; solid_cells: number; worlds: number; steps: number; seconds: number }[];
   strategies: { strategy: string; units: number; worlds: number; steps: number; failures: number; classes: number }[];
   met: Record<string, number>;
   verdicts: Record<string, number>;

@@ -32,7 +32,7 @@ export function makeCampaign(section, campaigns, failures) {
 function linksOf(failures, index) {
   const links = new Map();
   for (const failure of failures)
-    if (failure.campaign === index && !links.has(failure.kind)) links.set(failure.kind, failure.id);
+    if (failure.campaign === index && !links.has(failure.bucket)) links.set(failure.bucket, failure.id);
   return links;
 }
 
@@ -51,9 +51,9 @@ function campaignPart(campaign, links, several) {
         "Classes, by how often they were met",
         "class",
         campaign.met,
-        (kind) => linked(kind, links),
+        (bucket) => linked(bucket, links),
         (count) =>
-          `${plural(count, "failure")} proved. ${Object.keys(campaign.met).every((kind) => links.has(kind)) ? "" : UNLINKED}`,
+          `${plural(count, "failure")} proved. ${Object.keys(campaign.met).every((bucket) => links.has(bucket)) ? "" : UNLINKED}`,
       ),
       barChart(
       "Verdicts at screening",
@@ -67,8 +67,8 @@ function campaignPart(campaign, links, several) {
   );
 }
 
-function linked(kind, links) {
-  return links.has(kind) ? el("a", { href: `#${links.get(kind)}` }, kind) : kind;
+function linked(bucket, links) {
+  return links.has(bucket) ? el("a", { href: `#${links.get(bucket)}` }, bucket) : bucket;
 }
 
 function chart(title, note, ...content) {
@@ -89,8 +89,8 @@ function foundChart(campaign, links) {
   const holder = el("div");
   const draw = (axis) => holder.replaceChildren(foundPlot(campaign, curve, axis));
   draw("worlds");
-  const met = new Set(campaign.found.map((find) => find.kind)),
-    others = [...links.keys()].filter((kind) => !met.has(kind)).length;
+  const met = new Set(campaign.found.map((find) => find.bucket)),
+    others = [...links.keys()].filter((bucket) => !met.has(bucket)).length;
   const shrunk = others > 0 ? ` Shrinking led to ${plural(others, "other class", "other classes")}.` : "";
   const note = `${plural(last.total, "class", "classes")}; the last new one after ${grouped(last.find.worlds)} of ${plural(campaign.worlds, "world")}.${shrunk}`;
   return chart(
@@ -107,7 +107,7 @@ function foundChart(campaign, links) {
       "Table of finds",
       ["class", "strategy", "unit", "cells", "worlds", "steps", "s"],
       campaign.found.map((find) => [
-        linked(find.kind, links),
+        linked(find.bucket, links),
         find.strategy,
         grouped(find.unit),
         grouped(find.solid_cells),
@@ -122,8 +122,8 @@ function foundChart(campaign, links) {
 function cumulated(found) {
   const seen = new Set();
   return found.map((find) => {
-    const first = !seen.has(find.kind);
-    seen.add(find.kind);
+    const first = !seen.has(find.bucket);
+    seen.add(find.bucket);
     return { find, first, total: seen.size };
   });
 }
@@ -149,7 +149,7 @@ function foundPlot(campaign, curve, axis) {
       svg(
         "title",
         {},
-        `${point.find.kind}${point.first ? "" : ", smaller"}: ${point.find.solid_cells} cells, strategy ${point.find.strategy}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
+        `${point.find.bucket}${point.first ? "" : ", smaller"}: ${point.find.solid_cells} cells, strategy ${point.find.strategy}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
       ),
     ),
   );

@@ -51,7 +51,7 @@ export function makeDetail(section, failure, neighbours) {
   const drawPair = () => {
     for (const small of pair.querySelectorAll("canvas")) drawSmall(small, failure[small.dataset.which ?? ""]);
   };
-  if (failure.now.world) load(failure.now, failure.kind);
+  if (failure.now.world) load(failure.now, failure.bucket);
   drawPair();
   dragToMove(stage, state);
   return {
@@ -59,7 +59,7 @@ export function makeDetail(section, failure, neighbours) {
     swap: () => {
       if (!state.player || !failure.before || !failure.before.world) return;
       if (state.shown === failure.now) load(failure.before, "As found");
-      else load(failure.now, failure.kind);
+      else load(failure.now, failure.bucket);
     },
     redraw: () => {
       if (state.player) state.player.draw();
@@ -84,7 +84,7 @@ function topOf(failure, [before, after]) {
       step(before, "Previous", "p"),
       step(after, "Next", "n"),
     ),
-    el("h2", { tabindex: "-1" }, verdictDot(failure.verdict), " ", failure.kind),
+    el("h2", { tabindex: "-1" }, verdictDot(failure.verdict), " ", failure.bucket),
     el("p", { class: "words" }, `${failure.controller} under ${failure.motion}: ${failure.words}`),
     el("p", { class: "words" }, el("b", {}, failure.cause.replaceAll("-", " ")), `: ${failure.sentence} ${failure.advice}`),
     failure.why ? el("p", { class: "words why" }, `It ${failure.why}.`) : null,
@@ -157,7 +157,7 @@ function pairPart(failure, pair, load) {
   const both = { type: "button", "data-which": "both", "aria-pressed": "false" };
   const together =
     failure.before.run && failure.before.world && failure.now.run && failure.now.world
-      ? el("button", { ...both, onclick: () => load(failure.now, failure.kind, failure.before) }, "Play side by side")
+      ? el("button", { ...both, onclick: () => load(failure.now, failure.bucket, failure.before) }, "Play side by side")
       : null;
   if (together) pair.append(el("div", { class: "together" }, together));
   return el("div", { class: "part" }, el("h3", {}, "Before and after shrinking"), pair);
@@ -166,7 +166,7 @@ function pairPart(failure, pair, load) {
 function pairWords(failure, drawn) {
   const facts = [drawn.size, `${grouped(drawn.solid)} solid`];
   if (drawn.run) facts.push(plural(drawn.run.steps, "step"));
-  if (drawn.kind !== failure.kind) facts.push(drawn.kind);
+  if (drawn.bucket !== failure.bucket) facts.push(drawn.bucket);
   return facts.join(", ");
 }
 

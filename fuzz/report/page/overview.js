@@ -4,7 +4,7 @@ import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
 
 const ORDERS = {
-  class: ["Class", (a, b) => compareText(a.verdict, b.verdict) || compareText(a.kind, b.kind)],
+  class: ["Class", (a, b) => compareText(a.verdict, b.verdict) || compareText(a.bucket, b.bucket)],
   small: ["Smallest first", (a, b) => a.solid - b.solid || a.cells - b.cells],
   large: ["Largest first", (a, b) => b.solid - a.solid || b.cells - a.cells],
   steps: ["Longest run first", (a, b) => stepsOf(b) - stepsOf(a)],
@@ -13,7 +13,7 @@ const ORDERS = {
 const GROUPS = {
   cause: ["Cause", (failure) => failure.cause.replaceAll("-", " ")],
   verdict: ["Verdict", (failure) => failure.verdict],
-  class: ["Class", (failure) => failure.kind],
+  class: ["Class", (failure) => failure.bucket],
   controller: ["Controller", (failure) => `${failure.controller} under ${failure.motion}`],
   none: ["Nothing", () => ""],
 };
@@ -85,7 +85,7 @@ export function failureOf(failures, id) {
 }
 
 function fits(failure, wanted) {
-  const text = `${failure.kind} ${failure.cause} ${failure.controller} ${failure.motion} ${failure.path} ${failure.strategy}`.toLowerCase();
+  const text = `${failure.bucket} ${failure.cause} ${failure.controller} ${failure.motion} ${failure.path} ${failure.strategy}`.toLowerCase();
   return (
     (wanted.verdicts.size === 0 || wanted.verdicts.has(failure.verdict)) &&
     (wanted.controller === "" || failure.controller === wanted.controller) &&
@@ -195,7 +195,7 @@ function card(failure, several) {
     el(
       "div",
       { class: "text" },
-      el("div", { class: "kind" }, failure.kind),
+      el("div", { class: "kind" }, failure.bucket),
       el(
         "div",
         { class: "facts" },

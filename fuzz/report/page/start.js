@@ -24,7 +24,7 @@ function redraw() {
 
 function showTotals() {
   const { failures, campaigns, others } = data;
-  const classes = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}\n${failure.kind}`)).size;
+  const classes = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}\n${failure.bucket}`)).size;
   const confirmed = failures.filter((failure) => failure.confirmed).length;
   const some = (count, one, many = `${one}s`) => ["", grouped(count), ` ${count === 1 ? one : many}`];
   const items = [some(failures.length, "failure"), some(classes, "class", "classes")];
@@ -80,7 +80,7 @@ function route() {
   for (const [key, section] of Object.entries(views)) section.hidden = key !== view;
   byId("answer").hidden = view !== "overview";
   showTabs(view);
-  document.title = failure ? `${failure.kind} - ${data.title}` : data.title;
+  document.title = failure ? `${failure.bucket} - ${data.title}` : data.title;
   if (failure) {
     page.detail = makeDetail(views.detail, failure, neighboursOf(name));
     scrollTo(0, 0);
