@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sim.controllers import CONTROLLERS
-from sim.controllers.base import CompiledController
+from sim.controllers.base import CompiledController, robot_for
 from sim.controllers.thesis import RANDOM
 from sim.options.noise import is_noisy
 from sim.options.run import switch_class
@@ -58,12 +58,14 @@ def unused_options(scenario: Scenario) -> list[str]:
         return _unused_in_the_thesis(controller, scenario)
     senses = getattr(controller, "senses", None)
     changed = scenario.run.robot.changed()
+    # The controller itself may switch on what an option shapes.
+    robot = robot_for(controller, scenario.run.robot)
     sentences = []
     # An option has no effect if the one it shapes is off, or if nobody reads what it changes.
     for name in changed:
         needed = _READ_BY.get(name, ())
         shaped = _SHAPES.get(name)
-        if shaped is not None and not getattr(scenario.run.robot, shaped):
+        if shaped is not None and not getattr(robot, shaped):
             sentences.append(f"+{name} has no effect without +{shaped}")
         elif senses is not None and needed and not set(needed) & set(senses):
             sentences.append(
@@ -86,10 +88,8 @@ def coarse_forces(scenario: Scenario) -> list[str]:
     options = ", ".join(f"+{name}" for name in forces)
     return [
         f"{options}: {scenario.run.motion} moves by whole pixels (a tenth of a cell) and drops the "
-        f"rest of each tick's "
-        "way, so a robot that makes no more than a pixel a tick stands still: with cells of 0.1 m "
-        "and ticks of 15 ms, "
-        "one below 0.67 m/s"
+        "rest of each tick's motion, so a robot that moves less than a pixel per tick stands still: "
+        "with cells of 0.1 m and ticks of 15 ms, one below 0.67 m/s"
     ]
 
 

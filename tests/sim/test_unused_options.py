@@ -23,7 +23,7 @@ from worldgen.world import Pose, Target, World
         ("turn-right+odometry_noise=0.1", "swept", "turn-right does not read odometry_x"),
         ("turn-right+beams=8", "swept", "turn-right does not read beams"),
         ("turn-right+coin=2", "swept", "turn-right does not read random"),
-        ("tangent-bug+beam_noise=0.1", "swept", "+beam_noise has no effect without +beams"),
+        ("turn-right+beam_noise=0.1", "swept", "+beam_noise has no effect without +beams"),
         ("turn-right+smoke_reach=3", "swept", "+smoke_reach has no effect without +smoke"),
         ("thesis-1+draws=0.5", "stepped", "thesis-1 draws no random numbers"),
         ("thesis-3+turn_angle=1.0", "stepped", "thesis-3 draws its angles"),
@@ -39,6 +39,9 @@ def test_an_option_that_changes_nothing_is_named_with_the_reason(text, motion, r
     [
         ("turn-right+sensor_noise=0.1+slip=0.1", "swept"),
         ("tangent-bug+beams=16+beam_noise=0.1", "swept"),
+        # These controllers switch on their beams and their sense of neighbours themselves.
+        ("tangent-bug+beam_noise=0.1", "swept"),
+        ("pibt+message=6", "swept"),
         ("turn-right+smoke=0.5+smoke_reach=3", "swept"),
         ("turn-random+coin=2", "swept"),
         ("thesis-3+draws=0.5", "stepped"),
