@@ -135,7 +135,7 @@ class ShrinkQueue:
 
         Args:
             best: Classes that have a shrunk failure.
-            busy: Classes that are left out, because a failure of theirs is still being shrunk.
+            busy: Classes to leave out, because one of their failures is still being shrunk.
         """
         fresh = sorted(
             bucket

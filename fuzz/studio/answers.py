@@ -246,7 +246,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         episode = simulate(world, driver, options, record=True)
         ended = episode.verdict not in UNENDED
         seen = _seen(_Driven("you", world, options, episode, driver))
-        # A drive that goes on has not failed.
+        # The user is still driving, so this is not a failure yet.
         why = seen["why"] if ended else "still driving"
         return {**seen, "why": why, "motion": motion, "ended": ended}
 

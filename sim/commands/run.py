@@ -169,7 +169,7 @@ def run(
     if trail is not None:
         title = (
             f"{_label(scenarios)}, {scenarios[0].run.motion}: {_sentence(episode)}, "
-            f"{episode.area_covered:.4g} m² covered"
+            f"{episode.area_covered:.4g} m2 covered"
         )
         with working(f"drawing {trail}"):
             picture = _picture(world, episode, scenarios[0].controller, title, trail.suffix)

@@ -202,9 +202,7 @@ def _totals_table(comparison: Comparison) -> str:
                 "controller arrives."
             )
         else:
-            text += (
-                "\nNo mean or median times: there is no world in which every controller arrives."
-            )
+            text += "\nNo mean or median times are given: in every world, some controller does not arrive."
     if any(total.random for total in totals):
         text += "\nIntervals: 95 %, Clopper and Pearson, over the seeds in these worlds."
     return text

@@ -20,12 +20,20 @@ def gate(tmp_path_factory):
         yield gate
 
 
+def begin(page, by_key=True):
+    """Begin to drive on the page Play, once its first run is done."""
+    page.keyboard.press("2")
+    page.locator(".result").first.wait_for()
+    if by_key:
+        page.keyboard.press("h")
+    else:
+        page.locator("#drive").click()
+    page.locator("#drive", has_text="Stop").wait_for()
+
+
 def test_a_robot_is_driven_to_the_target_next_to_a_controller(browser, gate):
     with opened(browser, gate) as page:
-        page.keyboard.press("2")
-        page.locator(".result").first.wait_for()
-        page.keyboard.press("h")
-        page.locator("#drive", has_text="Stop").wait_for()
+        begin(page)
         assert "arrow keys" in page.locator("#run-said").inner_text()
         # Nothing happens before the first key, however long that takes.
         page.wait_for_timeout(400)
@@ -44,10 +52,7 @@ def test_a_robot_is_driven_to_the_target_next_to_a_controller(browser, gate):
 
 def test_escape_ends_a_drive_and_a_new_run_forgets_it(browser, gate):
     with opened(browser, gate) as page:
-        page.keyboard.press("2")
-        page.locator(".result").first.wait_for()
-        page.locator("#drive").click()
-        page.locator("#drive", has_text="Stop").wait_for()
+        begin(page, by_key=False)
         page.keyboard.down("s")
         page.locator(".result[data-controller=you]").wait_for()
         page.keyboard.up("s")
@@ -59,10 +64,7 @@ def test_escape_ends_a_drive_and_a_new_run_forgets_it(browser, gate):
 
 def test_another_page_ends_a_drive_so_that_its_keys_act_there(browser, gate):
     with opened(browser, gate) as page:
-        page.keyboard.press("2")
-        page.locator(".result").first.wait_for()
-        page.keyboard.press("h")
-        page.locator("#drive", has_text="Stop").wait_for()
+        begin(page)
         page.locator("#tabs a", has_text="Draw").click()
         # On the board, W shows the path or hides it.
         shown = page.get_by_label("Path", exact=True)

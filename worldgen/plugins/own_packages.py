@@ -25,9 +25,6 @@ __all__ = [
 ]
 
 _PACKAGES = ("sim", "fuzz", "worldgen_plugins")
-_LOOKED_FOR = (
-    "{module!r} is looked for in worldgen's own package {package!r}, not in your folder {folder}/"
-)
 _ROOT = Path(worldgen.__file__).resolve().parent.parent
 
 
@@ -107,16 +104,7 @@ def check_not_ours(module: str, attribute: str) -> None:
     """
     file = _file_behind(module)
     if file is not None:
-        raise InvalidParameter(
-            "hidden-module",
-            _LOOKED_FOR,
-            "name the file: ./{file}:{attribute}",
-            module=module,
-            package=module.partition(".")[0],
-            folder=file.parent.as_posix(),
-            file=file.as_posix(),
-            attribute=attribute,
-        )
+        raise _hidden(module, file, "name the file: ./{file}:{attribute}", attribute=attribute)
 
 
 def check_import(missing: ModuleNotFoundError) -> None:
@@ -128,14 +116,23 @@ def check_import(missing: ModuleNotFoundError) -> None:
     module = missing.name or ""
     file = _file_behind(module)
     if file is not None:
-        raise InvalidParameter(
-            "hidden-module",
-            _LOOKED_FOR,
-            "rename the folder, or put its modules into a package of another name",
-            module=module,
-            package=module.partition(".")[0],
-            folder=file.parent.as_posix(),
-        ) from missing
+        remedy = "rename the folder, or put its modules into a package of another name"
+        raise _hidden(module, file, remedy) from missing
+
+
+def _hidden(module: str, file: Path, remedy: str, **facts: str) -> InvalidParameter:
+    """Return the error for a user's file that one of our packages hides."""
+    return InvalidParameter(
+        "hidden-module",
+        "{module!r} is looked for in worldgen's own package {package!r}, not in your folder "
+        "{folder}/",
+        remedy,
+        module=module,
+        package=module.partition(".")[0],
+        folder=file.parent.as_posix(),
+        file=file.as_posix(),
+        **facts,
+    )
 
 
 def _file_behind(module: str) -> Path | None:

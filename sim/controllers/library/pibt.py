@@ -172,7 +172,7 @@ class Pibt:
         speed = math.hypot(ahead, left) * edge / (now[_LEFT] * observation.time_step)
         turn = 0.0
         if math.hypot(ahead, left) > 1e-6:
-            turn = _shortest(math.atan2(left, ahead) - observation.heading)
+            turn = math.remainder(math.atan2(left, ahead) - observation.heading, 2 * math.pi)
         now[_LEFT] -= 1.0
         command = Command(speed, turn / observation.time_step, message=_message(now))
         return command, tuple(now)
@@ -439,8 +439,3 @@ def _nearest(x: float, y: float, clear: npt.NDArray[np.bool_]) -> Node | None:
         return None
     k = int(np.argmin((xs - x) ** 2 + (ys - y) ** 2))
     return int(xs[k]), int(ys[k])
-
-
-def _shortest(turn: float) -> float:
-    """Return an equivalent turn of at most half a circle, rad."""
-    return (turn + math.pi) % (2 * math.pi) - math.pi
