@@ -72,5 +72,8 @@ def test_a_pool_ends_a_worker_that_is_busy():
     (process,) = pool._processes.values()
     pool.submit(time.sleep, 600)
     pool.end()
-    process.join()
+    # The pool's own thread waits for the process too. If it is first, join() returns before that
+    # thread has stored the exit code.
+    while process.exitcode is None:
+        process.join(0.01)
     assert process.exitcode == -signal.SIGTERM
