@@ -1,28 +1,31 @@
-"""Load the modules that a campaign's first units need, in each of its processes.
+"""Load the modules that a search's first units need, in each of its processes.
 
-These are the library and the controller.
+These are the library and the controllers.
 """
 
 from __future__ import annotations
 
-from fuzz.campaign.config import CampaignConfig
+from collections.abc import Sequence
+
 from fuzz.triage.proofs import certified
 from sim.runners.controller_time import Effort
 from sim.runners.try_out import EMPTY_ARENA, try_out
+from sim.scenario import Scenario
 
 __all__ = ["load"]
 
 
-def load(config: CampaignConfig) -> float:
-    """Let the controller take two steps, and prove a world.
+def load(scenarios: Sequence[Scenario]) -> float:
+    """Let each controller take two steps, and prove a world.
 
     Args:
-        config: The campaign's configuration.
+        scenarios: The controllers, and how they run.
 
     Returns:
-        Seconds of this spent in the controller's own code.
+        Seconds of this spent in the controllers' own code.
     """
     began = Effort.so_far()
-    try_out(config.scenario)
+    for scenario in scenarios:
+        try_out(scenario)
     certified(EMPTY_ARENA)
     return began.since().own

@@ -7,13 +7,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import replace
+from typing import Any
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.deadline import TO_HAND_IN
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.live import LiveCounts, LiveState, has_not_arrived
 from fuzz.campaign.result import SearchState, UnitResult
@@ -30,33 +28,13 @@ from fuzz.campaign.state import CampaignState, Discovery, DiscoveryTotals, Progr
 from fuzz.campaign.store import CampaignStore
 from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
+from fuzz.campaign.unit_search import Submitted, UnitSearch
 from fuzz.failure import Failure
-from worldgen.support.workers import LISTEN
 
 __all__ = ["Campaign"]
 
-T = TypeVar("T")
 
-# Seconds after the end of the time in which results may still arrive.
-GRACE = 1.0
-# Units that may be finished before an earlier one is.
-_AHEAD = 64
-
-
-@dataclass(frozen=True, eq=False)
-class _Under(Generic[T]):
-    """Work in progress, or restored from the store.
-
-    Args:
-        future: The pending result.
-        seconds: Seconds of the campaign when it was done in an earlier run; ``None`` for new work.
-    """
-
-    future: Future[T]
-    seconds: float | None = None
-
-
-class Campaign:
+class Campaign(UnitSearch[UnitResult, Progress]):
     """A search with a budget.
 
     Args:
@@ -92,16 +70,19 @@ class Campaign:
         began: float | None = None,
         own: float = 0.0,
     ) -> None:
-        self._is_known = is_known
+        super().__init__(
+            [config.scenario],
+            executor or local_executor(workers),
+            Schedule(
+                None if units is not None else seconds, shrinks=config.shrink, began=began, own=own
+            ),
+            units,
+        )
         self.config = config
-        self.units = units
         self.seconds = seconds
         self.state = CampaignState()
-        self._executor: Executor = executor or local_executor(workers)
+        self._is_known = is_known
         self._store = store or CampaignStore()
-        self._schedule = Schedule(
-            None if units is not None else seconds, shrinks=config.shrink, began=began, own=own
-        )
         self._queue = ShrinkQueue(shrinks=config.shrink, by_size=not self._schedule.is_unlimited)
         # Findings of cut units are kept and shown. The knowledge of later units, and what is stored
         # about them, depends only on complete units; otherwise an interrupted campaign would
@@ -113,12 +94,8 @@ class Campaign:
         self._known = [SearchState(), SearchState()]
         # First epoch whose search state lacks the findings of a cut unit.
         self._knows_too_little = math.inf
-        # Units and failures that workers have, or whose results wait to be merged.
-        self._under_way: dict[int, _Under[UnitResult]] = {}
-        self._shrinks: list[tuple[ShrinkJob, _Under[Shrinking]]] = []
-        # Number of the next unit to hand out, and of the next one to merge.
-        self._next = 0
-        self._merged = 0
+        # Failures that workers have.
+        self._shrinks: list[tuple[ShrinkJob, Submitted[Shrinking]]] = []
         self._handed_in = LiveCounts()
         # Seconds of earlier runs.
         self._before = 0.0
@@ -166,40 +143,24 @@ class Campaign:
 
         Raises:
             KeyboardInterrupt: After Ctrl-C, once the units in progress have returned their results.
+            WorkersLost: If the workers ended before the work did.
         """
-        with self._executor as executor:
-            try:
-                yield from self._run(executor)
-            except KeyboardInterrupt:
-                executor.stop()
-                if self._schedule.is_ready:
-                    wait([one.future for one in self._under_way.values()], TO_HAND_IN)
-                list(self._take_what_is_done())
-                raise
-            finally:
-                self._count_time()
+        try:
+            yield from super().run()
+        finally:
+            self._count_time()
 
     def _run(self, executor: Executor) -> Generator[Progress, None, None]:
-        while True:
-            self._hand_out(executor)
-            if not self._under_way and not self._shrinks:
-                self._add_jobs(self._queue.slid(self.state.best))
-                if not self._shrinks and (not self._queue or self._schedule.is_over()):
-                    break
-                continue
-            self._wait(executor)
-            while self._merged in self._under_way and self._under_way[self._merged].future.done():
-                yield from self._merge_next()
-                yield from self._kept()
-            yield from self._kept()
-            if self._schedule.is_over(GRACE):
-                break
-        yield from self._take_what_is_done()
-        # They do not answer in time, so do not wait for them.
-        if self._under_way or self._shrinks:
-            executor.stop()
+        yield from super()._run(executor)
         if self.units is None:
             self._take_from_earlier()
+
+    def _is_exhausted(self) -> bool:
+        self._add_jobs(self._queue.slid(self.state.best))
+        return not self._shrinks and (not self._queue or self._schedule.is_over())
+
+    def _others(self) -> Sequence[Submitted[Any]]:
+        return [submitted for _, submitted in self._shrinks]
 
     def _count_time(self) -> None:
         """Update the times in the state.
@@ -209,88 +170,46 @@ class Campaign:
         self.state.seconds = self._before + self._schedule.elapsed()
         self.state.times = self._schedule.times()
 
-    def _merge_next(self) -> Iterator[Progress]:
-        unit = self._merged
-        under = self._under_way.pop(self._merged)
-        self._merged += 1
-        self._add_jobs(self._merge(unit, under))
-        yield UnitDone(unit, self.state, under.seconds is not None)
-        if under.future.result().interrupted:
-            raise KeyboardInterrupt
-
-    def _take_what_is_done(self) -> Iterator[Discovery]:
-        """At the end, yield the units that are done, including those after an unfinished one.
-
-        The unfinished one has lost its turn.
-        """
-        for unit, under in sorted(self._under_way.items()):
-            if under.future.done():
-                del self._under_way[unit]
-                if not under.future.cancelled() and under.future.exception() is None:
-                    self._add_jobs(self._merge(unit, under))
-        yield from self._kept()
-
     def _take_from_earlier(self) -> None:
         """Add findings from an earlier run's cut units that this run did not get to."""
         for unit in self._store.units_cut():
             if unit >= self._merged and (done := self._store.cut_unit(unit)) is not None:
-                self._merge(unit, _Under(_finished(done.result), done.seconds))
+                self._add(unit, Submitted.restored(done.result, done.seconds))
 
-    def _hand_out(self, executor: Executor) -> None:
-        """Give each free worker something to do.
+    def _hand_out_one(self, executor: Executor) -> bool:
+        """Begin a unit, or shrink a failure.
 
         The first failure of each class is shrunk before the search continues, the others after it.
         If the budget is a time, shrinking has its share of it, during the search and after it.
         """
-        while self._occupied() < executor.room and len(self._under_way) < executor.room + _AHEAD:
-            # The first failure of each class goes before the search, until the search's share is
-            # due.
-            search_first = self._schedule.search_comes_first
-            if not search_first:
-                self._add_jobs(self._slid_already())
-            job = self._next_job(first_only=search_first)
-            unit = None
-            # Search if nothing more urgent waits.
-            if job is None and self._schedule.may_search:
-                if (unit := self._unit(executor, self._next)) is not None:
-                    self._under_way[self._next] = unit
-                    self._next += 1
-                    continue
-                if not self._schedule.is_ready and self._has_more_units():
-                    self._get_ready(executor)
-                    continue
-            # Otherwise shrink the next failure, if there is one.
-            job = job or self._next_job()
-            if job is None:
-                return
-            if not self._schedule.is_ready:
+        # The first failure of each class goes before the search, until the search's share is due.
+        search_first = self._schedule.search_comes_first
+        if not search_first:
+            self._add_jobs(self._slid_already())
+        job = self._next_job(first_only=search_first)
+        # Search if nothing more urgent waits.
+        if job is None and self._schedule.may_search:
+            if (unit := self._unit(executor, self._next)) is not None:
+                self._add_unit(unit)
+                return True
+            if not self._schedule.is_ready and self._has_more_units():
                 self._get_ready(executor)
-            seconds, end = self._schedule.for_shrinking(
-                self._jobs_before(job) + 1, max(executor.room - 1, 1)
+                return True
+        # Otherwise shrink the next failure, if there is one.
+        job = job or self._next_job()
+        if job is None:
+            return False
+        if not self._schedule.is_ready:
+            self._get_ready(executor)
+        seconds, end = self._schedule.for_shrinking(
+            self._jobs_before(job) + 1, max(executor.room - 1, 1)
+        )
+        with self._schedule.doing(0, 1):
+            future = executor.submit(
+                shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end
             )
-            with self._schedule.doing(0, 1):
-                future = executor.submit(
-                    shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end
-                )
-            self._shrinks.append((job, _Under(future)))
-
-    def _occupied(self) -> int:
-        """Return the number of workers that have work, or a result that must be merged first.
-
-        Units are merged in order. Units that come after an unfinished one do not keep a worker
-        busy.
-        """
-        units = list(self._under_way.values())
-        if self._merged in self._under_way and not self._under_way[self._merged].future.done():
-            units = [one for one in units if not one.future.done()]
-        return len(units) + len(self._shrinks)
-
-    def _get_ready(self, executor: Executor) -> None:
-        """Wait until everything is loaded; the time begins then."""
-        loading = [] if self._schedule.is_unlimited else executor.prepare(self.config)
-        while loading and wait(loading, LISTEN).not_done:
-            executor.listen()
-        self._schedule.begin(max((one.result() for one in loading), default=0.0))
+        self._shrinks.append((job, Submitted(future)))
+        return True
 
     def _next_job(self, *, first_only: bool = False) -> ShrinkJob | None:
         """Return a failure to shrink, the first of each class before others.
@@ -312,14 +231,12 @@ class Campaign:
             if done is None:
                 self._queue.add(job)
             else:
-                self._shrinks.append((job, _Under(_finished(Shrinking(done)), 0.0)))
+                self._shrinks.append((job, Submitted.restored(Shrinking(done), 0.0)))
 
     def _has_more_units(self) -> bool:
-        if self.units is not None and self._next >= self.units:
-            return False
-        return self._next // self.config.epoch < len(self._known)
+        return super()._has_more_units() and self._next // self.config.epoch < len(self._known)
 
-    def _unit(self, executor: Executor, unit: int) -> _Under[UnitResult] | None:
+    def _unit(self, executor: Executor, unit: int) -> Submitted[UnitResult] | None:
         """Return the unit in progress, or the stored one.
 
         It is ``None`` if there is none, or the executor is not ready.
@@ -330,50 +247,39 @@ class Campaign:
         if done is not None:
             # A unit's own figure excludes failures that were shrunk after the last unit.
             self._before = max(done.seconds, self._earlier)
-            return _Under(_finished(done.result), done.seconds)
+            return Submitted.restored(done.result, done.seconds)
         if not self._schedule.is_ready or self._schedule.is_over():
             return None
         known = self._known[unit // self.config.epoch]
         deadline = self._schedule.deadline()
         with self._schedule.doing(1, 0):
-            return _Under(executor.submit(run_unit, self.config, unit, known, deadline))
+            return Submitted(executor.submit(run_unit, self.config, unit, known, deadline))
 
-    def _wait(self, executor: Executor) -> None:
-        # Units after the next one to merge don't wake us up.
-        units = [
-            one
-            for unit, one in self._under_way.items()
-            if unit == self._merged or not one.future.done()
-        ]
-        futures: list[Future[Any]] = [one.future for one in units]
-        futures += [one.future for _, one in self._shrinks]
-        with self._schedule.doing(len(units), len(self._shrinks)):
-            while not wait(
-                futures, LISTEN, return_when=FIRST_COMPLETED
-            ).done and not self._schedule.is_over(GRACE):
-                executor.listen()
-        executor.listen()
+    def _merge(self, unit: int, submitted: Submitted[UnitResult]) -> Iterator[Progress]:
+        self._add_jobs(self._add(unit, submitted))
+        yield UnitDone(unit, self.state, submitted.seconds is not None)
+        yield from self._take_others()
 
-    def _merge(self, unit: int, under: _Under[UnitResult]) -> list[ShrinkJob]:
+    def _add(self, unit: int, submitted: Submitted[UnitResult]) -> list[ShrinkJob]:
         """Add a unit's result to the totals and to the store.
 
         Return the failures to shrink, which are the same for any timing.
         """
         # Take the result, unless an earlier run of the campaign got further with the unit.
         state = self.state
-        result = under.future.result()
-        if under.seconds is None:
+        result = submitted.future.result()
+        if submitted.seconds is None:
             state.effort += result.effort
             self._handed_in = self._handed_in.plus(result.worlds, result.steps, result.verdicts)
-        if result.cut and under.seconds is None:
+        if result.cut and submitted.seconds is None:
             result = self._more_of(unit, result)
         # A unit with too little knowledge counts as cut, because it must be done again.
-        if under.seconds is None and unit // self.config.epoch >= self._knows_too_little:
+        if submitted.seconds is None and unit // self.config.epoch >= self._knows_too_little:
             state.too_early += not result.cut
             result = replace(result, cut=True)
         # Add it to the totals.
         self._count_time()
-        seconds = state.seconds if under.seconds is None else under.seconds
+        seconds = state.seconds if submitted.seconds is None else submitted.seconds
         state.units += not result.cut
         state.cut += result.cut
         state.until = max(state.until, unit + 1)
@@ -390,7 +296,7 @@ class Campaign:
         }
         # The search state then has the same order as the store.
         result = replace(result, failures=kept, elites=elites)
-        if under.seconds is None:
+        if submitted.seconds is None:
             self._store.save_unit(unit, Done(result, seconds))
         # Cut units change the displayed state, but not the knowledge of later units.
         state.memory = state.memory.after(result)
@@ -447,14 +353,14 @@ class Campaign:
         busy |= {job.failure.bucket for job, _ in self._shrinks}
         return self._queue.slid(self.state.best, busy)
 
-    def _kept(self) -> Iterator[Discovery]:
+    def _take_others(self) -> Iterator[Discovery]:
         """Take finished results off the shrink list, and keep the smallest failure of each class."""
-        for job, under in [one for one in self._shrinks if one[1].future.done()]:
-            self._shrinks.remove((job, under))
-            result = under.future.result()
+        for job, submitted in [one for one in self._shrinks if one[1].is_done]:
+            self._shrinks.remove((job, submitted))
+            result = submitted.future.result()
             shrunk = result.failure
             self.state.effort += result.effort
-            if under.seconds is None and result.complete:
+            if submitted.seconds is None and result.complete:
                 self._store.save_shrunk(job.failure, job.kept, shrunk)
             self._count_time()
             # No time was left for it.
@@ -468,9 +374,3 @@ class Campaign:
             if before is None or size_of(shrunk) < size_of(before):
                 self.state.best[bucket] = shrunk
                 yield Discovery(bucket, shrunk, before is not None)
-
-
-def _finished(result: T) -> Future[T]:
-    future: Future[T] = Future()
-    future.set_result(result)
-    return future

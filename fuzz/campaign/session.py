@@ -137,7 +137,7 @@ def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedO
     It reveals a wrong name or a compile error immediately.
     """
     scenario = config.scenario
-    outcome = try_out(scenario, seconds)
+    outcome = try_out(scenario, seconds=seconds)
     # Every other run would fail too, each after the whole start-up deadline.
     if outcome.fault is not None and outcome.verdict == Verdict.HANG and outcome.steps == 1:
         raise InvalidParameter(

@@ -141,9 +141,9 @@ def find(
         if contradiction:
             raise click.UsageError(reason)
     step = RunOptions(time_step=RunOptions.time_step if time_step is None else time_step).time_step
-    wishes = parse_targets(",".join(outcomes), motion=motion, time_step=step)
+    targets = parse_targets(",".join(outcomes), motion=motion, time_step=step)
     config = FindConfig(
-        wishes=wishes,
+        targets=targets,
         seed=draw_seed(seed),
         families=families,
         params=tuple(_parameters(families, settings).items()),
@@ -151,11 +151,11 @@ def find(
         start=None if start is None else _pose(start),
         mirror=symmetric,
         fixed_target=keep_target,
-        leash=-1 if leash is None else leash,
+        leash=leash,
         edit=not no_edit,
         together=together,
     )
-    with working("loading the simulator (compiled once after an installation, for about a minute)"):
+    with working("trying the controllers"):
         _try_out(config)
     check_output(out, force)
     search = OutcomeSearch(
@@ -165,7 +165,7 @@ def find(
         workers=workers or os.cpu_count() or 1,
     )
     stopped = _watch(search, out, force)
-    _report(search, wishes, out, as_json)
+    _report(search, targets, out, as_json)
     raise SystemExit(
         130 if stopped else 0 if search.best is not None and search.best.distance == 0.0 else 1
     )
@@ -252,27 +252,17 @@ def _pose(text: str) -> Pose:
 
 
 def _try_out(config: FindConfig) -> None:
-    """Try a drawn world and one short run, so that mismatches show before the search."""
-    import numpy as np
-
+    """Draw a world and take two steps, so that mismatches show before the search."""
     from fuzz.find import draw
-    from sim.controllers.contract import check_contract
-    from sim.episode import prepare
-    from worldgen.world import Pose, Target, World
+    from sim.runners.try_out import EMPTY_ARENA, try_out
 
     drawn = draw(config)
-    arena = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.65, 0.65, 0.05))
-    if config.begin is not None:
-        arena = drawn
-    for wish in config.wishes:
-        options = wish.scenario.options(arena, 2)
-        run = prepare(arena, wish.scenario.controller, options)
-        outcome = run.run(2, find_loop=False, record=False, digest=False)
-        check_contract(wish.scenario.controller, outcome.fault, outcome.steps)
+    for target in config.targets:
+        try_out(target.scenario, EMPTY_ARENA if config.begin is None else drawn)
 
 
 def _report(
-    search: OutcomeSearch, wishes: tuple[OutcomeTarget, ...], out: Path, as_json: bool
+    search: OutcomeSearch, targets: tuple[OutcomeTarget, ...], out: Path, as_json: bool
 ) -> None:
     from worldgen.support.plain_text import counted
 
@@ -290,17 +280,17 @@ def _report(
                 "worlds": search.tried,
                 "outcomes": [
                     {
-                        "controller": wish.scenario.label(),
-                        "wanted": wish.text,
-                        "budget": wish.steps,
+                        "controller": target.scenario.label(),
+                        "wanted": target.text,
+                        "budget": target.steps,
                         "verdict": result.verdict,
                         "steps": result.steps,
                         "reached": result.share,
                         "seeds": result.seeds,
                         "distance": result.distance,
                     }
-                    for wish, result in zip(
-                        wishes, best.results if best else (), strict=best is not None
+                    for target, result in zip(
+                        targets, best.results if best else (), strict=best is not None
                     )
                 ],
             }
@@ -308,18 +298,20 @@ def _report(
         return
     if best is None:
         return
-    for wish, result in zip(wishes, best.results, strict=True):
+    for target, result in zip(targets, best.results, strict=True):
         off = "as wanted" if result.distance == 0.0 else f"off by {result.distance:.4g}"
-        click.echo(f"{wish.scenario.label()}: wanted {wish.text}, got {_got(wish, result)}: {off}")
+        click.echo(
+            f"{target.scenario.label()}: wanted {target.text}, got {_got(target, result)}: {off}"
+        )
     click.echo(f"{counted(search.tried, 'world')} in {counted(search.done, 'unit')}; wrote {out}")
-    first = wishes[0].scenario
+    first = targets[0].scenario
     note(
         f"run it: worldgen run {out} --controller '{first.label()}' --motion {first.run.motion} "
-        f"--steps {wishes[0].steps}"
+        f"--steps {targets[0].steps}"
     )
 
 
-def _got(wish: OutcomeTarget, result: Result) -> str:
+def _got(target: OutcomeTarget, result: Result) -> str:
     """Describe an outcome: ``reached@330``, ``stalled in 20000 steps`` or a share of seeds."""
     if result.seeds > 1:
         words = (
@@ -331,7 +323,7 @@ def _got(wish: OutcomeTarget, result: Result) -> str:
     if result.verdict in (Verdict.REACHED, Verdict.LOOP):
         return f"{result.verdict}@{result.steps:g}"
     return (
-        f"{result.verdict} in {wish.steps} steps"
+        f"{result.verdict} in {target.steps} steps"
         if result.verdict in OUT_OF_BUDGET
         else result.verdict
     )

@@ -1,8 +1,8 @@
 """Find a world in which given controllers have given outcomes, or nearly so.
 
 Contents:
-    parse_targets, Wish: the targets.
-    FindConfig, Find, Found: the search, unit by unit, and its result.
+    parse_targets, OutcomeTarget, Result: the outcomes, and how near a run comes.
+    FindConfig, OutcomeSearch, NearestWorld: the search, unit by unit, and its result.
     draw: a world that the search might try first, to check that there is one.
 """
 

@@ -34,9 +34,9 @@ class Layout:
         boxes: The boxes; with ``mirror``, those of one half.
         mirror: True to mirror every box in the diagonal from the upper left to the lower right.
         fixed_target: True if the target does not move.
-        leash: Cells that a box's side, or the target, may move from its place in ``home``; boxes
-            are then neither added nor removed. -1 for no limit.
-        home: The initial layout, for the leash.
+        leash: Cells that a box's side, or the target, may move from its place in ``home``.
+        home: The layout that the leash is tied to; boxes are then neither added nor removed.
+            ``None`` for no leash.
         together: True if boxes that touch in ``home``, directly or through others, stay together,
             and the others stay apart, so that the number and kind of obstacles does not change.
     """
@@ -45,7 +45,7 @@ class Layout:
     boxes: tuple[Box, ...]
     mirror: bool = False
     fixed_target: bool = False
-    leash: int = -1
+    leash: int = 0
     home: Layout | None = None
     together: bool = False
 
@@ -56,7 +56,7 @@ class Layout:
         *,
         mirror: bool = False,
         fixed_target: bool = False,
-        leash: int = -1,
+        leash: int | None = None,
         together: bool = False,
     ) -> Layout:
         """Return a world's inner solid cells as boxes, the largest first.
@@ -81,7 +81,7 @@ class Layout:
         inner = world.walls & ~border
         boxes = _half(inner) if mirror else _boxes(inner)
         home = cls(empty, tuple(boxes), mirror, fixed_target)
-        return home if leash < 0 else replace(home, leash=leash, home=home, together=together)
+        return home if leash is None else replace(home, leash=leash, home=home, together=together)
 
     def world(self) -> World:
         """Return the world that the layout describes."""

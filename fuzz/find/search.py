@@ -6,13 +6,13 @@ It prints nothing.
 from __future__ import annotations
 
 import contextlib
-from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, wait
 from dataclasses import dataclass, replace
 
-from fuzz.campaign.deadline import TO_HAND_IN, Deadline, now
-from fuzz.campaign.executors import local_executor
+from fuzz.campaign.deadline import Deadline
+from fuzz.campaign.executors import Executor, local_executor
+from fuzz.campaign.schedule import Schedule
+from fuzz.campaign.unit_search import Submitted, UnitSearch
 from fuzz.find.layout import Layout
 from fuzz.find.targets import OutcomeTarget, Result
 from fuzz.search.features import LAYOUT_BYTES, decode_world
@@ -21,7 +21,6 @@ from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, stream_for
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
-from worldgen.support.workers import LISTEN
 from worldgen.world import Certificate, Pose, Provenance, Value, World
 
 __all__ = ["VERSION", "FindConfig", "NearestWorld", "OutcomeSearch", "draw"]
@@ -42,7 +41,7 @@ class FindConfig:
     """The goal of a search, and its space.
 
     Args:
-        wishes: An outcome for each of some controllers.
+        targets: An outcome for each of some controllers.
         seed: Seed of the search.
         families: Families to draw from; none means feature layouts.
         params: Fixed parameters of the family.
@@ -50,13 +49,14 @@ class FindConfig:
         start: Start pose of every world.
         mirror: True if worlds are symmetric about the diagonal through the upper left.
         fixed_target: True if edits leave the target in place.
-        leash: Cells that edits may move a wall's side, or the target, from its place; -1 for any.
+        leash: Cells that edits may move a wall's side, or the target, from its place;
+            ``None`` for any.
         edit: True to edit sampled worlds.
         together: True if edits on a leash keep obstacles in one piece, and separate from each
             other.
     """
 
-    wishes: tuple[OutcomeTarget, ...]
+    targets: tuple[OutcomeTarget, ...]
     seed: int = 0
     families: tuple[str, ...] = ()
     params: tuple[tuple[str, Value], ...] = ()
@@ -64,7 +64,7 @@ class FindConfig:
     start: Pose | None = None
     mirror: bool = False
     fixed_target: bool = False
-    leash: int = -1
+    leash: int | None = None
     edit: bool = True
     together: bool = False
 
@@ -75,7 +75,7 @@ class NearestWorld:
 
     Args:
         world: The world, with a witness and its provenance.
-        results: One result for each wish.
+        results: One result for each target.
         unit: Number of the unit that found it.
     """
 
@@ -85,7 +85,7 @@ class NearestWorld:
 
     @property
     def distance(self) -> float:
-        """Sum over the wishes; 0 if all are fulfilled."""
+        """Sum over the targets; 0 if all are fulfilled."""
         return _distance(self.results)
 
     def rank(self) -> tuple[float, int]:
@@ -122,7 +122,7 @@ class _Candidate:
     certificate: Certificate | None = None
 
     def rank(self) -> tuple[float, int]:
-        """Return the same key as :meth:`Found.rank`."""
+        """Return the same key as :meth:`NearestWorld.rank`."""
         return self.distance, self.world.solid_cells
 
 
@@ -149,15 +149,15 @@ class _Unit:
         self.rng = RandomStream(config.seed).child("find", number)
         self.tried = 0
         self.best: _Candidate | None = None
-        self._cheap_first = sorted(config.wishes, key=lambda wish: wish.cost)
+        self._cheap_first = sorted(config.targets, key=lambda target: target.cost)
 
     def distance(self, world: World, most: float) -> float:
         """Return the sum of the distances to the targets; more than ``most`` once that is certain."""
         self.tried += 1
         total = 0.0
-        for wish in self._cheap_first:
+        for target in self._cheap_first:
             try:
-                total += wish.look(world).distance
+                total += target.look(world).distance
             except InvalidWorld:
                 return float("inf")
             if total > most:
@@ -171,7 +171,7 @@ class _Unit:
         decision = decide(candidate.world)
         if decision.result != REACHABLE:
             return
-        results = tuple(wish.look(candidate.world, prove=True) for wish in self.config.wishes)
+        results = tuple(target.look(candidate.world, prove=True) for target in self.config.targets)
         proved = replace(
             candidate,
             distance=_distance(results),
@@ -273,7 +273,7 @@ class _Unit:
         config = self.config
         params: dict[str, Value] = {
             "outcome": ", ".join(
-                f"{wish.scenario.label('', 0.0)}={wish.text}" for wish in config.wishes
+                f"{target.scenario.label('', 0.0)}={target.text}" for target in config.targets
             ),
             "unit": self.number,
         }
@@ -352,8 +352,8 @@ def _of_family(name: str, fixed: dict[str, Value], rng: RandomStream) -> tuple[W
     )
 
 
-class OutcomeSearch:
-    """A search over units.
+class OutcomeSearch(UnitSearch[_UnitResult, NearestWorld]):
+    """A search that ends with the first world that has every outcome.
 
     Args:
         config: The goal.
@@ -362,7 +362,7 @@ class OutcomeSearch:
         workers: Number of processes; 1 means this process.
 
     Iterating over :meth:`run` does the work and yields each better world; ``best`` keeps the last
-    of them.
+    of them, even after Ctrl-C.
     """
 
     def __init__(
@@ -373,58 +373,29 @@ class OutcomeSearch:
         seconds: float | None = None,
         workers: int = 1,
     ) -> None:
+        super().__init__(
+            [target.scenario for target in config.targets],
+            local_executor(workers),
+            Schedule(None if units is not None else seconds, shrinks=False),
+            units,
+        )
         self.config = config
-        self.units = units
-        self.workers = workers
-        self._seconds = float("inf") if units is not None or seconds is None else seconds
         self.best: NearestWorld | None = None
         self.done = 0
         self.tried = 0
 
-    def run(self) -> Iterator[NearestWorld]:
-        """Search until a world has every outcome exactly, or the budget is spent.
+    def _hand_out_one(self, executor: Executor) -> bool:
+        # The first unit tries at least one world, however short the time is.
+        if not self._has_more_units() or (self._next and not self._schedule.may_search):
+            return False
+        if not self._schedule.is_ready:
+            self._get_ready(executor)
+        deadline = self._schedule.deadline()
+        self._add_unit(Submitted(executor.submit(_search_unit, self.config, self._next, deadline)))
+        return True
 
-        Raises:
-            KeyboardInterrupt: After Ctrl-C; ``best`` then has the findings of the units in
-                progress.
-            WorkersLost: If a worker process died.
-        """
-        deadline = Deadline(begin=now() + self._seconds)
-        waiting: deque[Future[_UnitResult]] = deque()
-        number = 0
-        with local_executor(self.workers) as executor:
-            try:
-                while True:
-                    while len(waiting) < executor.room and not self._is_enough(number, deadline):
-                        waiting.append(executor.submit(_search_unit, self.config, number, deadline))
-                        number += 1
-                    if not waiting:
-                        return
-                    # Process units in order of their numbers, so that the result does not depend on
-                    # the workers.
-                    while wait([waiting[0]], LISTEN).not_done:
-                        executor.listen()
-                    unit = waiting.popleft()
-                    yield from self._take(unit)
-                    if unit.result().interrupted:
-                        raise KeyboardInterrupt
-                    executor.listen()
-                    if self.best is not None and self.best.distance == 0.0:
-                        return
-            except KeyboardInterrupt:
-                executor.stop()
-                wait(waiting, TO_HAND_IN)
-                for unit in waiting:
-                    if unit.done() and unit.exception() is None:
-                        list(self._take(unit))
-                raise
-            finally:
-                # Do not wait for units whose world is no longer needed.
-                executor.stop()
-
-    def _take(self, unit: Future[_UnitResult]) -> Iterator[NearestWorld]:
-        """Keep the result of a unit, and yield it if it is better than all earlier ones."""
-        result = unit.result()
+    def _merge(self, unit: int, submitted: Submitted[_UnitResult]) -> Iterator[NearestWorld]:
+        result = submitted.future.result()
         found = result.nearest
         self.done += 1
         self.tried += result.tried
@@ -432,10 +403,8 @@ class OutcomeSearch:
             self.best = found
             yield found
 
-    def _is_enough(self, number: int, deadline: Deadline) -> bool:
-        if self.units is not None:
-            return number >= self.units
-        return number > 0 and deadline.to_begin_is_over()
+    def _has_enough(self) -> bool:
+        return self.best is not None and self.best.distance == 0.0
 
 
 def _search_unit(config: FindConfig, number: int, deadline: Deadline) -> _UnitResult:

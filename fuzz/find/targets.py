@@ -242,10 +242,10 @@ def parse_targets(
         InvalidParameter: If the text isn't such a list.
     """
     parts = [part.strip() for part in text.split(",")]
-    return tuple(_parse_wish(part, motion, time_step) for part in parts)
+    return tuple(_parse_target(part, motion, time_step) for part in parts)
 
 
-def _parse_wish(part: str, motion: str, time_step: float) -> OutcomeTarget:
+def _parse_target(part: str, motion: str, time_step: float) -> OutcomeTarget:
     # Split the text into controller and outcome.
     name, equals, outcome = part.rpartition("=")
     if not equals or not name:

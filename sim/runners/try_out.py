@@ -49,11 +49,14 @@ class _IdleMany:
         return Commands(), memory
 
 
-def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
-    """Run two steps in an empty arena.
+def try_out(
+    scenario: Scenario, world: World = EMPTY_ARENA, *, seconds: float | None = None
+) -> Outcome:
+    """Run two steps.
 
     Args:
         scenario: What to run.
+        world: The world; an empty arena if omitted.
         seconds: Time limit for the two steps of a Python class, s. A program has its own deadlines,
             and a compiled step cannot be interrupted. Loading the simulator does not count.
 
@@ -63,17 +66,19 @@ def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
     Raises:
         InvalidParameter: If the controller does not compile, does not fit the motion model, returns
             something that the contract does not allow, or takes too long.
+        InvalidWorld: If the robot cannot stand at the start.
     """
     controller = CONTROLLERS.get(scenario.controller)
     if seconds is None or isinstance(controller, CompiledController | ProcessController):
-        outcome = _two_steps(scenario, controller)
+        outcome = _two_steps(scenario, controller, world)
     else:
         # Load the simulator first, with a controller that costs nothing.
-        _two_steps(scenario, _IdleMany() if isinstance(controller, VectorController) else _Idle())
+        idle = _IdleMany() if isinstance(controller, VectorController) else _Idle()
+        _two_steps(scenario, idle, world)
         end = time.monotonic() + seconds
         try:
             with stopping_when(lambda: time.monotonic() > end):
-                outcome = _two_steps(scenario, controller)
+                outcome = _two_steps(scenario, controller, world)
         except OutOfTime:
             raise InvalidParameter(
                 "first-steps-too-slow",
@@ -88,8 +93,8 @@ def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
     return outcome
 
 
-def _two_steps(scenario: Scenario, controller: Any) -> Outcome:
-    options = scenario.options(EMPTY_ARENA, _STEPS)
-    return prepare(EMPTY_ARENA, controller, options).run(
+def _two_steps(scenario: Scenario, controller: Any, world: World) -> Outcome:
+    options = scenario.options(world, _STEPS)
+    return prepare(world, controller, options).run(
         _STEPS, find_loop=False, record=False, digest=False
     )

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -81,6 +80,20 @@ def mine(tmp_path):
     return f"{tmp_path}/mine.py"
 
 
+def let_each_look_at_the_clock_take_a_second(monkeypatch):
+    """Return the list of looks."""
+    looks = []
+
+    def tick():
+        looks.append(True)
+        return float(len(looks))
+
+    clock = SimpleNamespace(time=tick, monotonic=tick)
+    monkeypatch.setattr("fuzz.campaign.deadline.time", clock)
+    monkeypatch.setattr("fuzz.campaign.schedule.time", clock)
+    return looks
+
+
 def run(path, controller, steps, *options):
     """What ``worldgen run`` says: verdict, and steps or period."""
     episode = json.loads(
@@ -113,7 +126,7 @@ def test_the_file_says_what_was_looked_for(found):
     )
 
 
-def test_outcomes_are_told_in_the_order_in_which_they_were_wished(tmp_path):
+def test_outcomes_are_told_in_the_order_in_which_they_were_asked_for(tmp_path):
     result = worldgen(
         "find", "--outcome", "turn-random=reached", "--outcome", "turn-left=reached", *QUICK, "--out", tmp_path / "w",
     )  # fmt: skip
@@ -150,9 +163,7 @@ def test_mine_fails_and_theirs_succeeds(mine, tmp_path):
 
 
 def test_a_loop_of_a_controller_that_hides_memory_is_not_claimed(mine, tmp_path, monkeypatch):
-    monkeypatch.setattr(
-        "fuzz.campaign.deadline.time", SimpleNamespace(time=count().__next__)
-    )  # a second for each look
+    let_each_look_at_the_clock_take_a_second(monkeypatch)
     result = worldgen(
         "find", "--outcome", f"{mine}:Forgets=loop", "--from", SKETCH, "--leash", 0, "--keep-target", "--budget", "2h",
         "--seed", 1, "--workers", 1, "--out", tmp_path / "w.grid",
@@ -161,7 +172,7 @@ def test_a_loop_of_a_controller_that_hides_memory_is_not_claimed(mine, tmp_path,
 
 
 def test_a_budget_ends_the_run_of_a_slow_controller_that_is_under_way(mine, tmp_path, monkeypatch):
-    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=count().__next__))
+    let_each_look_at_the_clock_take_a_second(monkeypatch)
     result = worldgen(
         "find", "--outcome", f"{mine}:Forgets=loop", "--from", SKETCH, "--leash", 0, "--budget", "100s", "--seed", 1,
         "--workers", 1, "--out", tmp_path / "w.grid",
@@ -484,11 +495,7 @@ def test_ctrl_c_in_a_unit_that_does_not_end_keeps_what_it_had(tmp_path, monkeypa
 
 
 def test_a_budget_of_time_ends_a_unit_that_takes_longer(mine, tmp_path, monkeypatch):
-    looks = []
-    clock = SimpleNamespace(
-        time=lambda: looks.append(True) or float(len(looks))
-    )  # a second for each look
-    monkeypatch.setattr("fuzz.campaign.deadline.time", clock)
+    looks = let_each_look_at_the_clock_take_a_second(monkeypatch)
     result = worldgen(
         "find", "--outcome", f"{mine}:Forgets=reached", "--budget", "20s", "--seed", 1, "--workers", 1,
         "--out", tmp_path / "w.grid",

@@ -103,7 +103,7 @@ def test_a_handler_of_somebody_else_stays():
 
 def test_a_class_that_is_too_slow_for_two_steps_is_refused():
     with raises(InvalidParameter, "first-steps-too-slow"):
-        try_out(Scenario("sim.controllers.examples.python:Example"), -1.0)
+        try_out(Scenario("sim.controllers.examples.python:Example"), seconds=-1.0)
 
 
 @pytest.mark.parametrize(
@@ -115,4 +115,4 @@ def test_a_class_that_is_too_slow_for_two_steps_is_refused():
     ],
 )
 def test_a_controller_with_time_enough_is_tried_out(controller):
-    assert try_out(Scenario(controller), 1e9).steps == 2
+    assert try_out(Scenario(controller), seconds=1e9).steps == 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, suppress
 from types import TracebackType
@@ -16,6 +16,7 @@ from distributed import Client, KilledWorker
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors.executor import WorkersLost
 from fuzz.campaign.executors.remote import RemoteJob
+from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.support.workers import ctrl_c_held_back
 
@@ -88,7 +89,7 @@ class DaskExecutor:
         future: Future[T] = self._pool.submit(self._job.run, work, args, kwargs)
         return future
 
-    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
+    def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
         """Do nothing: workers come and go, and each loads what it needs with its first work."""
         return []
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from types import TracebackType
 from typing import ParamSpec, Protocol, Self, TypeVar
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.live import LiveCounts
+from sim.scenario import Scenario
 from worldgen.errors import WorldgenError
 
 __all__ = ["Executor", "WorkersLost"]
@@ -31,7 +31,7 @@ class Executor(Protocol):
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Submit a piece of work, which may have to wait for others."""
 
-    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
+    def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
         """Begin to load what the first units need, in every place that will do the work.
 
         The results are those of :func:`fuzz.campaign.loading.load`.

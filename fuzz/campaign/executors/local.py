@@ -5,7 +5,7 @@ from __future__ import annotations
 import _thread
 import math
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
@@ -14,11 +14,11 @@ from multiprocessing import get_context
 from types import TracebackType
 from typing import Any, ParamSpec, Self, TypeVar
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import TO_HAND_IN, now, stop_from, stopping_from
 from fuzz.campaign.executors.executor import Executor, WorkersLost
 from fuzz.campaign.live import LiveCounts, count_in
 from fuzz.campaign.loading import load
+from sim.scenario import Scenario
 from worldgen.support.workers import WorkerPool, ctrl_c_held_back
 
 __all__ = ["InlineExecutor", "ProcessExecutor", "local_executor"]
@@ -61,13 +61,13 @@ class InlineExecutor:
             self._stop_waiting()
         return future
 
-    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
+    def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
         """Load it in this process.
 
         Raises:
             KeyboardInterrupt: If Ctrl-C came in the meantime; nothing has been found by then.
         """
-        loaded = self.submit(load, config)
+        loaded = self.submit(load, scenarios)
         self._hear_ctrl_c()
         return [loaded]
 
@@ -137,9 +137,9 @@ class ProcessExecutor:
         """Submit it to the next free process."""
         return self._pool.submit(work, *args, **kwargs)
 
-    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
+    def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
         """Start all processes, and load it in each."""
-        return [self.submit(load, config) for _ in range(self._workers)]
+        return [self.submit(load, scenarios) for _ in range(self._workers)]
 
     def listen(self) -> None:
         """Raise ``KeyboardInterrupt`` if Ctrl-C came."""

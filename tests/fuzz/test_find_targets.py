@@ -38,7 +38,7 @@ ROOM = (
 )
 
 
-def wish(text, **options):
+def target(text, **options):
     (one,) = parse_targets(text, **options)
     return one
 
@@ -65,13 +65,13 @@ def room(tmp_path):
     ],
 )
 def test_numbers_behind_an_outcome_are_a_range(outcome, low, high):
-    one = wish(f"turn-left={outcome}")
+    one = target(f"turn-left={outcome}")
     assert (one.low, one.high, one.text) == (low, high, outcome)
 
 
 def test_seconds_count_in_the_time_step_of_the_controller():
-    assert wish("turn-left+time_step=0.03=reached@3s").low == 100
-    assert wish("turn-left=reached@3s", time_step=0.1).low == 30
+    assert target("turn-left+time_step=0.03=reached@3s").low == 100
+    assert target("turn-left=reached@3s", time_step=0.1).low == 30
 
 
 def test_a_controller_may_name_its_own_motion_and_switches():
@@ -109,7 +109,7 @@ def test_a_controller_may_name_its_own_motion_and_switches():
         ("turn-left+motion=stepped+noize=loop", "noize"),
     ],
 )
-def test_a_malformed_wish_is_one_line_and_code_2(text, message, tmp_path):
+def test_a_malformed_target_is_one_line_and_code_2(text, message, tmp_path):
     result = worldgen(
         "find", "--outcome", text, "--units", 1, "--seed", 1, "--out", tmp_path / "w.grid"
     )
@@ -118,7 +118,7 @@ def test_a_malformed_wish_is_one_line_and_code_2(text, message, tmp_path):
 
 
 @given(st.text(st.sampled_from("turn-lefabcdp=@.<>,+s019 \n"), max_size=40))
-def test_any_text_is_a_wish_or_refused(text):
+def test_any_text_is_a_target_or_refused(text):
     try:
         assert parse_targets(text)
     except InvalidParameter as error:
@@ -134,7 +134,7 @@ def test_any_text_is_a_wish_or_refused(text):
     ],
 )
 def test_an_outcome_without_number_is_fulfilled_by_any(outcome, verdict, steps):
-    result = wish(outcome, motion="stepped").look(read_world(CONFIGURATIONS / "config-05.grid"))
+    result = target(outcome, motion="stepped").look(read_world(CONFIGURATIONS / "config-05.grid"))
     assert (result.verdict, result.steps, result.distance) == (verdict, steps, 0.0)
 
 
@@ -156,18 +156,18 @@ def test_an_outcome_without_number_is_fulfilled_by_any(outcome, verdict, steps):
     ],
 )
 def test_how_near_a_run_is_to_what_is_wanted(outcome, distance):
-    result = wish(outcome, motion="stepped").look(read_world(CONFIGURATIONS / "config-05.grid"))
+    result = target(outcome, motion="stepped").look(read_world(CONFIGURATIONS / "config-05.grid"))
     assert result.distance == pytest.approx(distance, abs=1e-12)
 
 
 def test_never_without_chance_is_a_loop_or_a_stall_and_no_timeout(room):
     world, mine = room
-    result = wish(f"{mine}:Creeps=never").look(world)
+    result = target(f"{mine}:Creeps=never").look(world)
     assert result.verdict == "timeout" and result.distance == 2.0
 
 
 def test_never_with_chance_is_not_to_arrive_in_the_budget():
-    result = wish("thesis-3=never", motion="stepped").look(
+    result = target("thesis-3=never", motion="stepped").look(
         read_world(CONFIGURATIONS / "config-05.grid")
     )
     assert (result.verdict, result.share, result.seeds, result.distance) == (
@@ -179,7 +179,7 @@ def test_never_with_chance_is_not_to_arrive_in_the_budget():
 
 
 def test_a_loop_of_a_controller_with_chance_is_not_fulfilled_by_a_timeout():
-    result = wish("thesis-3=loop", motion="stepped").look(
+    result = target("thesis-3=loop", motion="stepped").look(
         read_world(CONFIGURATIONS / "config-05.grid")
     )
     assert result.verdict == "timeout" and result.distance > 1.0
@@ -187,25 +187,25 @@ def test_a_loop_of_a_controller_with_chance_is_not_fulfilled_by_a_timeout():
 
 def test_never_with_chance_is_further_off_the_more_seeds_arrive():
     world = read_world(CONFIGURATIONS / "config-09.grid")
-    result = wish("thesis-3=never", motion="stepped").look(world)
+    result = target("thesis-3=never", motion="stepped").look(world)
     assert result.share == 1.0 and result.distance == pytest.approx(1.9)
 
 
 def test_to_go_through_a_wall_is_no_never(room):
     world, mine = room
-    result = wish(f"{mine}:Coin+motion=endpoint+time_step=0.33=never").look(world)
+    result = target(f"{mine}:Coin+motion=endpoint+time_step=0.33=never").look(world)
     assert result.verdict == "tunnel" and result.distance > 2.0
 
 
 def test_a_python_controller_that_uses_chance_is_judged_by_twenty_seeds(room):
     world, mine = room
-    result = wish(f"{mine}:Coin+motion=endpoint+time_step=0.33=tunnel").look(world)
+    result = target(f"{mine}:Coin+motion=endpoint+time_step=0.33=tunnel").look(world)
     assert (result.seeds, result.distance) == (20, 0.0)
 
 
 def test_the_time_of_a_controller_with_chance_is_the_median_over_the_seeds():
     world = read_world(CONFIGURATIONS / "config-09.grid")
-    one = wish("thesis-3=reached@900..1700", motion="stepped")
+    one = target("thesis-3=reached@900..1700", motion="stepped")
     steps = sorted(int(arrival(world, seed)) for seed in range(20))
     assert one.look(world).steps == (steps[9] + steps[10]) / 2 and one.look(world).distance == 0.0
 
