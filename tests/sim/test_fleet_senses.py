@@ -204,3 +204,42 @@ def test_too_many_numbers_are_refused():
     with pytest.raises(InvalidParameter) as caught:
         RobotOptions(message=9)
     assert caught.value.code == "out-of-range"
+
+
+class AllNearest(Keeping):
+    """Keeps where its neighbours are, nearest first, and how many there are."""
+
+    size = 41
+
+    def look(self, seen, _memory):
+        places = [number for one in seen.neighbours for number in one[:2]]
+        return [len(seen.neighbours), *places, *[0.0] * (40 - len(places))]
+
+
+@pytest.mark.parametrize(
+    ("count", "reach"), [(3, 1.0), (12, 0.6), (40, 0.5), (90, 0.9), (90, 30.0)]
+)
+def test_the_neighbours_are_those_that_a_look_at_every_pair_finds(count, reach):
+    rng = np.random.default_rng(count)
+    # A crowd in a corner and a few robots far away, so that cells of any grid are empty or full.
+    spots = np.stack(np.meshgrid(np.arange(20), np.arange(20)), -1).reshape(-1, 2)
+    near = rng.permutation(spots)[: count - 2] * 0.2 + 0.2 + rng.uniform(0, 0.04, (count - 2, 2))
+    places = np.vstack((near, [[9.5, 0.5], [4.7, 9.7]]))
+    world = fleet_world(
+        hall(100, 100),
+        *(
+            Robot(Pose(*places[k], EAST), Target(*places[k - 1], 0.01), radius=0.07)
+            for k in range(count)
+        ),
+    )
+    episode = simulate(
+        world, AllNearest, steps=1, record=True, neighbour_range=reach, neighbours=20
+    )
+    for k, robot in enumerate(episode.robots):
+        memory = robot.trace.memory(robot.trace.steps)
+        offsets = np.delete(places - places[k], k, axis=0)
+        away = np.hypot(*offsets.T)
+        order = np.argsort(away)[: min(20, int((away <= reach).sum()))]
+        assert memory[0] == len(order)
+        seen = np.reshape(memory[1:], (-1, 2))[: len(order)]
+        assert np.hypot(*seen.T) == pytest.approx(away[order], abs=1e-3)

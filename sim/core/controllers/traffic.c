@@ -10,6 +10,7 @@ void wg_naive_act(const WgObservation *seen, double *memory, WgCommand *command)
     wg_steer(seen, command, wg_target_bearing(seen), seen->top_speed);
 }
 
+static const double ROUNDING = 1e-6;  // m: far more than what distances are rounded by
 static const double MARGIN = 1.3;  // times the sum of the radii: distance at which robots pass each other
 
 // Returns the angle, rad, of a sine from 0 to 1.
@@ -36,8 +37,17 @@ void wg_right_hand_act(const WgObservation *seen, double *memory, WgCommand *com
     double target = wg_target_bearing(seen);
     double turn = target;
     double speed = seen->top_speed;
+    double ahead_x = seen->neighbour_count > 0 ? wg_cos(turn) : 1.0;
+    double ahead_y = seen->neighbour_count > 0 ? wg_sin(turn) : 0.0;
     for (int64_t k = 0; k < seen->neighbour_count; k++) {
         const WgNeighbour *other = &seen->neighbours[k];
+        // Most robots are clearly not in the way: behind, or too far from the straight path. Angles decide about the
+        // others, with their own rounding.
+        double along = other->x * ahead_x + other->y * ahead_y;
+        double across = other->y * ahead_x - other->x * ahead_y;
+        if (along < -ROUNDING || fabs(across) > MARGIN * (seen->radius + other->radius) + ROUNDING) {
+            continue;
+        }
         double distance = wg_distance(0.0, 0.0, other->x, other->y);
         double bearing = wg_angle_of(other->x, other->y);
         double half = half_angle(seen->radius + other->radius, distance);
@@ -50,6 +60,8 @@ void wg_right_hand_act(const WgObservation *seen, double *memory, WgCommand *com
         bool comes = away > 0.75 * WG_PI || away < -0.75 * WG_PI;
         if (stands || comes) {
             turn = wg_wrap(bearing - half);
+            ahead_x = wg_cos(turn);
+            ahead_y = wg_sin(turn);
         } else if (bearing < 0.0 && away > 0.0) {
             speed = 0.0;
         }

@@ -51,6 +51,23 @@ typedef struct WgPair {
     int64_t next;      // index of the next pair of the cluster; -1
 } WgPair;
 
+// A robot as others may sense it.
+typedef struct WgSpot {
+    WgPlace place;
+    double radius;  // lattice units
+    int64_t robot;
+} WgSpot;
+
+// The robots sorted by the cells of a coarse grid, for those that sense others.
+typedef struct WgRobotGrid {
+    WgPlace low;     // the corner of its first cell
+    int64_t cell;    // side of a cell, lattice units
+    int64_t columns;
+    int64_t rows;
+    int64_t *first;  // (columns * rows + 1,) index in `spots` of the first robot of each cell, row by row
+    WgSpot *spots;   // (count,)
+} WgRobotGrid;
+
 struct WgNear {
     WgPair *pairs;        // (pair_count,)
     int64_t pair_count;
@@ -59,6 +76,7 @@ struct WgNear {
     int64_t *heads;       // (buckets,) first robot in each bucket of the grid; -1
     int64_t *chain;       // (count,) next robot in the same bucket; -1
     int64_t buckets;      // a power of two
+    WgRobotGrid grid;
 };
 
 // Robots that may meet, directly or through others.
@@ -88,13 +106,6 @@ void wg_ready_senses(WgFleet *fleet);
 
 // Finds the robots around a robot, the nearest first, for its beams and its neighbours.
 void wg_sense_others(WgFleet *fleet, int64_t robot);
-
-// Puts the robots of a fleet into a grid whose cells are `width` lattice units wide.
-void wg_fill_buckets(WgFleet *fleet, int64_t width);
-
-// The first robot in a cell of that grid, and the next one in the same cell as a robot; -1 if there is none.
-int64_t wg_first_in(const WgFleet *fleet, int64_t column, int64_t row);
-int64_t wg_next_in(const WgFleet *fleet, int64_t robot);
 
 // Moves all robots for a step by their displacements, with each event in the step at its time.
 void wg_move_fleet(WgFleet *fleet, int64_t step, const WgVector *by);

@@ -53,7 +53,8 @@ static void look_at_all(WgFleet *fleet)
     }
 }
 
-void wg_fill_buckets(WgFleet *fleet, int64_t width)
+// Puts the robots of a fleet into a grid whose cells are `width` lattice units wide.
+static void fill_buckets(WgFleet *fleet, int64_t width)
 {
     WgNear *near = fleet->near;
     for (int64_t k = 0; k < near->buckets; k++) {
@@ -78,12 +79,14 @@ static int64_t one_in(const WgFleet *fleet, int64_t robot, int64_t column, int64
     return robot;
 }
 
-int64_t wg_first_in(const WgFleet *fleet, int64_t column, int64_t row)
+// Returns the first robot in a cell, or -1.
+static int64_t first_in(const WgFleet *fleet, int64_t column, int64_t row)
 {
     return one_in(fleet, fleet->near->heads[bucket_of(fleet->near, column, row)], column, row);
 }
 
-int64_t wg_next_in(const WgFleet *fleet, int64_t robot)
+// Returns the next robot in the same cell as a robot, or -1.
+static int64_t next_in(const WgFleet *fleet, int64_t robot)
 {
     const WgMover *mover = &fleet->movers[robot];
     return one_in(fleet, fleet->near->chain[robot], mover->column, mover->row);
@@ -98,16 +101,16 @@ static void look_around(WgFleet *fleet)
     for (int64_t k = 0; k < fleet->count; k++) {
         furthest = wg_most(furthest, fleet->movers[k].far);
     }
-    wg_fill_buckets(fleet, 2 * furthest);
+    fill_buckets(fleet, 2 * furthest);
     for (int64_t k = 0; k < fleet->count; k++) {
-        for (int64_t other = wg_next_in(fleet, k); other >= 0; other = wg_next_in(fleet, other)) {
+        for (int64_t other = next_in(fleet, k); other >= 0; other = next_in(fleet, other)) {
             look_at(fleet, k, other);
         }
         for (int which = 0; which < 4; which++) {
             int64_t column = fleet->movers[k].column + OTHER_CELLS[which][0];
             int64_t row = fleet->movers[k].row + OTHER_CELLS[which][1];
-            int64_t other = wg_first_in(fleet, column, row);
-            for (; other >= 0; other = wg_next_in(fleet, other)) {
+            int64_t other = first_in(fleet, column, row);
+            for (; other >= 0; other = next_in(fleet, other)) {
                 look_at(fleet, k, other);
             }
         }

@@ -58,6 +58,9 @@ static bool make_near(WgFleet *fleet)
     near->first_pair = array(&is_made, count, sizeof *near->first_pair);
     near->heads = array(&is_made, near->buckets, sizeof *near->heads);
     near->chain = array(&is_made, count, sizeof *near->chain);
+    // The grid has at most as many cells as there are robots.
+    near->grid.first = array(&is_made, count + 1, sizeof *near->grid.first);
+    near->grid.spots = array(&is_made, count, sizeof *near->grid.spots);
     return is_made;
 }
 
@@ -205,6 +208,8 @@ void wg_fleet_free(WgFleet *fleet)
         free(fleet->near->first_pair);
         free(fleet->near->heads);
         free(fleet->near->chain);
+        free(fleet->near->grid.first);
+        free(fleet->near->grid.spots);
     }
     free(fleet->near);
     free(fleet->search.prints);

@@ -9,21 +9,59 @@ double *wg_message_of(const WgFleet *fleet, int64_t robot)
     return member->robot.body->memory + member->controller.memory_size;
 }
 
-// Returns the width of a bucket, chosen so that all robots that a robot may sense are in the nine around it.
-static int64_t width_of(const WgFleet *fleet)
+// Lays the grid over the robots: its cells are wide enough that all robots that a robot may sense are in the nine around
+// it, and that there are no more cells than robots.
+static void lay_grid(const WgFleet *fleet, WgRobotGrid *grid)
 {
     const double most = 0x1p40;  // more than any world is wide
-    return wg_ceil(wg_lower(fleet->furthest, most)) + 1;
+    WgPlace low = fleet->movers[0].place;
+    WgPlace high = low;
+    for (int64_t k = 1; k < fleet->count; k++) {
+        WgPlace place = fleet->movers[k].place;
+        low = (WgPlace){wg_least(low.x, place.x), wg_least(low.y, place.y)};
+        high = (WgPlace){wg_most(high.x, place.x), wg_most(high.y, place.y)};
+    }
+    int64_t side = 1;
+    while ((side + 1) * (side + 1) <= fleet->count) {
+        side++;
+    }
+    grid->low = low;
+    grid->cell = wg_ceil(wg_lower(fleet->furthest, most)) + 1;
+    grid->cell = wg_most(grid->cell, wg_most(high.x - low.x, high.y - low.y) / side + 1);
+    grid->columns = (high.x - low.x) / grid->cell + 1;
+    grid->rows = (high.y - low.y) / grid->cell + 1;
+}
+
+// Returns the index of the cell in which a place is.
+static int64_t cell_of(const WgRobotGrid *grid, WgPlace place)
+{
+    return (place.y - grid->low.y) / grid->cell * grid->columns + (place.x - grid->low.x) / grid->cell;
 }
 
 void wg_ready_senses(WgFleet *fleet)
 {
+    WgRobotGrid *grid = &fleet->near->grid;
     for (int64_t k = 0; k < fleet->count; k++) {
         const WgState *state = &fleet->members[k]->robot.body->state;
         fleet->movers[k].place = (WgPlace){state->x, state->y};
     }
-    if (fleet->count > WG_FEW_ROBOTS) {
-        wg_fill_buckets(fleet, width_of(fleet));
+    lay_grid(fleet, grid);
+
+    // Sort the robots by cell: count those of each cell, add up to where each cell ends, and fill each from its end, so
+    // that its index moves down to where it begins.
+    int64_t cells = grid->columns * grid->rows;
+    memset(grid->first, 0, (size_t)cells * sizeof *grid->first);
+    for (int64_t k = 0; k < fleet->count; k++) {
+        grid->first[cell_of(grid, fleet->movers[k].place)]++;
+    }
+    for (int64_t cell = 1; cell < cells; cell++) {
+        grid->first[cell] += grid->first[cell - 1];
+    }
+    grid->first[cells] = fleet->count;
+    for (int64_t k = fleet->count - 1; k >= 0; k--) {
+        const WgSettings *settings = fleet->members[k]->settings;
+        WgPlace place = fleet->movers[k].place;
+        grid->spots[--grid->first[cell_of(grid, place)]] = (WgSpot){place, settings->radius / settings->metres, k};
     }
 }
 
@@ -37,18 +75,10 @@ static bool comes_before(const WgOther *one, const WgOther *other)
     return one->x < other->x || (one->x == other->x && one->y < other->y);
 }
 
-// Puts another robot into the sorted list of those around a robot, if it is near enough for any sense.
-static void add_other(WgFleet *fleet, int64_t robot, int64_t other)
+// Puts another robot into the sorted list of those around a robot.
+static void add_other(WgFleet *fleet, const WgSpot *spot, int64_t away_sq)
 {
-    const WgMover *movers = fleet->movers;
-    const WgSettings *settings = fleet->members[other]->settings;
-    int64_t dx = movers[other].place.x - movers[robot].place.x;
-    int64_t dy = movers[other].place.y - movers[robot].place.y;
-    WgOther found = {movers[other].place.x, movers[other].place.y, dx * dx + dy * dy,
-                     settings->radius / settings->metres, other};
-    if (other == robot || (double)found.away_sq > fleet->furthest * fleet->furthest) {
-        return;
-    }
+    WgOther found = {spot->place.x, spot->place.y, away_sq, spot->radius, spot->robot};
     int64_t at = fleet->others.count++;
     for (; at > 0 && comes_before(&found, &fleet->around[at - 1]); at--) {
         fleet->around[at] = fleet->around[at - 1];
@@ -56,54 +86,60 @@ static void add_other(WgFleet *fleet, int64_t robot, int64_t other)
     fleet->around[at] = found;
 }
 
-// Fills what a robot senses of another one.
-static void fill_neighbour(const WgFleet *fleet, int64_t robot, const WgOther *other, WgNeighbour *neighbour)
+// Fills what a robot senses of the others around it, as far as its neighbours' range and room reach.
+static void fill_neighbours(WgFleet *fleet, int64_t robot)
 {
-    const WgEpisode *member = fleet->members[robot];
+    WgEpisode *member = fleet->members[robot];
     const WgSettings *settings = member->settings;
     const WgState *state = &member->robot.body->state;
-    const WgEpisode *theirs = fleet->members[other->robot];
-    const WgState *their_state = &theirs->robot.body->state;
+    WgWorkspace *workspace = &member->workspace;
     double along = wg_cosine(member->arena->headings, state->heading);
     double across = wg_sine(member->arena->headings, state->heading);
-    double dx = (double)(other->x - state->x) * settings->metres;
-    double dy = (double)(other->y - state->y) * settings->metres;
-    *neighbour = (WgNeighbour){
-        .x = dx * along + dy * across,
-        .y = dy * along - dx * across,
-        .heading = (double)wg_turn_towards(state->heading, their_state->heading) * settings->radians,
-        .speed = (double)their_state->speed / (double)WG_SPEED_UNIT / settings->speed,
-        .radius = theirs->settings->radius,
-    };
-    memcpy(neighbour->message, wg_message_of(fleet, other->robot),
-           (size_t)fleet->settings->message * sizeof *neighbour->message);
+    double range_sq = settings->neighbour_range * settings->neighbour_range;
+    int64_t count = 0;
+    for (int64_t k = 0; k < fleet->others.count && count < workspace->neighbour_room; k++) {
+        const WgOther *other = &fleet->around[k];
+        if ((double)other->away_sq > range_sq) {
+            break;  // so are all that follow
+        }
+        const WgEpisode *theirs = fleet->members[other->robot];
+        const WgState *their_state = &theirs->robot.body->state;
+        double dx = (double)(other->x - state->x) * settings->metres;
+        double dy = (double)(other->y - state->y) * settings->metres;
+        WgNeighbour *neighbour = &workspace->neighbours[count++];
+        neighbour->x = dx * along + dy * across;
+        neighbour->y = dy * along - dx * across;
+        neighbour->heading = (double)wg_turn_towards(state->heading, their_state->heading) * settings->radians;
+        neighbour->speed = (double)their_state->speed / (double)WG_SPEED_UNIT / settings->speed;
+        neighbour->radius = theirs->settings->radius;
+        memcpy(neighbour->message, wg_message_of(fleet, other->robot),
+               (size_t)fleet->settings->message * sizeof *neighbour->message);
+    }
+    workspace->observation.neighbour_count = count;
 }
 
 void wg_sense_others(WgFleet *fleet, int64_t robot)
 {
+    const WgRobotGrid *grid = &fleet->near->grid;
+    WgPlace own = fleet->movers[robot].place;
+    double furthest_sq = fleet->furthest * fleet->furthest;
+    int64_t column = (own.x - grid->low.x) / grid->cell;
+    int64_t row = (own.y - grid->low.y) / grid->cell;
+    int64_t left = wg_most(column - 1, 0);
+    int64_t right = wg_least(column + 1, grid->columns - 1);
+    int64_t bottom = wg_least(row + 1, grid->rows - 1);
     fleet->others.count = 0;
-    if (fleet->count <= WG_FEW_ROBOTS) {
-        for (int64_t other = 0; other < fleet->count; other++) {
-            add_other(fleet, robot, other);
-        }
-    } else {
-        const WgMover *mover = &fleet->movers[robot];
-        for (int64_t which = 0; which < 9; which++) {
-            int64_t other = wg_first_in(fleet, mover->column + which % 3 - 1, mover->row + which / 3 - 1);
-            for (; other >= 0; other = wg_next_in(fleet, other)) {
-                add_other(fleet, robot, other);
+    // The robots of neighbouring cells of a row follow each other.
+    for (int64_t at = wg_most(row - 1, 0); at <= bottom; at++) {
+        const WgSpot *end = &grid->spots[grid->first[at * grid->columns + right + 1]];
+        for (const WgSpot *spot = &grid->spots[grid->first[at * grid->columns + left]]; spot < end; spot++) {
+            int64_t dx = spot->place.x - own.x;
+            int64_t dy = spot->place.y - own.y;
+            int64_t away_sq = dx * dx + dy * dy;
+            if ((double)away_sq <= furthest_sq && spot->robot != robot) {
+                add_other(fleet, spot, away_sq);
             }
         }
     }
-
-    WgEpisode *member = fleet->members[robot];
-    WgWorkspace *workspace = &member->workspace;
-    double range = member->settings->neighbour_range;
-    int64_t count = 0;
-    for (int64_t k = 0; k < fleet->others.count && count < workspace->neighbour_room; k++) {
-        if ((double)fleet->around[k].away_sq <= range * range) {
-            fill_neighbour(fleet, robot, &fleet->around[k], &workspace->neighbours[count++]);
-        }
-    }
-    workspace->observation.neighbour_count = count;
+    fill_neighbours(fleet, robot);
 }
