@@ -107,7 +107,7 @@ typedef struct WgOther {
     int64_t y;
     int64_t away_sq;   // squared distance to the robot that senses it
     double radius;     // lattice units
-    int64_t robot;     // its index
+    int64_t spot;      // its index among the robots sorted for sensing
 } WgOther;
 
 // The robots around a robot.

@@ -54,9 +54,18 @@ typedef struct WgPair {
 // A robot as others may sense it.
 typedef struct WgSpot {
     WgPlace place;
-    double radius;  // lattice units
+    double reach;     // its radius, lattice units
+    double radius;    // m
+    double speed;     // m/s
+    int64_t heading;
     int64_t robot;
 } WgSpot;
+
+// A robot near the one that senses.
+typedef struct WgNearby {
+    int64_t away_sq;  // squared distance between them
+    int64_t spot;     // its index in `spots`
+} WgNearby;
 
 // The robots sorted by the cells of a coarse grid, for those that sense others.
 typedef struct WgRobotGrid {
@@ -66,6 +75,7 @@ typedef struct WgRobotGrid {
     int64_t rows;
     int64_t *first;  // (columns * rows + 1,) index in `spots` of the first robot of each cell, row by row
     WgSpot *spots;   // (count,)
+    WgNearby *found;  // (count + 1,) robots near the one that senses
 } WgRobotGrid;
 
 struct WgNear {

@@ -61,6 +61,7 @@ static bool make_near(WgFleet *fleet)
     // The grid has at most as many cells as there are robots.
     near->grid.first = array(&is_made, count + 1, sizeof *near->grid.first);
     near->grid.spots = array(&is_made, count, sizeof *near->grid.spots);
+    near->grid.found = array(&is_made, count + 1, sizeof *near->grid.found);
     return is_made;
 }
 
@@ -210,6 +211,7 @@ void wg_fleet_free(WgFleet *fleet)
         free(fleet->near->chain);
         free(fleet->near->grid.first);
         free(fleet->near->grid.spots);
+        free(fleet->near->grid.found);
     }
     free(fleet->near);
     free(fleet->search.prints);

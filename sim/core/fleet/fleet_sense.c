@@ -38,6 +38,20 @@ static int64_t cell_of(const WgRobotGrid *grid, WgPlace place)
     return (place.y - grid->low.y) / grid->cell * grid->columns + (place.x - grid->low.x) / grid->cell;
 }
 
+static WgSpot spot_of(const WgFleet *fleet, int64_t robot, WgPlace place)
+{
+    const WgSettings *settings = fleet->members[robot]->settings;
+    const WgState *state = &fleet->members[robot]->robot.body->state;
+    return (WgSpot){
+        .place = place,
+        .reach = settings->radius / settings->metres,
+        .radius = settings->radius,
+        .speed = (double)state->speed / (double)WG_SPEED_UNIT / settings->speed,
+        .heading = state->heading,
+        .robot = robot,
+    };
+}
+
 void wg_ready_senses(WgFleet *fleet)
 {
     WgRobotGrid *grid = &fleet->near->grid;
@@ -59,31 +73,49 @@ void wg_ready_senses(WgFleet *fleet)
     }
     grid->first[cells] = fleet->count;
     for (int64_t k = fleet->count - 1; k >= 0; k--) {
-        const WgSettings *settings = fleet->members[k]->settings;
         WgPlace place = fleet->movers[k].place;
-        grid->spots[--grid->first[cell_of(grid, place)]] = (WgSpot){place, settings->radius / settings->metres, k};
+        grid->spots[--grid->first[cell_of(grid, place)]] = spot_of(fleet, k, place);
     }
+}
+
+// Notes the robots near enough for any sense that are in neighbouring cells of a row, which follow each other.
+static int64_t note_some(const WgRobotGrid *grid, int64_t from, int64_t end, WgPlace own, double furthest_sq, int64_t count)
+{
+    for (int64_t k = from; k < end; k++) {
+        int64_t dx = grid->spots[k].place.x - own.x;
+        int64_t dy = grid->spots[k].place.y - own.y;
+        int64_t away_sq = dx * dx + dy * dy;
+        // Without a branch, which nobody could predict, each one is written, and the next one overwrites it if it is too
+        // far away.
+        grid->found[count] = (WgNearby){away_sq, k};
+        count += (double)away_sq <= furthest_sq;
+    }
+    return count;
 }
 
 // Returns true if a robot comes before another in the order of sensing: nearest first, ties broken by place, which is
 // never the same, so that their numbers do not matter.
-static bool comes_before(const WgOther *one, const WgOther *other)
+static bool comes_before(const WgRobotGrid *grid, WgNearby one, WgNearby other)
 {
-    if (one->away_sq != other->away_sq) {
-        return one->away_sq < other->away_sq;
+    if (one.away_sq != other.away_sq) {
+        return one.away_sq < other.away_sq;
     }
-    return one->x < other->x || (one->x == other->x && one->y < other->y);
+    WgPlace place = grid->spots[one.spot].place;
+    WgPlace others = grid->spots[other.spot].place;
+    return place.x < others.x || (place.x == others.x && place.y < others.y);
 }
 
-// Puts another robot into the sorted list of those around a robot.
-static void add_other(WgFleet *fleet, const WgSpot *spot, int64_t away_sq)
+// Sorts robots by the order of sensing; there are few.
+static void sort_found(const WgRobotGrid *grid, int64_t count)
 {
-    WgOther found = {spot->place.x, spot->place.y, away_sq, spot->radius, spot->robot};
-    int64_t at = fleet->others.count++;
-    for (; at > 0 && comes_before(&found, &fleet->around[at - 1]); at--) {
-        fleet->around[at] = fleet->around[at - 1];
+    for (int64_t k = 1; k < count; k++) {
+        WgNearby found = grid->found[k];
+        int64_t at = k;
+        for (; at > 0 && comes_before(grid, found, grid->found[at - 1]); at--) {
+            grid->found[at] = grid->found[at - 1];
+        }
+        grid->found[at] = found;
     }
-    fleet->around[at] = found;
 }
 
 // Fills what a robot senses of the others around it, as far as its neighbours' range and room reach.
@@ -102,18 +134,19 @@ static void fill_neighbours(WgFleet *fleet, int64_t robot)
         if ((double)other->away_sq > range_sq) {
             break;  // so are all that follow
         }
-        const WgEpisode *theirs = fleet->members[other->robot];
-        const WgState *their_state = &theirs->robot.body->state;
+        const WgSpot *spot = &fleet->near->grid.spots[other->spot];
         double dx = (double)(other->x - state->x) * settings->metres;
         double dy = (double)(other->y - state->y) * settings->metres;
         WgNeighbour *neighbour = &workspace->neighbours[count++];
         neighbour->x = dx * along + dy * across;
         neighbour->y = dy * along - dx * across;
-        neighbour->heading = (double)wg_turn_towards(state->heading, their_state->heading) * settings->radians;
-        neighbour->speed = (double)their_state->speed / (double)WG_SPEED_UNIT / settings->speed;
-        neighbour->radius = theirs->settings->radius;
-        memcpy(neighbour->message, wg_message_of(fleet, other->robot),
-               (size_t)fleet->settings->message * sizeof *neighbour->message);
+        neighbour->heading = (double)wg_turn_towards(state->heading, spot->heading) * settings->radians;
+        neighbour->speed = spot->speed;
+        neighbour->radius = spot->radius;
+        if (fleet->settings->message > 0) {
+            memcpy(neighbour->message, wg_message_of(fleet, spot->robot),
+                   (size_t)fleet->settings->message * sizeof *neighbour->message);
+        }
     }
     workspace->observation.neighbour_count = count;
 }
@@ -128,17 +161,20 @@ void wg_sense_others(WgFleet *fleet, int64_t robot)
     int64_t left = wg_most(column - 1, 0);
     int64_t right = wg_least(column + 1, grid->columns - 1);
     int64_t bottom = wg_least(row + 1, grid->rows - 1);
-    fleet->others.count = 0;
-    // The robots of neighbouring cells of a row follow each other.
+    int64_t count = 0;
     for (int64_t at = wg_most(row - 1, 0); at <= bottom; at++) {
-        const WgSpot *end = &grid->spots[grid->first[at * grid->columns + right + 1]];
-        for (const WgSpot *spot = &grid->spots[grid->first[at * grid->columns + left]]; spot < end; spot++) {
-            int64_t dx = spot->place.x - own.x;
-            int64_t dy = spot->place.y - own.y;
-            int64_t away_sq = dx * dx + dy * dy;
-            if ((double)away_sq <= furthest_sq && spot->robot != robot) {
-                add_other(fleet, spot, away_sq);
-            }
+        int64_t from = grid->first[at * grid->columns + left];
+        int64_t end = grid->first[at * grid->columns + right + 1];
+        count = note_some(grid, from, end, own, furthest_sq, count);
+    }
+    sort_found(grid, count);
+    fleet->others.count = 0;
+    for (int64_t k = 0; k < count; k++) {
+        WgNearby found = grid->found[k];
+        const WgSpot *spot = &grid->spots[found.spot];
+        if (spot->robot != robot) {
+            fleet->around[fleet->others.count++] =
+                (WgOther){spot->place.x, spot->place.y, found.away_sq, spot->reach, found.spot};
         }
     }
     fill_neighbours(fleet, robot);
