@@ -9,7 +9,7 @@ from pathlib import Path
 from fuzz.boundary import describe_boundaries
 from fuzz.failure import Failure
 from fuzz.triage.diagnosis import cause_of
-from fuzz.triage.hazards import HAZARD
+from fuzz.triage.hazards import doubt_in
 from sim.describe import describe_evidence, describe_frames
 from sim.drawing.picture import trails_of
 from sim.episode import Episode
@@ -90,7 +90,7 @@ def describe(
 
 def _doubt(failure: Failure) -> str:
     """Return a line with the reason why no controller is certain to arrive, or nothing."""
-    why = str(failure.record.details.get(HAZARD, "")).partition("disturbed: ")[2]
+    why = doubt_in(failure.record.details)
     return f"  no controller is certain to arrive: {shown(why)}\n" if why else ""
 
 

@@ -6,6 +6,7 @@ to files and to JSON: as a table of the fields that are known.
 
 from __future__ import annotations
 
+import re
 import types
 import typing
 from collections.abc import Mapping
@@ -191,6 +192,10 @@ class FaultEvidence:
 
     Args:
         error: The fault, in the same words in every replay; ``None`` if a command is not finite.
+        exception: Type of the exception that the controller raised.
+        exit_code: Exit code of a program that ended by itself.
+        signal: Signal that killed a program: its name, or its number if it has none.
+        rule: Name of the rule that an invalid answer breaks, in lower case with dashes.
         step: Step in which it did.
         deadline: Time that it had to answer, s.
         answer: The answer that could not be read.
@@ -206,6 +211,10 @@ class FaultEvidence:
     """
 
     error: str | None = None
+    exception: str | None = None
+    exit_code: int | None = None
+    signal: str | None = None
+    rule: str | None = None
     step: int | None = None
     deadline: float | None = None
     answer: str | None = None
@@ -249,6 +258,10 @@ _KINDS: Mapping[Verdict, type[Evidence]] = {
     Verdict.HANG: FaultEvidence,
     Verdict.INVALID_COMMAND: FaultEvidence,
 }
+_CRASHED = re.compile(
+    r"exit code (?P<exit_code>\d{1,9})$|killed by (?:signal )?(?P<signal>\w+)$"
+    r"|(?P<exception>[^\W\d]\w*)(?::|$)"
+)
 _TYPES: Mapping[type[object], Mapping[str, Any]] = {
     kind: typing.get_type_hints(kind) for kind in _KINDS.values()
 }
@@ -280,9 +293,20 @@ def read_evidence(verdict: Verdict, table: Mapping[str, Value]) -> Evidence | No
         The evidence, or ``None`` if a required field is missing.
     """
     kind = _KINDS[verdict]
+    if verdict == Verdict.CRASH:
+        table = {**_how_it_crashed(table.get("error")), **table}
     values = _values(kind, table)
     needed = (name for name, wanted in _TYPES[kind].items() if not _is_optional(wanted))
     return None if any(values[name] is None for name in needed) else kind(**values)
+
+
+def _how_it_crashed(error: object) -> dict[str, Value]:
+    """Return the facts that records of earlier versions have only inside their ``error``."""
+    found = _CRASHED.match(error) if isinstance(error, str) else None
+    facts = {} if found is None else found.groupdict()
+    code = facts.pop("exit_code", None)
+    known: dict[str, Value] = {name: fact for name, fact in facts.items() if fact is not None}
+    return known if code is None else {"exit_code": int(code)}
 
 
 def _values(kind: type[object], table: Mapping[str, Value]) -> dict[str, Any]:

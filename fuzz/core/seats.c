@@ -287,7 +287,7 @@ bool wg_looks_fail(WgSeat *seat)
     if (seat->run < 0) {
         return false;
     }
-    wg_episode_fail(seat->episode, NULL);
+    wg_episode_fail(seat->episode);
     note_crash(seat);
     seat->run = -1;
     seat->looks->at++;

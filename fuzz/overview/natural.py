@@ -19,11 +19,8 @@ import numpy as np
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import arrives_in
 from fuzz.triage.diagnosis import cause_of_run
-from fuzz.triage.hazards import can_sense
-from fuzz.triage.signature import is_entered
-from sim.controllers import CONTROLLERS
+from fuzz.triage.hazards import is_harm_unsensed
 from sim.episode import Episode, simulate
-from sim.evidence import BurnedEvidence
 from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS
@@ -199,12 +196,8 @@ def _run(world: World, scenario: Scenario) -> tuple[Episode, Cause | None]:
     if recorded.verdict in ARRIVALS:
         return episode, Cause.UNKNOWN
     episode = recorded
-    evidence = episode.evidence
-    if isinstance(evidence, BurnedEvidence) and episode.trace is not None:
-        how = "entered" if is_entered(world, episode.trace, evidence) else "caught"
-        controller = CONTROLLERS.get(scenario.controller)
-        if not can_sense(controller, scenario.run.robot, evidence.state, how):
-            return episode, Cause.HARMED_UNSENSED
+    if is_harm_unsensed(world, episode, scenario):
+        return episode, Cause.HARMED_UNSENSED
     arrives = arrives_in(scenario.controller, options)
     return episode, cause_of_run(world, episode, arrives)
 

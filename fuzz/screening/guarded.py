@@ -10,8 +10,8 @@ from dataclasses import replace
 
 from fuzz.screening.batch import CRASH, HANG, Batch, Seat, ffi, lib
 from fuzz.triage.crash_bucket import crash_bucket
-from sim.controllers.core_act import controller_error_of
 from sim.controllers.shared.guarded import ControllerDied, call
+from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 
 __all__ = ["CRASH_NUMBERS", "MOST_HANGS", "look_guarded"]
@@ -57,7 +57,7 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
                     how=death.error,
                 ) from None
             batch.deaths += 1
-            hangs += death.is_hang
+            hangs += death.verdict == Verdict.HANG
             _note(batch, n, death)
     batch.leave_out(slice(batch.at, None))
 
@@ -68,10 +68,9 @@ def _note(batch: Batch, n: int, death: ControllerDied) -> None:
     This way, a frequent crash does not hide the others.
     """
     ended = batch.looks[n : n + 1]
-    if death.is_hang:
+    if death.verdict == Verdict.HANG:
         ended["ending"] = HANG
         return
-    fault = controller_error_of(death.error)
-    bucket = crash_bucket(replace(fault.evidence, step=int(ended["steps"][0])))
+    bucket = crash_bucket(replace(death.evidence, step=int(ended["steps"][0])))
     ended["ending"] = CRASH
     ended["hit_ix"] = zlib.crc32(bucket.encode()) & CRASH_NUMBERS

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from fuzz.screening.batch import Batch, Seat, ffi, lib
 from sim.controllers import ProcessController, VectorController
 from sim.controllers.contract import flat_memory
-from sim.controllers.programs.program import ControllerError
+from sim.controllers.controller_error import ControllerError
 from sim.controllers.vector import Asker
 from sim.runners.core_calls import SENSES
 from sim.runners.lockstep import ControllerRaised, its_own_fault

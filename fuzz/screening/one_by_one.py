@@ -15,7 +15,8 @@ from fuzz.screening.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat, ffi, l
 from fuzz.screening.guarded import CRASH_NUMBERS, MOST_HANGS
 from fuzz.triage.crash_bucket import crash_bucket
 from sim.controllers import ProcessController, PythonController, VectorController
-from sim.controllers.programs.program import ControllerError, WantsMemory
+from sim.controllers.controller_error import ControllerError
+from sim.controllers.programs.program import WantsMemory
 from sim.runners.python_act import Stops
 from sim.runners.python_loop import crash_of, driver_of, memory_at_start, plans
 from sim.runners.stopping import OutOfTime, is_out_of_time

@@ -17,7 +17,7 @@ from pathlib import PurePath
 from sim.evidence import FaultEvidence
 from worldgen.world import Value
 
-__all__ = ["FACTS", "crash_bucket", "has_facts"]
+__all__ = ["FACTS", "NAMED", "crash_bucket", "has_facts"]
 
 FACTS = ("reason", "message", "frames", "bump")
 """Evidence that only buckets and people use.
@@ -25,10 +25,14 @@ FACTS = ("reason", "message", "frames", "bump")
 A replay does not compare it, and files written by older versions lack it.
 """
 
+NAMED = ("exception", "exit_code", "signal", "rule")
+"""Evidence that names a fault; files written by older versions lack it as well."""
+
 _FRAMES = 2  # the innermost frames: the function that raised, and its caller
 _LONGEST_WORD = 40
 _DIGITS = 4  # hex digits that identify the statement
-_CHOSE_TO_END = re.compile(r"exit-|SIGABRT$|SIGTRAP$")
+_CHOSEN_SIGNALS = ("SIGABRT", "SIGTRAP")  # a program sends them to itself
+_NAME = re.compile(r"\w+")
 
 
 def has_facts(evidence: FaultEvidence) -> bool:
@@ -42,41 +46,39 @@ def crash_bucket(evidence: FaultEvidence) -> str:
     Args:
         evidence: Evidence of a run with verdict ``crash``.
     """
-    ended = _how_it_ended(evidence.error or "")
+    ended = _how_it_ended(evidence)
     frames = _frames(evidence)
     reason = evidence.reason or ""
     message = evidence.message or ""
-    of_a_program = not ended.isidentifier() or ended.startswith("SIG")
+    of_a_program = evidence.exception is None
     # Which function overflows the stack depends on the order of calls, so ignore the order.
     if ended == "RecursionError":
         return _joined(ended, *_names(sorted(frames, key=_name)))
     words = [ended, _word(_plain(reason).partition(": ")[0]), *_names(frames)]
     if of_a_program and not frames and not reason:
-        words += _of_last_line(evidence, ended)
+        words += _of_last_line(evidence)
     words.append(_digest(reason, message, frames))
     if of_a_program and not frames:
         words += _where_it_stood(evidence)
     return _joined(*words)
 
 
-def _how_it_ended(error: str) -> str:
-    """Return the exception's name, or how a program ended."""
-    kind = error.partition(":")[0]
-    if kind.isidentifier():
-        return kind
-    ended = re.match(r"(?:exit code|killed by) (?:signal )?(\w+)", error)
-    if ended is None:
-        return ""
-    return f"exit-{ended[1]}" if ended[1].isdigit() and "exit" in error else ended[1]
+def _how_it_ended(evidence: FaultEvidence) -> str:
+    """Return the exception's name, or how a program ended; empty if neither is known."""
+    if evidence.exit_code is not None:
+        return f"exit-{evidence.exit_code}"
+    name = evidence.exception or evidence.signal or ""
+    return name if _NAME.fullmatch(name) else ""
 
 
-def _of_last_line(evidence: FaultEvidence, ended: str) -> list[str]:
+def _of_last_line(evidence: FaultEvidence) -> list[str]:
     """Return a program's last words, if it ended by itself.
 
     Otherwise a signal interrupted it, and its last line is arbitrary. If that line begins with the
     name of an exception, only the name is used.
     """
-    if not evidence.stderr or not _CHOSE_TO_END.match(ended):
+    chose_to_end = evidence.exit_code is not None or evidence.signal in _CHOSEN_SIGNALS
+    if not evidence.stderr or not chose_to_end:
         return []
     last = evidence.stderr[-1]
     kind = re.match(r"(\w*(?:Error|Exception))\b", last)

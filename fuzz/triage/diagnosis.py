@@ -16,7 +16,7 @@ from fuzz.triage.behaviour import RepeatedPart, behaviour_of
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import Arrives, arrives_in, fails_by_timing, needs_a_wider_gap
 from fuzz.triage.fleet_signature import Standoff, standoff
-from fuzz.triage.hazards import is_hazard, is_unsensed
+from fuzz.triage.hazards import Hazard, hazard_in
 from fuzz.triage.signature import is_entered
 from sim.episode import Episode
 from sim.evidence import BurnedEvidence, JointLoopEvidence, LoopEvidence, WallEvidence
@@ -65,6 +65,11 @@ _BY_VERDICT: dict[str, Cause] = {
     Verdict.TIMEOUT: Cause.WANDERS,
 }
 
+CAUSE_OF_HAZARD = {
+    Hazard.UNSENSED: Cause.HARMED_UNSENSED,
+    Hazard.DISTURBED: Cause.PUSHED_TOO_HARD,
+}
+"""The causes of failures that are not the controller's fault."""
 
 _BY_STANDOFF = {
     Standoff.FACE_TO_FACE: Cause.FACE_TO_FACE,
@@ -87,9 +92,8 @@ def cause_of(failure: Failure) -> Cause:
     # These need no run: the record says enough.
     if failure.oracle is not None:
         return Cause.BREAKS_A_RULE
-    if is_hazard(failure):
-        is_blind = is_unsensed(failure.record.details)
-        return Cause.HARMED_UNSENSED if is_blind else Cause.PUSHED_TOO_HARD
+    if (hazard := hazard_in(failure.record.details)) is not None:
+        return CAUSE_OF_HAZARD[hazard]
     if (known := _BY_VERDICT.get(failure.verdict)) is not None:
         return known
     try:

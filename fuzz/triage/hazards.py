@@ -3,36 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from enum import StrEnum
 
 from fuzz.failure import Failure
+from fuzz.triage.signature import is_entered
 from sim.controllers import CONTROLLERS, Controller
 from sim.controllers.base import DEFAULT_SENSES, robot_for, wants_world
-from sim.options.disturbances import why_arrival_is_not_certain
+from sim.episode import Episode
+from sim.evidence import BurnedEvidence
+from sim.fleet import FleetEpisode
+from sim.options.disturbances import Doubt, why_arrival_is_not_certain
 from sim.options.robot import RobotOptions
 from sim.scenario import Scenario
-from sim.verdict import BY_THE_CONTROLLER, Verdict
+from sim.verdict import BY_THE_CONTROLLER
 from worldgen.timeline import CellState
 from worldgen.world import Value, World
 
-__all__ = ["HAZARD", "can_sense", "hazard_details", "hazard_words", "is_hazard", "is_unsensed"]
+__all__ = [
+    "HAZARD_DETAILS",
+    "Hazard",
+    "can_sense",
+    "doubt_in",
+    "hazard_details",
+    "hazard_in",
+    "hazard_words",
+    "is_harm_unsensed",
+    "is_hazard",
+]
 
-HAZARD = "hazard"
-"""The detail of a failure's record that may be ``unsensed``, or ``disturbed`` with the reason."""
+_HAZARD = "hazard"
+_DOUBT = "hazard_reason"
+HAZARD_DETAILS = (_HAZARD, _DOUBT)
+"""Names of the details of a failure's record that describe a hazard."""
 
-_UNSENSED = "unsensed"
-_DISTURBED = "disturbed: "
 _SMOKE_SENSES = ("signal", "signal_heading")
 
 
-def can_sense(controller: Controller, robot: RobotOptions, state: str, how: str) -> bool:
+class Hazard(StrEnum):
+    """Why a failure is not its controller's fault."""
+
+    UNSENSED = "unsensed"
+    DISTURBED = "disturbed"
+
+
+def can_sense(controller: Controller, robot: RobotOptions, state: str, *, entered: bool) -> bool:
     """Return True if any of a controller's senses could show it what burned the robot.
 
     Args:
         controller: The controller, whose declared ``senses`` and ``reset`` count.
         robot: Options of the robot in the run.
         state: State of the cell: ``burning``, or ``solid`` for debris and moving walls.
-        how: ``entered`` if the cell was in that state before the step, ``caught`` if it changed
-            during the step.
+        entered: Whether the cell was in that state before the step, and did not change during it.
     """
     if wants_world(controller):
         return True
@@ -41,10 +62,31 @@ def can_sense(controller: Controller, robot: RobotOptions, state: str, how: str)
     if state == CellState.BURNING.word:
         # Only smoke shows fire: rays and beams pass through flames.
         return robot.smoke > 0.0 and any(name in senses for name in _SMOKE_SENSES)
-    return how == "entered" and robot.beams > 0 and "beams" in senses
+    return entered and robot.beams > 0 and "beams" in senses
 
 
-def hazard_details(world: World, verdict: str, kind: str, scenario: Scenario) -> dict[str, Value]:
+def is_harm_unsensed(world: World, episode: Episode, scenario: Scenario) -> bool:
+    """Return True if the robot burned, and its controller could not have sensed what burned it.
+
+    Args:
+        world: World of the run.
+        episode: The run, recorded.
+        scenario: The scenario that ran.
+    """
+    evidence = episode.evidence
+    if not isinstance(evidence, BurnedEvidence):
+        return False
+    if isinstance(episode, FleetEpisode) and evidence.robot is not None:
+        alone = world.alone(evidence.robot)
+        return is_harm_unsensed(alone, episode.robots[evidence.robot - 1], scenario)
+    if episode.trace is None:
+        return False
+    entered = is_entered(world, episode.trace, evidence)
+    controller = CONTROLLERS.get(scenario.controller)
+    return not can_sense(controller, scenario.run.robot, evidence.state, entered=entered)
+
+
+def hazard_details(world: World, episode: Episode, scenario: Scenario) -> dict[str, Value]:
     """Return the record's details if a failure is not the controller's fault.
 
     That is the case if the robot burned and its controller could not have known, or if something
@@ -52,35 +94,40 @@ def hazard_details(world: World, verdict: str, kind: str, scenario: Scenario) ->
 
     Args:
         world: The world, with its certificate.
-        verdict: Verdict of the run.
-        kind: The failure's bucket, whose words state what burned the robot.
+        episode: The run, recorded.
         scenario: The scenario that ran.
     """
-    uncertain = why_arrival_is_not_certain(world, scenario.run.robot)
-    if uncertain and verdict not in BY_THE_CONTROLLER:
-        return {HAZARD: _DISTURBED + uncertain}
-    if verdict != Verdict.BURNED:
-        return {}
-    _, state, how = (*kind.split("-"), "", "")[:3]
-    controller = CONTROLLERS.get(scenario.controller)
-    return {} if can_sense(controller, scenario.run.robot, state, how) else {HAZARD: _UNSENSED}
+    doubt = why_arrival_is_not_certain(world, scenario.run.robot)
+    if doubt is not None and episode.verdict not in BY_THE_CONTROLLER:
+        return {_HAZARD: Hazard.DISTURBED.value, _DOUBT: doubt.value}
+    return {_HAZARD: Hazard.UNSENSED.value} if is_harm_unsensed(world, episode, scenario) else {}
 
 
-def is_unsensed(details: Mapping[str, Value]) -> bool:
-    """Return True if, according to a record's details, its controller cannot sense what burned it."""
-    return details.get(HAZARD) == _UNSENSED
+def hazard_in(details: Mapping[str, Value]) -> Hazard | None:
+    """Return the hazard that a record's details state, or ``None``."""
+    # Earlier versions wrote "disturbed: " and the reason in words.
+    name = str(details.get(_HAZARD, "")).partition(": ")[0]
+    return Hazard(name) if name in set(Hazard) else None
+
+
+def doubt_in(details: Mapping[str, Value]) -> str:
+    """Return in words why, according to a record, no controller is certain to arrive.
+
+    Empty if the record gives no reason.
+    """
+    doubt = str(details.get(_DOUBT, ""))
+    if doubt in set(Doubt):
+        return Doubt(doubt).sentence
+    return str(details.get(_HAZARD, "")).partition(": ")[2]
 
 
 def is_hazard(failure: Failure) -> bool:
     """Return True if the failure is a hazard that its controller cannot sense or withstand."""
-    return is_unsensed(failure.record.details) or _is_disturbed(failure)
+    return hazard_in(failure.record.details) is not None
 
 
 def hazard_words(failures: Iterable[Failure]) -> str:
     """Return what to call these hazards: ``hazards it cannot sense``, or ``sense or withstand``."""
-    disturbed = any(_is_disturbed(failure) for failure in failures)
-    return "hazards it cannot sense or withstand" if disturbed else "hazards it cannot sense"
-
-
-def _is_disturbed(failure: Failure) -> bool:
-    return str(failure.record.details.get(HAZARD, "")).startswith(_DISTURBED)
+    hazards = {hazard_in(failure.record.details) for failure in failures}
+    withstand = " or withstand" if Hazard.DISTURBED in hazards else ""
+    return f"hazards it cannot sense{withstand}"

@@ -14,16 +14,16 @@ from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import arrives_in
-from fuzz.triage.crash_bucket import FACTS
-from fuzz.triage.diagnosis import CAUSE, cause_of_run
-from fuzz.triage.hazards import HAZARD, hazard_details, is_unsensed
+from fuzz.triage.crash_bucket import FACTS, NAMED
+from fuzz.triage.diagnosis import CAUSE, CAUSE_OF_HAZARD, cause_of_run
+from fuzz.triage.hazards import hazard_details, hazard_in
 from fuzz.triage.proofs import certificate_fault
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import Episode
 from sim.evidence import evidence_table
 from sim.motion import MOTIONS
 from sim.scenario import Scenario
-from sim.verdict import ARRIVALS, OUT_OF_BUDGET
+from sim.verdict import ARRIVALS, OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import FailureRecord, Value, World
 
@@ -115,8 +115,9 @@ def failure_of(
     if found is None or not _comes_again(trial, found, oracle):
         return None
     if oracle.by_verdict:
+        run = trial.recorded_run if trial.episode.verdict == Verdict.BURNED else trial.episode
         details = {
-            **hazard_details(world, trial.episode.verdict, found.bucket, scenario),
+            **hazard_details(trial.world, run, scenario),
             **details,
         }
     record = FailureRecord(
@@ -140,8 +141,8 @@ def failure_of(
 def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str, Value]) -> Cause:
     if not oracle.by_verdict:
         return Cause.BREAKS_A_RULE
-    if HAZARD in details:
-        return Cause.HARMED_UNSENSED if is_unsensed(details) else Cause.PUSHED_TOO_HARD
+    if (hazard := hazard_in(details)) is not None:
+        return CAUSE_OF_HAZARD[hazard]
     episode = trial.episode
     return cause_of_run(
         trial.world,
@@ -245,7 +246,7 @@ def _repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
 
     A program's stderr, and how much of its answer had arrived, depend on the clock. The line in
     which a class raised changes when its file is edited. Files written by older versions have no
-    facts for buckets of crashes.
+    facts for buckets, nor the names in ``NAMED``, which the error implies.
     """
-    unstable = ("stderr", "unfinished", "at", "remedy", *FACTS)
+    unstable = ("stderr", "unfinished", "at", "remedy", *FACTS, *NAMED)
     return {name: value for name, value in evidence.items() if name not in unstable}

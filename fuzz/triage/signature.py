@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 import numpy.typing as npt
@@ -55,8 +54,7 @@ def failure_class(world: World, episode: Episode) -> str:
         if verdict == Verdict.CRASH:
             return _joined(verdict, crash_bucket(evidence))
         if verdict == Verdict.INVALID_COMMAND:
-            error = (evidence.error or "").partition("'")[0]
-            return _joined(verdict, re.sub("[^a-z]+", "-", error).strip("-"))
+            return _joined(verdict, evidence.rule)
         return verdict
     if trace is None:
         return verdict

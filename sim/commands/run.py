@@ -183,8 +183,8 @@ def _why_uncertain(world: World, scenarios: list[Scenario]) -> str:
     """Return why no controller is certain to arrive with these disturbances; empty if one can be."""
     from sim.options.disturbances import why_arrival_is_not_certain
 
-    reasons = (why_arrival_is_not_certain(world, one.run.robot) for one in scenarios)
-    return next((reason for reason in reasons if reason), "")
+    doubts = (why_arrival_is_not_certain(world, one.run.robot) for one in scenarios)
+    return next((doubt.sentence for doubt in doubts if doubt), "")
 
 
 def _simulated(

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.controllers.programs.program import ControllerError
+from sim.controllers.controller_error import ControllerError
 from sim.evidence import Evidence, FaultEvidence
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
@@ -30,31 +30,40 @@ class ContractBroken(ControllerError, TypeError):
     """Raised if a controller returned something that the contract does not allow.
 
     Args:
+        rule: Name of the broken rule, in lower case with dashes; a bucket is named after it.
         error: The fault, in the same words in every replay.
         answer: The returned value.
         remedy: How to fix it.
     """
 
-    def __init__(self, error: str, answer: object, remedy: str) -> None:
+    def __init__(self, rule: str, error: str, answer: object, remedy: str) -> None:
         super().__init__(
-            Verdict.INVALID_COMMAND, error, {"answer": _in_short(answer), "remedy": remedy}
+            Verdict.INVALID_COMMAND,
+            error,
+            {"rule": rule, "answer": _in_short(answer), "remedy": remedy},
         )
 
 
 def no_memory(answer: object, method: str = "act") -> ContractBroken:
     """Return the error for an answer that is not a command and a memory."""
-    remedy = _RETURN.format(method)
-    if answer is None:
-        return ContractBroken(f"{method} returned nothing", answer, remedy)
     fields = getattr(answer, "_fields", ())
-    if "turn_rate" in fields or isinstance(answer, int | float | np.number):
-        return ContractBroken(f"{method} returned a command without a memory", answer, remedy)
-    return ContractBroken(f"{method} did not return a command and a memory", answer, remedy)
+    if answer is None:
+        what = "returned nothing"
+    elif "turn_rate" in fields or isinstance(answer, int | float | np.number):
+        what = "returned a command without a memory"
+    else:
+        what = "did not return a command and a memory"
+    return _broken(method, what, answer)
 
 
 def no_command(answer: object, method: str = "act") -> ContractBroken:
     """Return the error for an answer whose first part is not a command."""
-    return ContractBroken(f"{method} did not return a command", answer, _RETURN.format(method))
+    return _broken(method, "did not return a command", answer)
+
+
+def _broken(method: str, what: str, answer: object) -> ContractBroken:
+    rule = f"{method}_{what}".replace("_", "-").replace(" ", "-")
+    return ContractBroken(rule, f"{method} {what}", answer, _RETURN.format(method))
 
 
 def flat_memory(memory: Any, size: int | None = None) -> tuple[float, ...]:
@@ -70,10 +79,19 @@ def flat_memory(memory: Any, size: int | None = None) -> tuple[float, ...]:
     if not isinstance(memory, tuple) or not all(
         isinstance(value, int | float | np.number) for value in memory
     ):
-        raise ContractBroken("the memory is not a tuple of numbers", memory, _MEMORY)
+        raise ContractBroken(
+            "the-memory-is-not-a-tuple-of-numbers",
+            "the memory is not a tuple of numbers",
+            memory,
+            _MEMORY,
+        )
     if size is not None and len(memory) != size:
-        error = f"the memory had {size} numbers and now has {len(memory)}"
-        raise ContractBroken(error, memory, "keep the length that reset() returned")
+        raise ContractBroken(
+            "the-memory-had-numbers-and-now-has",
+            f"the memory had {size} numbers and now has {len(memory)}",
+            memory,
+            "keep the length that reset() returned",
+        )
     return tuple(float(value) for value in memory)
 
 

@@ -16,9 +16,9 @@ import numpy.typing as npt
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
-from sim.controllers.programs.program import ControllerError
-from sim.controllers.shared.guarded import DEADLINE, HANG
+from sim.controllers.controller_error import ControllerError
 from sim.verdict import Verdict
+from worldgen.world import Value
 
 __all__ = ["CoreAct", "controller_error_of", "default_of", "memory_at_reset", "place", "size_of"]
 
@@ -95,12 +95,12 @@ def controller_error_of(error: str) -> ControllerError:
     """Return the error for a controller in C that failed.
 
     Args:
-        error: The text in ``WgReport.error``.
+        error: ``WgCommand.error``, by its contract ``Name: sentence`` or just a sentence.
     """
-    if error == HANG:
-        return ControllerError(Verdict.HANG, error, {"deadline": DEADLINE})
+    name, _, _ = error.partition(":")
     _, colon, message = error.partition(": ")
-    return ControllerError(Verdict.CRASH, error, {"message": message} if colon else {})
+    facts: dict[str, Value] = {"exception": name} if name.isidentifier() else {}
+    return ControllerError(Verdict.CRASH, error, facts | ({"message": message} if colon else {}))
 
 
 def place(struct: str, *fields: str | int) -> int:

@@ -85,15 +85,22 @@ class Asker:
             raise no_command(asked, "act_many") from None
         for name, value in zip(Commands._fields[: layout.CMD_SIZE], asked, strict=False):
             if np.shape(value) not in ((), (count,)):
-                error = f"{name} is of shape {np.shape(value)} for {count} robots"
-                raise ContractBroken(error, value, "give one number, or one for each robot")
+                raise ContractBroken(
+                    f"{name.replace('_', '-')}-is-of-shape-for-robots",
+                    f"{name} is of shape {np.shape(value)} for {count} robots",
+                    value,
+                    "give one number, or one for each robot",
+                )
         if np.shape(kept) != after.shape:
             error = (
                 f"the memory came back in shape {np.shape(kept)}, but was given in shape "
                 f"{after.shape}"
             )
             raise ContractBroken(
-                error, kept, "return it in the shape that was given: one row per robot"
+                "the-memory-came-back-in-shape-but-was-given-in-shape",
+                error,
+                kept,
+                "return it in the shape that was given: one row per robot",
             )
 
         # Copy the answer into the core's arrays.

@@ -130,7 +130,7 @@ WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const 
 
 // Ends an episode as a crash of its controller, in the step in which the controller last had to
 // act.
-void wg_episode_fail(WgEpisode *episode, const char *error);
+void wg_episode_fail(WgEpisode *episode);
 
 // Puts the robot at its start, its memory reset. The arena must be as it is before the first event.
 WgStatus wg_episode_begin(WgEpisode *episode);

@@ -243,7 +243,7 @@ typedef struct WgReport {
     int64_t overlap_step;   // first cut that is deeper than the tolerance; -1
     int64_t overlap_ix;
     int64_t overlap_iy;
-    const char *error;      // of WG_CRASH: the controller's message; NULL
+    const char *error;      // of WG_CRASH: the controller's WgCommand.error, if it set one; NULL
     double path_length;     // lattice units
     double overlap;         // deepest cut, lattice units
 } WgReport;

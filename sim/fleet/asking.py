@@ -19,8 +19,9 @@ from sim.controllers.base import (
     VectorController,
 )
 from sim.controllers.contract import ContractBroken
+from sim.controllers.controller_error import ControllerError
 from sim.controllers.programs.process import ProcessController
-from sim.controllers.programs.program import ControllerError, WantsMemory
+from sim.controllers.programs.program import WantsMemory
 from sim.controllers.vector import Asker
 from sim.fleet.core_calls import CoreFleet
 from sim.kernels import layout
@@ -104,7 +105,7 @@ class FleetAskers:
                 if self.faults:
                     # Whichever robots fail in one step, the first of them is named.
                     first = min(self.faults)
-                    fleet.fail(first, self.faults[first].error)
+                    fleet.fail(first)
                     return
 
     def _askers(self, fleet: CoreFleet) -> tuple[list[_One], list[_Many]]:
@@ -195,7 +196,10 @@ def _message_in(answer: Any) -> tuple[float, ...]:
     )
     if not numbers:
         raise ContractBroken(
-            "the message is not a tuple of numbers", message, "write message=(1.0, 0.5)"
+            "the-message-is-not-a-tuple-of-numbers",
+            "the message is not a tuple of numbers",
+            message,
+            "write message=(1.0, 0.5)",
         )
     return tuple(float(one) for one in message)
 
@@ -226,6 +230,7 @@ class _Many:
         sends = message.size > 0
         if sends and (message.ndim != 2 or len(message) != len(waiting)):
             raise ContractBroken(
+                "message-is-of-shape-for-robots",
                 f"message is of shape {message.shape} for {len(waiting)} robots",
                 message,
                 "give a row of numbers for each robot",

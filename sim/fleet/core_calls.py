@@ -111,7 +111,6 @@ class CoreFleet:
         )
         self.c: Any = ffi.gc(made[0], lib.wg_fleet_free)
         self._held = (arenas, settings, kinds, clear_sq, runs, drivers)
-        self._errors: list[Any] = []
         self.members = tuple(FleetMember(self, number) for number in range(len(runs)))
         check(lib.wg_fleet_begin(self.c))
 
@@ -135,11 +134,9 @@ class CoreFleet:
         count = int(self.c.search.words)
         return np.frombuffer(ffi.buffer(self.c.search.known, 8 * count), np.uint64).copy()
 
-    def fail(self, number: int, error: str) -> None:
+    def fail(self, number: int) -> None:
         """End the run as a crash of one robot's controller."""
-        text = ffi.new("char[]", error.encode())
-        self._errors.append(text)
-        lib.wg_fleet_fail(self.c, number, text)
+        lib.wg_fleet_fail(self.c, number)
 
     def run(self, steps: int) -> int:
         """Run at most this many steps.

@@ -14,9 +14,9 @@ import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Controller
+from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import controller_error_of
 from sim.controllers.programs.process import ProcessController
-from sim.controllers.programs.program import ControllerError
 from sim.fleet.apart import separate_loops
 from sim.fleet.asking import FleetAskers, own_controllers
 from sim.fleet.core_calls import CoreFleet, driver_in_core

@@ -81,7 +81,7 @@ typedef struct WgCommand {
     double speed;        // m/s along the heading, negative for backwards; clamped to the top speed
     double turn_rate;    // rad/s, counter-clockwise; takes effect before the next move
     double used_random;  // 1 if WgObservation.random was used, so that the next one must be new
-    const char *error;   // NULL, or a message that outlives the run, which then ends as a crash
+    const char *error;   // NULL, or "Name: sentence" that outlives the run, which then ends as a crash of that name
     double *message;     // (WgObservation.message_size,) zeros, to be sent to the neighbours; NULL without a channel
 } WgCommand;
 

@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from fractions import Fraction
 
 from sim.options.robot import RobotOptions
@@ -17,6 +18,7 @@ from worldgen.world import Witness, World
 
 __all__ = [
     "Decoy",
+    "Doubt",
     "Push",
     "PushPlace",
     "decoys_of",
@@ -25,6 +27,32 @@ __all__ = [
     "pushing_places_of",
     "why_arrival_is_not_certain",
 ]
+
+
+class Doubt(StrEnum):
+    """Why a disturbed robot may fail whatever its controller does."""
+
+    NO_WITNESS = "no-witness"
+    CHANGING_WORLD = "changing-world"
+    FAST_DRIFT = "fast-drift"
+    SLOW_REACTION = "slow-reaction"
+    PUSHED_AGAIN = "pushed-again"
+    PUSHED_ON_THE_WITNESS = "pushed-on-the-witness"
+
+    @property
+    def sentence(self) -> str:
+        """The reason in words."""
+        return _DOUBTS[self]
+
+
+_DOUBTS = {
+    Doubt.NO_WITNESS: "no witness shows a way to the target",
+    Doubt.CHANGING_WORLD: "the world changes, and the witness's times allow for no disturbance",
+    Doubt.FAST_DRIFT: "the drift is as fast as the robot",
+    Doubt.SLOW_REACTION: "a robot that cannot turn or brake at once may drift off the witness",
+    Doubt.PUSHED_AGAIN: "a place may push the robot again after the robot has left the witness",
+    Doubt.PUSHED_ON_THE_WITNESS: "the witness leads through a place that pushes the robot",
+}
 
 # Margin, m, added to places to allow for rounding.
 _EDGE = 1e-9
@@ -116,8 +144,8 @@ def delay_of(world: World, robot: RobotOptions) -> tuple[float, Fraction]:
     return last + float(pushed / speed), factor
 
 
-def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> str:
-    """Return why a disturbed robot may fail whatever its controller does; empty if it cannot.
+def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> Doubt | None:
+    """Return why a disturbed robot may fail whatever its controller does, or ``None``.
 
     A push at a time moves the robot along a clear path, so in a static world it can drive back and
     take the witness from there. A robot that turns and changes its speed instantly, and is faster
@@ -130,23 +158,23 @@ def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> str:
     """
     # Without a static world and a witness nothing is certain.
     if not robot.moved:
-        return ""
+        return None
     if not isinstance(world.certificate, Witness):
-        return "no witness shows a way to the target"
+        return Doubt.NO_WITNESS
     if world.is_dynamic:
-        return "the world changes, and the witness's times allow for no disturbance"
+        return Doubt.CHANGING_WORLD
     # A drift must be slower than the robot, which must be able to correct it instantly.
     if robot.drift >= world.robot_speed:
-        return "the drift is as fast as the robot"
+        return Doubt.FAST_DRIFT
     if robot.drift > 0.0 and (robot.turn_limit or robot.acceleration or robot.friction):
-        return "a robot that cannot turn or brake at once may drift off the witness"
+        return Doubt.SLOW_REACTION
     # Places must not push it off the witness.
     if robot.push_places:
         if robot.pushes or robot.drift > 0.0:
-            return "a place may push the robot again after the robot has left the witness"
+            return Doubt.PUSHED_AGAIN
         if _crosses(world.certificate, world, pushing_places_of(robot)):
-            return "the witness leads through a place that pushes the robot"
-    return ""
+            return Doubt.PUSHED_ON_THE_WITNESS
+    return None
 
 
 def _crosses(witness: Witness, world: World, places: Sequence[PushPlace]) -> bool:

@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import Act, CompiledController
-from sim.controllers.core_act import CoreAct
+from sim.controllers.controller_error import ControllerError
+from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.flat_act import flat_address
 from sim.controllers.shared import guarded
 from sim.controllers.shared.guarded import PRIVATE, ControllerDied, CoreMemory, before_start, call
@@ -359,6 +360,7 @@ class CoreEpisode(EpisodeHandle):
         guarded: Address of the controller's function if it runs in another process, else 0. In
             that case everything that a call takes, the settings included, must be in
             :data:`sim.controllers.shared.guarded.SHARED`.
+        fault: How the controller failed in another process; ``None`` if it did not.
 
     Raises:
         MemoryError: If there is not enough memory.
@@ -381,7 +383,6 @@ class CoreEpisode(EpisodeHandle):
         self.words = int(self.c.search.words)
         self._held = (arena, settings, driver)
         self.guarded = driver.guarded
-        self._error: Any = None
         self.begin()
 
     def _place(self, arena: CoreArena, settings: Any, driver: Driver, log_steps: int) -> None:
@@ -396,6 +397,7 @@ class CoreEpisode(EpisodeHandle):
     def begin(self) -> None:
         """Put the robot back at its start; the arena must be as it was before the first event."""
         check(lib.wg_episode_begin(self.c))
+        self.fault: ControllerError | None = None
 
     @property
     def entry(self) -> int:
@@ -415,16 +417,16 @@ class CoreEpisode(EpisodeHandle):
         try:
             answer = call(work, self.guarded, (self.c,), steps, report=report)
         except ControllerDied as death:
-            self._fail(death.error)
+            self._fail(death)
             return False
         if answer.error:
-            self._fail(answer.error)
+            self._fail(controller_error_of(answer.error))
         return bool(answer.result == lib.WG_GOES_ON)
 
-    def _fail(self, error: str) -> None:
-        """End the episode as a crash of the controller, with this message."""
-        self._error = ffi.new("char[]", error.encode())
-        lib.wg_episode_fail(self.c, self._error)
+    def _fail(self, fault: ControllerError) -> None:
+        """End the episode as a crash of the controller."""
+        self.fault = fault
+        lib.wg_episode_fail(self.c)
 
     def run_to_the_end(self) -> None:
         """Run in portions, so that Ctrl-C is noticed between them."""

@@ -16,6 +16,7 @@ from sim.options.run import RunOptions
 from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, copy_of, grid_of
 from sim.runners.lattice import LatticeRun
 from sim.runners.packing import disc_numbers, target_sq
+from sim.verdict import Verdict
 from worldgen.lattice import metres_to_lattice
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import CellState
@@ -204,7 +205,7 @@ def _try_guarded(episode: CoreEpisode, objects: Sequence[Any], count: int, wante
             count = tried.next
     except ControllerDied as death:
         tried.running = 0
-        tried.found = wanted.hang if death.is_hang else wanted.crash
+        tried.found = wanted.hang if death.verdict == Verdict.HANG else wanted.crash
 
 
 def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:

@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Controller, robot_for
+from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.crash_frames import crash_facts
 from sim.controllers.flat_act import compiled_act
-from sim.controllers.programs.program import ControllerError
 from sim.kernels import layout
 from sim.options.noise import is_noisy
 from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, check_step_length
@@ -382,6 +382,8 @@ class LatticeRun:
         A function compiled by numba reports only that it raised. To find out what, the last step is
         run again from Python.
         """
+        if failed.fault is not None:
+            return failed.fault
         if isinstance(controller.act, CoreAct):
             return controller_error_of(ffi.string(failed.report.error).decode("utf-8", "replace"))
         settings = copy_of(self.settings)
@@ -402,7 +404,8 @@ class LatticeRun:
             )
         except Exception as error:  # noqa: BLE001 - a controller may raise anything
             facts = crash_facts(error, controller) or {"message": str(error)}
-            return ControllerError(Verdict.CRASH, f"{type(error).__name__}: {error}", facts)
+            name = type(error).__name__
+            return ControllerError(Verdict.CRASH, f"{name}: {error}", {"exception": name, **facts})
         return ControllerError(
             Verdict.CRASH, ffi.string(failed.report.error).decode("utf-8", "replace")
         )

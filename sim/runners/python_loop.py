@@ -23,9 +23,10 @@ import numpy.typing as npt
 from sim._core import ffi, lib
 from sim.controllers.base import Memory, PythonController, VectorController, wants_world
 from sim.controllers.contract import flat_memory
+from sim.controllers.controller_error import ControllerError
 from sim.controllers.crash_frames import crash_facts
 from sim.controllers.programs.process import ProcessController
-from sim.controllers.programs.program import ControllerError, WantsMemory
+from sim.controllers.programs.program import WantsMemory
 from sim.controllers.vector import Asker
 from sim.runners.controller_time import timed
 from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, Workspace, most_points
@@ -134,10 +135,15 @@ class PythonLoop:
 
 def crash_of(error: BaseException, controller: object) -> ControllerError:
     """Return the error for a controller that raised, with the place where it did."""
-    # Addresses differ from run to run, and a replay must give the same text.
-    text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
-    text = text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
-    return ControllerError(Verdict.CRASH, text, crash_facts(error, controller))
+    name = type(error).__name__
+    facts = {"exception": _in_short(name), **crash_facts(error, controller)}
+    return ControllerError(Verdict.CRASH, _in_short(f"{name}: {error}"), facts)
+
+
+def _in_short(text: str) -> str:
+    """Return a text on one line, and in every run the same: addresses differ from run to run."""
+    text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(text.split()))
+    return text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
 
 
 def plans(controller: PythonController | VectorController) -> bool:

@@ -7,12 +7,12 @@ import pytest
 
 from fuzz.faults import FAULTS
 from sim.controllers import CONTROLLERS
+from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct
 from sim.controllers.library.dynamic_window import DynamicWindow, dynamic_window_robot
 from sim.controllers.library.potential_field import PotentialField, potential_field_robot
 from sim.controllers.library.three_layer import ThreeLayer, three_layer_robot
 from sim.controllers.library.vfh import VfhPlus, vfh_robot
-from sim.controllers.programs.program import ControllerError
 from sim.controllers.taught import with_exploration
 from tests.reference.fuzz import as_classes
 from tests.reference.sim.controllers import dynamic_window, potential_field, three_layer, vfh

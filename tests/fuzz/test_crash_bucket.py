@@ -13,7 +13,7 @@ from fuzz.triage.judging import failure_of
 from fuzz.triage.signature import failure_class
 from sim.controllers.programs.crash_report import report_of
 from sim.episode import Episode, simulate
-from sim.evidence import FaultEvidence, fault_evidence
+from sim.evidence import FaultEvidence, fault_evidence, read_evidence
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.reach import decide
@@ -89,7 +89,7 @@ def test_a_recursion_without_end_has_one_bucket_wherever_the_stack_was_full(tmp_
 def aborted(said, step=5, **facts):
     stderr = said.splitlines()[-5:]
     return fault_evidence(
-        {"error": "killed by SIGABRT", "step": step, "stderr": stderr, **report_of(said), **facts}
+        {"signal": "SIGABRT", "step": step, "stderr": stderr, **report_of(said), **facts}
     )
 
 
@@ -126,8 +126,7 @@ def test_neither_signs_nor_what_is_no_number_make_another_bucket(value):
 
 def test_what_a_program_said_before_a_signal_that_it_did_not_raise_is_not_in_its_bucket():
     assert (
-        crash_bucket(FaultEvidence(error="killed by SIGSEGV", step=5, stderr=("turning left",)))
-        == "SIGSEGV"
+        crash_bucket(FaultEvidence(signal="SIGSEGV", step=5, stderr=("turning left",))) == "SIGSEGV"
     )
 
 
@@ -141,22 +140,28 @@ def test_silent_aborts_are_told_apart_by_where_the_run_stood():
 
 
 def test_evidence_from_before_buckets_keeps_its_name():
-    assert crash_bucket(FaultEvidence(error="KeyError: 'x'", at="mine.py:12", step=1)) == "KeyError"
+    table = {"error": "KeyError: 'x'", "at": "mine.py:12", "step": 1}
+    assert crash_bucket(read_evidence(Verdict.CRASH, table)) == "KeyError"
+
+
+@pytest.mark.parametrize("facts", [{"exception": "../x"}, {"signal": "../x"}, {}])
+def test_a_name_that_could_be_a_path_is_not_in_a_bucket(facts):
+    assert crash_bucket(FaultEvidence(**facts)) == ""
 
 
 @pytest.mark.parametrize(
     ("verdict", "evidence", "kind"),
     [
-        ("crash", {"error": "exit code 3"}, "crash-exit-3"),
+        ("crash", {"exit_code": 3}, "crash-exit-3"),
         (
             "crash",
-            {"error": "exit code 1", "stderr": ["at step 3", "KeyError: 'x'"]},
+            {"exit_code": 1, "stderr": ["at step 3", "KeyError: 'x'"]},
             "crash-exit-1-KeyError",
         ),
         ("crash", {"error": "closed its output"}, "crash"),
-        ("crash", {"error": "ValueError: math domain error"}, "crash-ValueError"),
+        ("crash", {"exception": "ValueError"}, "crash-ValueError"),
         ("hang", {"error": "no answer"}, "hang"),
-        ("invalid-command", {"error": "unknown key '../x'"}, "invalid-command-unknown-key"),
+        ("invalid-command", {"rule": "unknown-key"}, "invalid-command-unknown-key"),
         ("invalid-command", {}, "invalid-command"),
     ],
 )

@@ -7,15 +7,17 @@ import pytest
 
 from fuzz.failure import Failure
 from fuzz.shrink import shrink
-from fuzz.triage.hazards import can_sense, is_hazard
+from fuzz.triage.hazards import Hazard, can_sense, doubt_in, hazard_in, is_hazard
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
 from sim.controllers import CONTROLLERS
+from sim.options.disturbances import Doubt
 from sim.options.robot import RobotOptions
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import Pose, Target, World
 from worldgen.files.grid import loads, read_world
+from worldgen.generation import generate
 from worldgen.timeline import CellState, Timeline
 
 AHEAD = """
@@ -43,28 +45,60 @@ def burning_world():
 
 
 @pytest.mark.parametrize(
-    ("robot", "state", "how", "sensed"),
+    ("robot", "state", "entered", "sensed"),
     [
-        (RobotOptions(), "burning", "entered", False),
-        (RobotOptions(beams=36), "burning", "entered", False),
-        (RobotOptions(smoke=0.2), "burning", "entered", True),
-        (RobotOptions(smoke=0.2), "burning", "caught", True),
-        (RobotOptions(beams=36), "solid", "entered", True),
-        (RobotOptions(beams=36), "solid", "caught", False),
+        (RobotOptions(), "burning", True, False),
+        (RobotOptions(beams=36), "burning", True, False),
+        (RobotOptions(smoke=0.2), "burning", True, True),
+        (RobotOptions(smoke=0.2), "burning", False, True),
+        (RobotOptions(beams=36), "solid", True, True),
+        (RobotOptions(beams=36), "solid", False, False),
     ],
 )
-def test_only_what_a_sense_shows_can_be_known(robot, state, how, sensed, mine):
-    assert can_sense(CONTROLLERS.get(f"{mine}:Ahead"), robot, state, how) is sensed
+def test_only_what_a_sense_shows_can_be_known(robot, state, entered, sensed, mine):
+    assert can_sense(CONTROLLERS.get(f"{mine}:Ahead"), robot, state, entered=entered) is sensed
 
 
 def test_a_controller_that_declares_other_senses_does_not_see_smoke():
     assert not can_sense(
-        CONTROLLERS.get("wall-left"), RobotOptions(smoke=0.2), "burning", "entered"
+        CONTROLLERS.get("wall-left"), RobotOptions(smoke=0.2), "burning", entered=True
     )
 
 
 def test_a_controller_that_plans_on_the_world_knows_when_it_burns(mine):
-    assert can_sense(CONTROLLERS.get(f"{mine}:Planner"), RobotOptions(), "solid", "caught")
+    assert can_sense(CONTROLLERS.get(f"{mine}:Planner"), RobotOptions(), "solid", entered=False)
+
+
+@pytest.mark.parametrize(
+    ("details", "hazard", "reason"),
+    [
+        pytest.param({}, None, "", id="none"),
+        pytest.param({"hazard": "unsensed"}, Hazard.UNSENSED, "", id="unsensed"),
+        pytest.param(
+            {"hazard": "disturbed", "hazard_reason": "fast-drift"},
+            Hazard.DISTURBED,
+            Doubt.FAST_DRIFT.sentence,
+            id="disturbed",
+        ),
+        pytest.param(
+            {"hazard": "disturbed: the wind is strong"},
+            Hazard.DISTURBED,
+            "the wind is strong",
+            id="earlier-version",
+        ),
+        pytest.param({"hazard": 3}, None, "", id="foreign"),
+    ],
+)
+def test_a_record_says_which_hazard_it_is_and_why(details, hazard, reason):
+    assert (hazard_in(details), doubt_in(details)) == (hazard, reason)
+
+
+def test_a_robot_that_drifts_too_fast_is_a_hazard_with_its_reason():
+    world = generate("trap", 3)
+    failure = failure_of(world, Scenario.parse(f"wall-left+drift={world.robot_speed}"))
+    details = failure.record.details
+    assert hazard_in(details) == Hazard.DISTURBED
+    assert details["hazard_reason"] == Doubt.FAST_DRIFT and is_hazard(failure)
 
 
 @pytest.mark.parametrize(("name", "unsensed"), [("Ahead", True), ("Planner", False)])

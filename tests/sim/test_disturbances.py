@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sim import CompiledController, Observation, RobotOptions, RunOptions, simulate, simulate_many
 from sim.drawing.picture import disturbances_in
 from sim.episode import prepare
-from sim.options.disturbances import why_arrival_is_not_certain
+from sim.options.disturbances import Doubt, why_arrival_is_not_certain
 from sim.options.run import step_budget
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
@@ -174,15 +174,17 @@ def test_arrival_is_certain_where_the_witness_can_still_be_driven():
         {"push_places": (world.cell_size * 1.5, world.cell_size * 1.5, 0.1, 0.0, 0.0)},
         {"decoys": (0.5, 0.5, 9.0)},
     ]
-    doubtful = [
-        {"drift": world.robot_speed},
-        {"drift": 0.5, "turn_limit": 1.0},
-        {"push_places": (*start, 0.1, 0.0, 0.0)},
-    ]
-    assert [why_arrival_is_not_certain(world, RobotOptions(**one)) for one in certain] == [""] * 5
-    assert all(why_arrival_is_not_certain(world, RobotOptions(**one)) for one in doubtful)
+    doubtful = {
+        Doubt.FAST_DRIFT: {"drift": world.robot_speed},
+        Doubt.SLOW_REACTION: {"drift": 0.5, "turn_limit": 1.0},
+        Doubt.PUSHED_ON_THE_WITNESS: {"push_places": (*start, 0.1, 0.0, 0.0)},
+    }
+    assert not any(why_arrival_is_not_certain(world, RobotOptions(**one)) for one in certain)
+    for doubt, one in doubtful.items():
+        assert why_arrival_is_not_certain(world, RobotOptions(**one)) == doubt
     burning = replace(world, timeline=Timeline.of([Event(9.0, 3, 3, CellState.BURNING)]))
-    assert why_arrival_is_not_certain(burning, RobotOptions(pushes=(1.0, 0.5, 0.5, 3.0)))
+    pushed = RobotOptions(pushes=(1.0, 0.5, 0.5, 3.0))
+    assert why_arrival_is_not_certain(burning, pushed) == Doubt.CHANGING_WORLD
 
 
 @given(st.integers(0, 50), st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))

@@ -16,7 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import Observation
-from sim.controllers.programs.program import ControllerError, shown
+from sim.controllers.controller_error import ControllerError
+from sim.controllers.programs.program import shown
 from sim.kernels import layout
 from sim.verdict import Verdict
 
@@ -69,7 +70,9 @@ def read_offer(given: Any, answer: bytes) -> Offer:
         or not offer.keys() <= {"robots", "senses"}
     ):
         raise ControllerError(
-            Verdict.INVALID_COMMAND, "batch is not an offer", {"answer": shown(answer)}
+            Verdict.INVALID_COMMAND,
+            "batch is not an offer",
+            {"rule": "batch-is-not-an-offer", "answer": shown(answer)},
         )
     return Offer(min(robots, MOST_ROBOTS), tuple(senses))
 
@@ -139,7 +142,9 @@ def _fits(column: object, count: int) -> bool:
 
 def _no_commands(answer: bytes) -> ControllerError:
     return ControllerError(
-        Verdict.INVALID_COMMAND, "no commands for a batch", {"answer": shown(answer)}
+        Verdict.INVALID_COMMAND,
+        "no commands for a batch",
+        {"rule": "no-commands-for-a-batch", "answer": shown(answer)},
     )
 
 

@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import Command, Memory, Observation
+from sim.controllers.controller_error import ControllerError
 from sim.controllers.programs.batch import (
     Offer,
     batch_line,
@@ -28,13 +29,7 @@ from sim.controllers.programs.batch import (
     read_offer,
     reset_batch_line,
 )
-from sim.controllers.programs.program import (
-    ControllerError,
-    Program,
-    ProgramLimits,
-    find_program,
-    shown,
-)
+from sim.controllers.programs.program import Program, ProgramLimits, find_program, shown
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import split_options
@@ -400,22 +395,27 @@ def _object(answer: bytes) -> dict[str, Any]:
     try:
         found = _decode(answer.decode())
     except (ValueError, RecursionError):
-        raise _no_command("not JSON", answer) from None
+        raise _no_command("not", "not JSON", answer) from None
     if not isinstance(found, dict):
-        raise _no_command("no object", answer)
+        raise _no_command("no-object", "no object", answer)
     return found
 
 
 def _command(found: dict[str, Any], answer: bytes) -> Command:
     for key in ("speed", "turn_rate"):
         if key not in found:
-            raise _no_command(f"no {key}", answer)
+            raise _no_command(f"no-{_dashed(key)}", f"no {key}", answer)
     if len(found) > 2 and not found.keys() <= _KEYS:
         unknown = sorted(found.keys() - _KEYS)[0]
-        raise _no_command(f"unknown key {shown(unknown.encode('utf-8', 'replace'))!r}", answer)
+        name = shown(unknown.encode("utf-8", "replace"))
+        raise _no_command("unknown-key", f"unknown key {name!r}", answer)
     used_random = found.get("used_random", False)
     if not isinstance(used_random, bool):
-        raise _no_command("used_random is neither true nor false", answer)
+        raise _no_command(
+            "used-random-is-neither-true-nor-false",
+            "used_random is neither true nor false",
+            answer,
+        )
     return Command(
         _number(found, "speed", answer),
         _number(found, "turn_rate", answer),
@@ -428,27 +428,33 @@ def _message(found: dict[str, Any], answer: bytes) -> tuple[float, ...]:
     """Return the numbers to send to the neighbours; empty if the answer has none."""
     message = found.get("message", [])
     if not isinstance(message, list):
-        raise _no_command("message is not a list of numbers", answer)
+        raise _no_command(
+            "message-is-not-a-list-of-numbers", "message is not a list of numbers", answer
+        )
     return tuple(_number({"message": one}, "message", answer) for one in message)
 
 
 def _number(found: dict[str, Any], key: str, answer: bytes) -> float:
     value = found[key]
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise _no_command(f"{key} is not a number", answer)
+        raise _no_command(f"{_dashed(key)}-is-not-a-number", f"{key} is not a number", answer)
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise _no_command(f"{key} is not finite", answer)
+        raise _no_command(f"{_dashed(key)}-is-not-finite", f"{key} is not finite", answer)
     return number
 
 
-def _no_command(error: str, answer: bytes) -> ControllerError:
+def _no_command(rule: str, error: str, answer: bytes) -> ControllerError:
     # Replays compare these errors with the ones in stored failures, so their wording must not
-    # change.
-    return ControllerError(Verdict.INVALID_COMMAND, error, {"answer": shown(answer)})
+    # change. The rules are part of the names of buckets, so "not JSON" is called "not".
+    return ControllerError(Verdict.INVALID_COMMAND, error, {"rule": rule, "answer": shown(answer)})
+
+
+def _dashed(key: str) -> str:
+    return key.replace("_", "-")
 
 
 def _words(name: str, command: str) -> list[str]:

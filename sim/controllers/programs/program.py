@@ -11,12 +11,12 @@ import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from sim.controllers.controller_error import NO_ANSWER, ControllerError, how_it_ended
 from sim.controllers.programs.crash_report import report_of
-from sim.evidence import evidence_table, fault_evidence
+from sim.evidence import evidence_table
 from sim.runners.controller_time import timed
 from sim.runners.stopping import unbreakable
 from sim.verdict import Verdict
@@ -78,27 +78,6 @@ class ProgramLimits:
     deadline: float = 1.0
     start_deadline: float = 10.0
     memory: int | None = 2 << 30
-
-
-class ControllerError(Exception):
-    """A fault of a controller, which decides the verdict of its run.
-
-    Args:
-        verdict: One of :data:`sim.verdict.BY_THE_CONTROLLER`.
-        error: The fault, in the same words in every replay.
-        facts: Other facts, by names of :class:`FaultEvidence`.
-
-    Attributes:
-        evidence: All of this as evidence, without the step.
-    """
-
-    def __init__(
-        self, verdict: Verdict, error: str, facts: Mapping[str, Value] | None = None
-    ) -> None:
-        super().__init__(f"{verdict}: {error}")
-        self.verdict = verdict
-        self.error = error
-        self.evidence = fault_evidence({**(facts or {}), "error": error})
 
 
 class WantsMemory(InvalidParameter):
@@ -257,7 +236,9 @@ class Program:
             self._hear(0)
             if self._answer:
                 raise ControllerError(
-                    Verdict.INVALID_COMMAND, "more than one line", {"answer": shown(self._answer)}
+                    Verdict.INVALID_COMMAND,
+                    "more than one line",
+                    {"rule": "more-than-one-line", "answer": shown(self._answer)},
                 )
             answer = self._exchange(line, end, seconds)
             self._answers += 1
@@ -338,7 +319,7 @@ class Program:
             raise ControllerError(
                 Verdict.INVALID_COMMAND,
                 f"a line of more than {LONGEST_LINE} bytes",
-                {"answer": shown(answer)},
+                {"rule": "a-line-of-more-than-bytes", "answer": shown(answer)},
             )
         line = bytes(answer[:newline])
         del answer[: newline + 1]
@@ -354,7 +335,7 @@ class Program:
             self._ended = True
         elif left <= 0.0:
             partly = {"unfinished": shown(self._answer)} if self._answer else {}
-            raise ControllerError(Verdict.HANG, "no answer", {"deadline": seconds, **partly})
+            raise ControllerError(Verdict.HANG, NO_ANSWER, {"deadline": seconds, **partly})
 
     def _hear(self, seconds: float) -> bool:
         """Read the output that arrives within that time, up to a chunk from each pipe.
@@ -408,13 +389,7 @@ class Program:
         if not self._exits_within(_TO_EXIT):
             return ControllerError(Verdict.CRASH, "closed its output")
         self._end_group()
-        code = self._process.wait()
-        if code >= 0:
-            return ControllerError(Verdict.CRASH, f"exit code {code}")
-        try:
-            return ControllerError(Verdict.CRASH, f"killed by {signal.Signals(-code).name}")
-        except ValueError:  # a real-time signal
-            return ControllerError(Verdict.CRASH, f"killed by signal {-code}")
+        return ControllerError(Verdict.CRASH, *how_it_ended(self._process.wait()))
 
     def _exits_within(self, seconds: float) -> bool:
         end = time.monotonic() + seconds

@@ -27,11 +27,12 @@ import numpy.typing as npt
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
+from sim.controllers.controller_error import NO_ANSWER, ControllerError, how_it_ended
+from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 
 __all__ = [
     "DEADLINE",
-    "HANG",
     "PRIVATE",
     "SHARED",
     "CallResult",
@@ -44,9 +45,6 @@ __all__ = [
 
 ffi: Any = _ffi
 lib: Any = _lib
-
-HANG = "no answer"
-"""The error of a controller whose step does not return."""
 
 DEADLINE = 1.0
 """Processor time that a controller may take for a step, s."""
@@ -70,21 +68,8 @@ They create objects that it must find in its copy of this process's memory.
 """
 
 
-class ControllerDied(Exception):
-    """Raised if the process that ran the controller has ended.
-
-    Args:
-        error: ``killed by SIGSEGV``, ``exit code 3``, or :data:`HANG`.
-    """
-
-    def __init__(self, error: str) -> None:
-        super().__init__(error)
-        self.error = error
-
-    @property
-    def is_hang(self) -> bool:
-        """True if a step did not return."""
-        return self.error == HANG
+class ControllerDied(ControllerError):
+    """Raised if the process that ran the controller has ended, or was ended because of a hang."""
 
 
 class CallResult(NamedTuple):
@@ -92,7 +77,7 @@ class CallResult(NamedTuple):
 
     Args:
         result: Return value of the core's function.
-        error: The fault that the controller reported in the last run; empty without a fault.
+        error: ``WgReport.error`` of the last run; empty without an error.
     """
 
     result: int
@@ -273,24 +258,16 @@ class _Server:
                 used = lib.wg_guard_seconds(self.process)
             elif self._is_stuck(waited, used_since):
                 self.end()
-                raise ControllerDied(HANG)
+                raise ControllerDied(Verdict.HANG, NO_ANSWER, {"deadline": DEADLINE})
         if not os.read(self._answer, 1):
-            raise ControllerDied(self._how_it_ended())
+            _, status = os.waitpid(self.process, 0)
+            self._close()
+            code = os.waitstatus_to_exitcode(status)
+            raise ControllerDied(Verdict.CRASH, *how_it_ended(code))
 
     @staticmethod
     def _is_stuck(waited: float, used: float) -> bool:
         return used >= DEADLINE or waited >= _WAITING
-
-    def _how_it_ended(self) -> str:
-        _, status = os.waitpid(self.process, 0)
-        self._close()
-        code = os.waitstatus_to_exitcode(status)
-        if code >= 0:
-            return f"exit code {code}"
-        try:
-            return f"killed by {signal.Signals(-code).name}"
-        except ValueError:
-            return f"killed by signal {-code}"
 
     def end(self) -> None:
         """Kill the process."""

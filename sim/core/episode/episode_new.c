@@ -136,11 +136,11 @@ void wg_episode_free(WgEpisode *episode)
     }
 }
 
-void wg_episode_fail(WgEpisode *episode, const char *error)
+void wg_episode_fail(WgEpisode *episode)
 {
     WgReport *report = &episode->robot.report;
     report->ending = WG_CRASH;
-    report->error = error;
+    report->error = NULL;
     episode->step = report->steps;
     episode->over = 1;
 }

@@ -242,9 +242,9 @@ int64_t wg_fleet_run(WgFleet *fleet, int64_t most_steps)
     return fleet->over != 0 ? WG_OVER : WG_GOES_ON;
 }
 
-void wg_fleet_fail(WgFleet *fleet, int64_t robot, const char *error)
+void wg_fleet_fail(WgFleet *fleet, int64_t robot)
 {
-    wg_episode_fail(fleet->members[robot], error);
+    wg_episode_fail(fleet->members[robot]);
     fleet->report.steps = fleet->step;
     fleet->report.ending = WG_CRASH;
     fleet->report.robot = robot;

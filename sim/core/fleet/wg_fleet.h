@@ -87,7 +87,7 @@ WgStatus wg_fleet_begin(WgFleet *fleet);
 int64_t wg_fleet_run(WgFleet *fleet, int64_t most_steps);
 
 // Ends a run as a crash of a robot's controller, in the step in which it last had to act.
-void wg_fleet_fail(WgFleet *fleet, int64_t robot, const char *error);
+void wg_fleet_fail(WgFleet *fleet, int64_t robot);
 
 // The motion part of a step, for tests: what wg_fleet_run does with given displacements.
 //
