@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+
 from fuzz.boundary.axes import AXES, Axis, Subject
-from fuzz.boundary.search import Boundary, BoundaryRuns, nearest_boundary
+from fuzz.boundary.search import Boundary, BoundaryRuns, RecordedBoundary, nearest_boundary
 from fuzz.failure import Failure
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.options.noise import is_noisy
 from sim.scenario import Scenario
+from worldgen.files.json_file import converted
 from worldgen.world import Value
 
 __all__ = ["describe_boundaries", "is_bounded", "subject_of", "with_boundaries"]
@@ -55,7 +58,7 @@ def with_boundaries(failure: Failure, found: Failure) -> Failure:
     subject = subject_of(failure)
     if subject is None:
         return failure
-    axes = [axis for axis, _, _ in _recorded(found)]
+    axes = [AXES[one.axis] for one in _recorded(found)]
     if isinstance(CONTROLLERS.get(failure.record.controller), CompiledController):
         axes += [AXES[name] for name in _MEASURED if AXES[name] not in axes]
     begins: list[Value] = [
@@ -69,29 +72,23 @@ def _boundary(subject: Subject, axis: Axis) -> Boundary | None:
     return None if start is None else nearest_boundary(BoundaryRuns(subject, axis), start)
 
 
-def _recorded(failure: Failure) -> list[tuple[Axis, float, float]]:
-    """Yield the axes of a record with the values that fail and pass.
+def _recorded(failure: Failure) -> list[RecordedBoundary]:
+    """Return the boundaries in a failure's record.
 
-    Records may come from anywhere, so malformed ones are skipped.
+    Records may come from anywhere, so malformed boundaries are skipped.
     """
-    said = failure.record.details.get("boundaries")
+    listed = failure.record.details.get("boundaries")
     found = []
-    # Skip what is not a complete entry.
-    for one in said if isinstance(said, list) else []:
-        if not isinstance(one, dict):
-            continue
-        axis = AXES.get(str(one.get("axis")))
-        fails = one.get("fails_at")
-        passes = one.get("passes_at")
-        if axis is not None and isinstance(fails, int | float) and isinstance(passes, int | float):
-            found.append((axis, fails, passes))
-    return found
+    for one in listed if isinstance(listed, list) else []:
+        with contextlib.suppress(ValueError):
+            found.append(converted(one, RecordedBoundary))
+    return [one for one in found if one.axis in AXES]
 
 
 def describe_boundaries(failure: Failure) -> str:
     """Describe a failure's boundaries in words; empty if its record has none."""
     said = [
-        f"{axis.name} {fails:g} {axis.unit} ({passes:g} passes)"
-        for axis, fails, passes in _recorded(failure)
+        f"{one.axis} {one.fails_at:g} {AXES[one.axis].unit} ({one.passes_at:g} passes)"
+        for one in _recorded(failure)
     ]
     return f"begins at {', '.join(said)}" if said else ""

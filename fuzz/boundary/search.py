@@ -6,6 +6,8 @@ import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
+import msgspec
+
 from fuzz.boundary.axes import Axis, Subject
 from fuzz.triage.proofs import certified
 from sim.controllers import CONTROLLERS
@@ -13,12 +15,14 @@ from sim.episode import Episode, prepare, simulate
 from sim.outcome import Outcome
 from sim.verdict import ARRIVALS
 from worldgen.errors import WorldgenError
+from worldgen.files.json_file import plain
 from worldgen.world import Value, Witness, World
 
 __all__ = [
     "Boundary",
     "BoundaryRun",
     "BoundaryRuns",
+    "RecordedBoundary",
     "Stretch",
     "nearest_boundary",
     "run_subject",
@@ -138,6 +142,20 @@ def _proved(world: World, spare: float) -> World | None:
     return None if proved is None else replace(proved, robot_radius=world.robot_radius)
 
 
+class RecordedBoundary(msgspec.Struct, frozen=True):
+    """A boundary in a failure's record.
+
+    Args:
+        axis: Name of the number that varied.
+        fails_at: The value at which the robot does not arrive.
+        passes_at: The neighbouring value at which it does.
+    """
+
+    axis: str
+    fails_at: float
+    passes_at: float
+
+
 @dataclass(frozen=True)
 class Boundary:
     """Two neighbouring values of an axis with different outcomes.
@@ -154,11 +172,7 @@ class Boundary:
 
     def record(self) -> dict[str, Value]:
         """Return the entry for a failure's record."""
-        return {
-            "axis": self.axis.name,
-            "fails_at": self.fails.value,
-            "passes_at": self.passes.value,
-        }
+        return plain(RecordedBoundary(self.axis.name, self.fails.value, self.passes.value))
 
 
 def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) -> Boundary | None:

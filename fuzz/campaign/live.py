@@ -12,8 +12,11 @@ import os
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
+
+import msgspec
 
 from worldgen.files.whole import read_text
 
@@ -21,6 +24,7 @@ __all__ = [
     "LIVE_FILE",
     "LiveCounts",
     "LiveState",
+    "Phase",
     "count_in",
     "count_live",
     "has_not_arrived",
@@ -72,13 +76,21 @@ class LiveCounts:
         )
 
 
+class Phase(StrEnum):
+    """What a running campaign does."""
+
+    PREPARING = "preparing"
+    SEARCHING = "searching"
+    SHRINKING = "shrinking"
+
+
 @dataclass(frozen=True)
 class LiveState:
     """The current activity of a campaign.
 
     Args:
-        phase: ``preparing`` until the first run, which no budget counts; then ``searching``, and
-            ``shrinking`` while nothing is searched.
+        phase: Preparing until the first run, which no budget counts; then searching, and shrinking
+            while nothing is searched.
         worlds: Runs so far, including those of units in progress.
         steps: Steps of these runs.
         failed: Runs that did not arrive in screening.
@@ -86,7 +98,7 @@ class LiveState:
         elapsed: Seconds of the budget that are used.
     """
 
-    phase: str = "preparing"
+    phase: Phase = Phase.PREPARING
     worlds: int = 0
     steps: int = 0
     failed: int = 0
@@ -152,6 +164,6 @@ def shown_in(store: Path, state: Callable[[], LiveState]) -> Iterator[None]:
 def read_live(store: Path) -> LiveState | None:
     """Return the activity of a running campaign; ``None`` if it is not known (yet)."""
     try:
-        return LiveState(**json.loads(read_text(store / LIVE_FILE)))
-    except (OSError, TypeError, ValueError):
+        return msgspec.json.decode(read_text(store / LIVE_FILE), type=LiveState)
+    except (ValueError, RecursionError):
         return None

@@ -13,7 +13,7 @@ from typing import Any
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, local_executor
-from fuzz.campaign.live import LiveCounts, LiveState, has_not_arrived
+from fuzz.campaign.live import LiveCounts, LiveState, Phase, has_not_arrived
 from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.schedule import Schedule
 from fuzz.campaign.shrinking import (
@@ -126,9 +126,9 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         )
         tried = state.worlds + more.worlds
         if not self._schedule.is_ready or not (tried or state.until):
-            phase = "preparing"
+            phase = Phase.PREPARING
         else:
-            phase = "searching" if self._under_way else "shrinking"
+            phase = Phase.SEARCHING if self._under_way else Phase.SHRINKING
         return LiveState(
             phase,
             tried,

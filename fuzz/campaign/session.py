@@ -9,17 +9,16 @@ import time
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 import click
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, WorkersLost
-from fuzz.campaign.live import has_not_arrived, shown_in
+from fuzz.campaign.live import Phase, has_not_arrived, shown_in
 from fuzz.campaign.options import CampaignOptions, SearchOptions
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import Discovery, Progress, UnitDone
-from fuzz.campaign.store import MEMORY, CampaignRun, record_error
+from fuzz.campaign.store import MEMORY, SUMMARY, CampaignRun, Status, Summary, record_error
 from fuzz.campaign.summary import (
     describe_share,
     describe_strategies,
@@ -51,6 +50,7 @@ from sim.verdict import Verdict
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.grid import read_world
+from worldgen.files.json_file import plain
 from worldgen.render import wants_color
 from worldgen.support.plain_text import counted
 from worldgen.support.progress import is_verbose, working
@@ -210,7 +210,7 @@ class CampaignSession:
         self._to_conclude = None if budget.seconds is None else budget.seconds * _TO_CONCLUDE
         self._overview = Overview(())
         self._unsaved: set[str] = set()
-        self._status = "running"
+        self._status = Status.RUNNING
         # This holds until all earlier results have been processed.
         self._goes_on = campaign_run.done > 0
         self._summarised = time.monotonic()
@@ -260,9 +260,9 @@ class CampaignSession:
                 self._outputs.write(self._as_report())
         # Interrupted runs have their own message and exit code.
         if stopped and self._lasts:
-            kept = counted(len(self._campaign.state.best), "failure")
+            kept = len(self._campaign.state.best)
             note(
-                f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in "
+                f"interrupted; {counted(kept, 'failure')} {'is' if kept == 1 else 'are'} kept in "
                 f"{self._out}; {self._way_on}"
             )
         elif stopped:
@@ -325,20 +325,21 @@ class CampaignSession:
 
         Return whether Ctrl-C came.
         """
-        self._store.save_status("running")
+        self._store.save_status(Status.RUNNING)
         try:
             stopped = self._search()
         except WorldgenError:
             # A full disk may be the reason.
             with contextlib.suppress(OutputError):
-                self._keep_status("failed")
+                self._keep_status(Status.FAILED)
             raise
         idle = None if stopped else self._nothing_ran()
         if idle is not None:
             record_error(self._out, idle)
         else:
             stopped = self._conclude(stopped=stopped)
-        self._keep_status("stopped" if stopped else "failed" if idle else "done")
+        ended = Status.FAILED if idle else Status.DONE
+        self._keep_status(Status.STOPPED if stopped else ended)
         return stopped
 
     def _conclude(self, *, stopped: bool) -> bool:
@@ -358,7 +359,7 @@ class CampaignSession:
         conclusion = Conclusion(self._baseline, self._last, seconds)
         return build_overview(self._config, self._campaign.state, conclusion, natural=natural)
 
-    def _keep_status(self, status: str) -> None:
+    def _keep_status(self, status: Status) -> None:
         self._status = status
         # Earlier results are not all processed, so the numbers of their summary are kept.
         if self._goes_on:
@@ -366,8 +367,8 @@ class CampaignSession:
         else:
             self._store.save_summary(self._summary())
 
-    def _summary(self) -> dict[str, Any]:
-        return summary_of(self._config, self._campaign.state, self._status, self._out).table()
+    def _summary(self) -> Summary:
+        return summary_of(self._config, self._campaign.state, self._status)
 
     def _search(self) -> bool:
         """Do the work; return whether Ctrl-C stopped it."""
@@ -425,7 +426,7 @@ class CampaignSession:
     def _so_far(self) -> str:
         """Describe the campaign in half a line."""
         live = self._campaign.live()
-        if live.phase == "preparing":
+        if live.phase == Phase.PREPARING:
             return "loading the simulator in each process"
         state = self._campaign.state
         shrunk = sum(one.is_shrunk for one in state.best.values())
@@ -480,7 +481,7 @@ class CampaignSession:
         hazards = self._hazards()
         if self._quiet:
             lists = {"failures": self._listed(self._failing()), "hazards": self._listed(hazards)}
-            emit_json(self._summary() | self._overview.table() | lists)
+            emit_json(SUMMARY.table(self._summary()) | plain(self._overview.table()) | lists)
             return
         if is_verbose():
             self._report_in_detail()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from msgspec import UNSET
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.state import CampaignState
-from fuzz.campaign.store import MEMORY, Archive, BucketTotals, StrategyTotals, Summary
+from fuzz.campaign.store import MEMORY, Archive, BucketTotals, Status, StrategyTotals, Summary
 from fuzz.search.archive import archive_table
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
+from worldgen.files.json_file import converted
 from worldgen.support.plain_text import aligned, counted
 
 __all__ = [
@@ -21,14 +22,13 @@ __all__ = [
 ]
 
 
-def summary_of(config: CampaignConfig, state: CampaignState, status: str, folder: Path) -> Summary:
+def summary_of(config: CampaignConfig, state: CampaignState, status: Status) -> Summary:
     """Return the summary of a campaign's current state.
 
     Args:
         config: Definition of the campaign.
         state: Its state.
-        status: One of the statuses of a summary.
-        folder: Folder of its failures.
+        status: How far it has come.
     """
     strategies = [
         StrategyTotals(
@@ -49,20 +49,20 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: str, folder
             solid_cells=find.failure.world.solid_cells,
             worlds=find.worlds,
             steps=find.steps,
-            seconds=find.seconds,
+            seconds=round(find.seconds, 3),
             file=f"{MEMORY}/failures/{find.failure.id}.grid",
         )
         for find in state.finds
     ]
+    share = controller_share(config, state)
     return Summary(
-        folder=folder,
         controller=config.scenario.label(),
         motion=config.scenario.run.motion,
         seed=config.seed,
         units=state.units,
         worlds=state.worlds,
         steps=state.steps,
-        seconds=state.seconds,
+        seconds=round(state.seconds, 3),
         status=status,
         verdicts=dict(state.verdicts),
         met=dict(state.met),
@@ -72,18 +72,14 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: str, folder
         archive=_archive_of(state),
         units_cut=state.cut - state.too_early,
         units_too_early=state.too_early,
-        times=dict(state.times),
-        controller_share=controller_share(config, state),
+        times={name: round(seconds, 3) for name, seconds in state.times.items()},
+        controller_share=UNSET if share is None else round(share, 3),
     )
 
 
 def _archive_of(state: CampaignState) -> Archive | None:
     table = archive_table(state.memory.elites)
-    if table is None:
-        return None
-    first, second = table["axes"]
-    cells = [tuple(cell) for cell in table["cells"]]
-    return Archive((first["name"], second["name"]), (first["edges"], second["edges"]), cells)
+    return None if table is None else converted(table, Archive)
 
 
 def describe_strategies(state: CampaignState) -> str:

@@ -54,7 +54,7 @@ def studio(
     # Refuse anything that cannot be served, and name the command that helps.
     missing = [
         name
-        for name in ("msgspec", "starlette", "uvicorn", "websockets")
+        for name in ("starlette", "uvicorn", "websockets")
         if importlib.util.find_spec(name) is None
     ]
     if missing:

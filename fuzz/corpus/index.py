@@ -6,13 +6,13 @@ It may be missing, but it is never wrong about a file that has changed.
 from __future__ import annotations
 
 import contextlib
-import json
-from dataclasses import asdict
+from dataclasses import dataclass
 from pathlib import Path
 
 from fuzz.corpus.entry import Facts
 from worldgen.errors import FormatError, OutputError
-from worldgen.files.whole import read_text, write_bytes
+from worldgen.files.json_file import JsonFile
+from worldgen.files.whole import write_bytes
 
 __all__ = ["INDEX_FOLDER", "Index"]
 
@@ -20,18 +20,16 @@ INDEX_FOLDER = ".worldgen-corpus"  # in the corpus; it contains a .gitignore for
 _FILE = "index.json"
 # Version of `Facts` and of how they are read from a file; an index of another version is ignored.
 _VERSION = 4
-_TYPES = {
-    "controller": str,
-    "motion": str,
-    "bucket": str,
-    "verdict": str,
-    "width": int,
-    "height": int,
-    "solid": int,
-    "events": int,
-    "digest": str,
-    "size": list,
-}
+
+
+@dataclass(frozen=True)
+class _Content:
+    files: dict[str, Facts | None]
+
+
+_INDEX = JsonFile(
+    _Content, version=_VERSION, code="invalid-index", problem="not an index: {reason}", remedy=""
+)
 
 
 class Index:
@@ -67,36 +65,12 @@ class Index:
         """
         if self._used == self._known:
             return
-        files = {digest: facts and asdict(facts) for digest, facts in sorted(self._used.items())}
-        text = json.dumps({"version": _VERSION, "files": files}, indent=1) + "\n"
         with contextlib.suppress(OSError, OutputError):
             self._folder.mkdir(exist_ok=True)
             write_bytes(self._folder / ".gitignore", b"*\n", force=True)
-            write_bytes(self._folder / _FILE, text.encode(), force=True)
+            _INDEX.write(self._folder / _FILE, _Content(dict(sorted(self._used.items()))))
 
     def _load(self) -> dict[str, Facts | None]:
-        with contextlib.suppress(FormatError, ValueError, RecursionError):
-            found = json.loads(read_text(self._folder / _FILE))
-            if (
-                isinstance(found, dict)
-                and found.get("version") == _VERSION
-                and isinstance(found.get("files"), dict)
-            ):
-                return {digest: _facts(values) for digest, values in found["files"].items()}
+        with contextlib.suppress(FormatError):
+            return _INDEX.read(self._folder / _FILE).files
         return {}
-
-
-def _facts(values: object) -> Facts | None:
-    """Return facts from their JSON.
-
-    Raises:
-        ValueError: If the JSON is not a valid index.
-    """
-    if values is None:
-        return None
-    if (
-        not isinstance(values, dict)
-        or {name: type(value) for name, value in values.items()} != _TYPES
-    ):
-        raise ValueError("no facts")
-    return Facts(**{**values, "size": tuple(values["size"])})

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from fuzz.failure import Failure
 from fuzz.overview.counterfactual import Counterfactuals
+from fuzz.overview.table import CauseRow
 from fuzz.triage.cause import Cause
 from fuzz.triage.diagnosis import cause_of
 
@@ -48,24 +48,24 @@ class CauseTotals:
         """Number of classified failures of this cause."""
         return sum(self.verdicts.values())
 
-    def table(self) -> dict[str, Any]:
+    def table(self) -> CauseRow:
         """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
-        return {
-            "cause": self.cause.value,
-            "sentence": self.cause.sentence,
-            "advice": self.cause.advice,
-            "severity": self.cause.severity.word,
-            "state": self.state,
-            "met": self.met,
-            "verdicts": dict(self.verdicts),
-            "natural": self.natural,
-            "classes": list(self.classes),
-            "file": self.file,
-            "smallest": self.smallest,
-            "fault": self.fault,
-            "why": "" if self.why is None else self.why.describe(),
-            "changes": [] if self.why is None else [vars(change) for change in self.why.changes],
-        }
+        return CauseRow(
+            cause=self.cause.value,
+            sentence=self.cause.sentence,
+            advice=self.cause.advice,
+            severity=self.cause.severity.word,
+            state=self.state,
+            met=self.met,
+            verdicts=dict(self.verdicts),
+            natural=self.natural,
+            classes=list(self.classes),
+            file=self.file,
+            smallest=self.smallest,
+            fault=self.fault,
+            why="" if self.why is None else self.why.describe(),
+            changes=[] if self.why is None else [vars(change) for change in self.why.changes],
+        )
 
 
 def causes_of(failures: Mapping[str, Failure], met: Mapping[str, int]) -> list[CauseTotals]:

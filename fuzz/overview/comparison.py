@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 from fuzz.overview.causes import CauseTotals
+from fuzz.overview.table import ChangesRow, ComparisonRow
 from fuzz.triage.cause import Cause
 from worldgen.support.plain_text import counted
 
@@ -35,22 +35,15 @@ class RegressionView:
     still_causes: tuple[Cause, ...]
     fixed_causes: tuple[Cause, ...]
 
-    def table(self) -> dict[str, Any]:
+    def table(self) -> ComparisonRow:
         """Return the form of this record in JSON."""
-        return {
-            "against": self.against,
-            "causes": {
-                "new": [cause.value for cause in self.new_causes],
-                "still": [cause.value for cause in self.still_causes],
-                "fixed": [cause.value for cause in self.fixed_causes],
-            },
-            "classes": {
-                "new": list(self.new),
-                "still": list(self.still),
-                "fixed": list(self.fixed),
-            },
-            "sentence": self.describe(),
-        }
+        causes = (self.new_causes, self.still_causes, self.fixed_causes)
+        return ComparisonRow(
+            against=self.against,
+            causes=ChangesRow(*([cause.value for cause in some] for some in causes)),
+            classes=ChangesRow(list(self.new), list(self.still), list(self.fixed)),
+            sentence=self.describe(),
+        )
 
     def describe(self) -> str:
         """Return one sentence: ``against the baseline: 1 new cause (crashes), 2 fixed classes``."""

@@ -12,10 +12,10 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
+from fuzz.overview.table import NaturalRow, NaturalTally
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import arrives_in
 from fuzz.triage.diagnosis import cause_of_run
@@ -106,23 +106,23 @@ class NaturalRuns:
             _count(self.clearances, CLEARANCES[bisect.bisect(_CLEARANCE_EDGES, share)], arrived)
             _count(self.turns, TURNS[bisect.bisect(_TURN_EDGES, _quarter_turns(witness))], arrived)
 
-    def table(self) -> dict[str, Any]:
+    def table(self) -> NaturalRow:
         """Return the form of this record in JSON."""
         low, high = self.interval if self.worlds else (0.0, 1.0)
-        return {
-            "worlds": self.worlds,
-            "arrived": self.arrived,
-            "unsensed": self.unsensed,
-            "share": round(self.arrived / self.worlds, 4) if self.worlds else None,
-            "low": round(low, 4),
-            "high": round(high, 4),
-            "verdicts": dict(self.verdicts.most_common()),
-            "causes": {cause.value: count for cause, count in self.causes.most_common()},
-            "families": _rows(self.families, tuple(self.families)),
-            "clearances": _rows(self.clearances, CLEARANCES),
-            "turns": _rows(self.turns, TURNS),
-            "complete": self.is_complete,
-        }
+        return NaturalRow(
+            worlds=self.worlds,
+            arrived=self.arrived,
+            unsensed=self.unsensed,
+            share=round(self.arrived / self.worlds, 4) if self.worlds else None,
+            low=round(low, 4),
+            high=round(high, 4),
+            verdicts=dict(self.verdicts.most_common()),
+            causes={cause.value: count for cause, count in self.causes.most_common()},
+            families=_rows(self.families, tuple(self.families)),
+            clearances=_rows(self.clearances, CLEARANCES),
+            turns=_rows(self.turns, TURNS),
+            complete=self.is_complete,
+        )
 
 
 def natural_families(chosen: Sequence[str]) -> list[str]:
@@ -215,9 +215,6 @@ def _count(table: dict[str, tuple[int, int]], name: str, arrived: bool) -> None:
     table[name] = (worlds + 1, before + arrived)
 
 
-def _rows(table: Mapping[str, tuple[int, int]], names: Sequence[str]) -> dict[str, dict[str, int]]:
+def _rows(table: Mapping[str, tuple[int, int]], names: Sequence[str]) -> dict[str, NaturalTally]:
     """Return the counts of each name; those that were never tried have zeros."""
-    rows = {name: table.get(name, (0, 0)) for name in names}
-    return {
-        name: {"worlds": worlds, "arrived": arrived} for name, (worlds, arrived) in rows.items()
-    }
+    return {name: NaturalTally(*table.get(name, (0, 0))) for name in names}

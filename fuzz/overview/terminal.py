@@ -131,8 +131,8 @@ def describe_coverage(natural: NaturalRuns) -> str:
     """Return which natural worlds were tried, and which were not."""
     tried = [name for name, (worlds, _) in natural.families.items() if worlds]
     table = natural.table()
-    clearances = [name for name, row in table["clearances"].items() if not row["worlds"]]
-    turns = [name for name, row in table["turns"].items() if not row["worlds"]]
+    clearances = [name for name, row in table.clearances.items() if not row.worlds]
+    turns = [name for name, row in table.turns.items() if not row.worlds]
     never = []
     if clearances:
         never.append(f"gaps of {_listed(clearances)} robot radii")

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store import Summary
+import msgspec
+
 from fuzz.corpus import CorpusEntry
 from fuzz.corpus.entry import Facts
 from fuzz.failure import Failure
@@ -15,9 +16,12 @@ from fuzz.overview.building import explained
 from fuzz.overview.causes import CauseTotals, causes_of
 from fuzz.overview.clearest import clearest
 from fuzz.overview.overview import read_overview
+from fuzz.overview.table import CauseRow, ComparisonRow, NaturalRow
+from fuzz.report.gather import ReportedCampaign
 from fuzz.triage.cause import Severity
 from fuzz.triage.diagnosis import cause_of
 from worldgen.errors import WorldgenError
+from worldgen.files.json_file import plain
 
 __all__ = ["Answer", "answers_for", "entry_of"]
 
@@ -32,7 +36,7 @@ class Answer:
     Args:
         controller: With its options.
         motion: Name of the motion model.
-        causes: Causes in JSON's types, the worst first; ``file`` is a path.
+        causes: Its causes, the worst first; their files are paths.
         natural: Its results in natural worlds, if a campaign ran some.
         comparison: What changed since an earlier campaign, if one was compared.
         campaign: Index of the campaign on the page; -1 for none.
@@ -40,9 +44,9 @@ class Answer:
 
     controller: str
     motion: str
-    causes: Sequence[Mapping[str, Any]]
-    natural: Mapping[str, Any] | None = None
-    comparison: Mapping[str, Any] | None = None
+    causes: Sequence[CauseRow]
+    natural: NaturalRow | None = None
+    comparison: ComparisonRow | None = None
     campaign: int = -1
 
     def table(self) -> dict[str, Any]:
@@ -50,14 +54,16 @@ class Answer:
         return {
             "controller": self.controller,
             "motion": self.motion,
-            "causes": list(self.causes),
-            "natural": self.natural,
-            "comparison": self.comparison,
+            "causes": list(map(plain, self.causes)),
+            "natural": None if self.natural is None else plain(self.natural),
+            "comparison": None if self.comparison is None else plain(self.comparison),
             "campaign": self.campaign,
         }
 
 
-def answers_for(entries: Sequence[CorpusEntry], campaigns: Sequence[Summary]) -> list[Answer]:
+def answers_for(
+    entries: Sequence[CorpusEntry], campaigns: Sequence[ReportedCampaign]
+) -> list[Answer]:
     """Return an answer for each campaign, and for each controller without a campaign.
 
     Args:
@@ -69,18 +75,18 @@ def answers_for(entries: Sequence[CorpusEntry], campaigns: Sequence[Summary]) ->
     """
     answers = []
     told: set[tuple[str, str]] = set()
-    for index, summary in enumerate(campaigns):
-        overview = read_overview(summary.folder)
+    for index, campaign in enumerate(campaigns):
+        overview = read_overview(campaign.folder)
         if overview is None:
             continue
-        causes = [_placed(cause, summary.folder) for cause in overview["causes"]]
+        summary = campaign.summary
         answers.append(
             Answer(
                 summary.controller,
                 summary.motion,
-                causes,
-                overview["natural"],
-                overview["comparison"],
+                [_placed(cause, campaign.folder) for cause in overview.causes],
+                overview.natural,
+                overview.comparison,
                 index,
             )
         )
@@ -97,7 +103,7 @@ def answers_for(entries: Sequence[CorpusEntry], campaigns: Sequence[Summary]) ->
 def _worst(answer: Answer) -> int:
     """Return the severity of the worst cause, so that the worst controller comes first."""
     words = [severity.word for severity in Severity]
-    found = [words.index(str(cause["severity"])) for cause in answer.causes[:1]]
+    found = [words.index(cause.severity) for cause in answer.causes[:1]]
     return found[0] if found else len(words)
 
 
@@ -109,9 +115,11 @@ def entry_of(path: Path) -> CorpusEntry | None:
         return None
 
 
-def _placed(cause: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    files = {name: str(folder / cause[name]) for name in ("file", "smallest") if cause[name]}
-    return {**cause, **files}
+def _placed(cause: CauseRow, folder: Path) -> CauseRow:
+    """Return a cause whose files have their folder."""
+    file = str(folder / cause.file) if cause.file else ""
+    smallest = str(folder / cause.smallest) if cause.smallest else ""
+    return msgspec.structs.replace(cause, file=file, smallest=smallest)
 
 
 def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) -> Answer:

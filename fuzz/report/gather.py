@@ -17,7 +17,15 @@ from worldgen.files.archives import Member, archive_in, members
 from worldgen.files.grid.disk import expansion_limit, unpack_world
 from worldgen.files.grid.schema import MAX_FILE_BYTES
 
-__all__ = ["MOST_FAILURES", "ReplayedFailure", "ReportSubject", "Reported", "gather", "look_at"]
+__all__ = [
+    "MOST_FAILURES",
+    "ReplayedFailure",
+    "ReportSubject",
+    "Reported",
+    "ReportedCampaign",
+    "gather",
+    "look_at",
+]
 
 # More would make a page of over 10 to 50 MB, about the limit that browsers open without trouble.
 MOST_FAILURES = 1_000
@@ -62,6 +70,19 @@ class Reported:
 
 
 @dataclass(frozen=True, eq=False)
+class ReportedCampaign:
+    """A campaign as it appears in the report.
+
+    Args:
+        folder: Folder of its failures.
+        summary: The campaign in numbers.
+    """
+
+    folder: Path
+    summary: Summary
+
+
+@dataclass(frozen=True, eq=False)
 class ReportSubject:
     """The contents of a report.
 
@@ -69,7 +90,7 @@ class ReportSubject:
     """
 
     entries: list[CorpusEntry]
-    campaigns: list[Summary]
+    campaigns: list[ReportedCampaign]
     others: int
 
 
@@ -87,7 +108,7 @@ def gather(paths: Sequence[Path]) -> ReportSubject:
     corpus = read_corpus(paths)
     folders = [folder for path in paths for folder in _campaign_folders(path)]
     campaigns = [
-        summary
+        ReportedCampaign(folder, summary)
         for folder in dict.fromkeys(folders)
         if (summary := read_summary(folder)) is not None
     ]
@@ -127,14 +148,14 @@ def _distinct(entries: Iterable[CorpusEntry]) -> list[CorpusEntry]:
     return sorted(chosen.values(), key=lambda entry: (entry.facts.key, entry.facts.order))
 
 
-def look_at(entry: CorpusEntry, campaigns: Sequence[Summary]) -> Reported:
+def look_at(entry: CorpusEntry, campaigns: Sequence[ReportedCampaign]) -> Reported:
     """Read a failure and its original from before shrinking, and run both again.
 
     Raises:
         FormatError: If a file can no longer be read.
     """
     # Campaigns may be nested, so take the innermost folder that contains the entry.
-    around = [k for k, summary in enumerate(campaigns) if summary.folder in entry.path.parents]
+    around = [k for k, one in enumerate(campaigns) if one.folder in entry.path.parents]
     campaign = max(around, key=lambda k: len(campaigns[k].folder.parts), default=-1)
     seen = _seen(entry.path)
     original = _original(seen.failure, campaigns[campaign].folder) if around else None

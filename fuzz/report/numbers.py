@@ -8,7 +8,7 @@ from typing import TypeAlias
 from fuzz.boundary import describe_boundaries
 from fuzz.campaign.store import Summary
 from fuzz.describe import describe_seeds
-from fuzz.report.gather import ReplayedFailure, Reported
+from fuzz.report.gather import ReplayedFailure, Reported, ReportedCampaign
 from sim.evidence import LoopEvidence
 from worldgen.support.plain_text import counted, describe_value
 from worldgen.world import Cut, Value, Witness, World
@@ -37,10 +37,10 @@ _SAID = (
 _KEPT = {"verdict": "verdict and cause kept", "class": "kept the class"}
 
 
-def groups(reported: Reported, campaigns: list[Summary]) -> list[Group]:
+def groups(reported: Reported, campaigns: list[ReportedCampaign]) -> list[Group]:
     """Return everything known about a failure, as rows of name and value under headings."""
     # Groups without rows are left out.
-    campaign = campaigns[reported.campaign] if reported.campaign >= 0 else None
+    campaign = campaigns[reported.campaign].summary if reported.campaign >= 0 else None
     record = reported.seen.failure.record
     found = [
         ("Failure", _of_the_failure(reported)),

@@ -5,21 +5,28 @@ from __future__ import annotations
 import base64
 import shlex
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store import Summary
+import msgspec
+
 from fuzz.corpus import CorpusEntry
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
 from fuzz.player.sources import modules
 from fuzz.report.answers import answers_for, entry_of
-from fuzz.report.gather import ReplayedFailure, ReportSubject, gather, look_at
+from fuzz.report.gather import (
+    ReplayedFailure,
+    ReportedCampaign,
+    ReportSubject,
+    gather,
+    look_at,
+)
 from fuzz.report.numbers import groups
 from fuzz.shrink.snippet import snippet
 from fuzz.triage.diagnosis import cause_of
 from sim.controllers import CONTROLLERS
+from worldgen.files.json_file import plain
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import counted
 
@@ -59,7 +66,7 @@ def write_report(
     check_output(out, force)
     subject = gather(paths)
     answers = answers_for(subject.entries, subject.campaigns)
-    why = {cause["file"]: cause["why"] for answer in answers for cause in answer.causes}
+    why = {cause.file: cause.why for answer in answers for cause in answer.causes}
     failures = []
     # Replay each entry, because the corpus stores no trajectories.
     for done, entry in enumerate(subject.entries):
@@ -75,7 +82,7 @@ def write_report(
         "answers": [answer.table() for answer in answers],
         "failures": failures,
         "extras": extras,
-        "campaigns": [_campaign(summary) for summary in subject.campaigns],
+        "campaigns": list(map(_campaign, subject.campaigns)),
         "others": subject.others,
     }
     write_bytes(out, _page(heading, data), force=force)
@@ -86,7 +93,9 @@ def _heading(subject: ReportSubject) -> str:
     """Return ``turn-right under stepped``, or the number of controllers if there are several."""
     names = {(entry.facts.controller, entry.facts.motion) for entry in subject.entries}
     names |= {
-        (summary.controller, summary.motion) for summary in subject.campaigns if not subject.entries
+        (one.summary.controller, one.summary.motion)
+        for one in subject.campaigns
+        if not subject.entries
     }
     if len(names) == 1:
         ((controller, motion),) = names
@@ -95,7 +104,7 @@ def _heading(subject: ReportSubject) -> str:
 
 
 def _failure(
-    entry: CorpusEntry, campaigns: list[Summary], why: Mapping[str, str]
+    entry: CorpusEntry, campaigns: list[ReportedCampaign], why: Mapping[str, str]
 ) -> dict[str, Any]:
     """Return a failure as the page's script expects it."""
     reported = look_at(entry, campaigns)
@@ -103,7 +112,7 @@ def _failure(
     facts = entry.facts
     record = seen.failure.record
     cause = cause_of(seen.failure)
-    met = campaigns[reported.campaign].met.get(facts.bucket) if reported.campaign >= 0 else None
+    campaign = campaigns[reported.campaign].summary if reported.campaign >= 0 else None
     return {
         "id": facts.digest[:_ID_DIGITS],
         "bucket": facts.bucket,
@@ -113,7 +122,7 @@ def _failure(
         "solid": facts.solid,
         "size": f"{facts.width} x {facts.height}",
         "cells": facts.width * facts.height,
-        "met": met,
+        "met": None if campaign is None else campaign.met.get(facts.bucket),
         "strategy": str(record.details.get("found_by", "")),
         "campaign": reported.campaign,
         "confirmed": seen.replay.confirmed,
@@ -157,12 +166,18 @@ def _drawn(seen: ReplayedFailure) -> dict[str, Any]:
     }
 
 
-def _campaign(summary: Summary) -> dict[str, Any]:
+def _campaign(campaign: ReportedCampaign) -> dict[str, Any]:
     """Return a campaign as the page's script expects it.
 
     A 64-bit seed becomes text, because JavaScript's numbers cannot hold it.
     """
-    return asdict(summary) | {"folder": str(summary.folder), "seed": str(summary.seed)}
+    summary = campaign.summary
+    return plain(summary) | {
+        "folder": str(campaign.folder),
+        "seed": str(summary.seed),
+        "found": list(map(msgspec.structs.asdict, summary.found)),
+        "archive": None if summary.archive is None else summary.archive.table(),
+    }
 
 
 def _page(title: str, data: dict[str, Any]) -> bytes:

@@ -16,7 +16,7 @@ import msgspec
 
 from fuzz.studio.folder import Folder, Opened
 from fuzz.studio.limits import MOST_DROPPED
-from fuzz.studio.messages import converted, field, opened_message, restored, seed_of
+from fuzz.studio.messages import checked, field, opened_message, restored, seed_of
 from fuzz.studio.refusals import describe_note, hide
 from fuzz.studio.running import check_registered
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
@@ -78,7 +78,7 @@ class ExchangeAnswers(Opened):
         known = _format_name(message)
         if known is None:
             raise InvalidParameter("empty-name", "no format is given", "choose one")
-        sent = converted(message, _Outgoing)
+        sent = checked(message, _Outgoing)
         world = restored(sent.world)
         place = self.folder.place(sent.name)
         export = export_world(
@@ -140,7 +140,7 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
         )
     places: list[Path] = []
     total = 0
-    for file in converted(files, list[_DroppedFile]):
+    for file in checked(files, list[_DroppedFile]):
         name = PurePosixPath(file.name.replace("\\", "/")).name or "map"
         data = _bytes_of(file.data)
         total += len(data)
@@ -214,7 +214,7 @@ class _Wanted(msgspec.Struct):
 
 def _wanted(message: Message) -> _Wanted:
     """Return the page's settings for reading a map."""
-    wanted = converted(message, _Wanted)
+    wanted = checked(message, _Wanted)
     _format_name(message)
     if wanted.seed is not None:
         seed_of(message)

@@ -17,13 +17,14 @@ from fuzz.player.streams import bits
 from fuzz.studio.limits import LENGTHS
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files.grid import dumps, loads
+from worldgen.files.json_file import converted
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 
 __all__ = [
     "EventsMessage",
     "WorldMessage",
-    "converted",
+    "checked",
     "field",
     "is_same_place",
     "message_of",
@@ -198,7 +199,7 @@ def world_of(message: Mapping[str, Any]) -> World:
         InvalidParameter: If a part of the message is missing or of another type.
         InvalidWorld: If the parts do not form a valid world.
     """
-    sent = converted(message, _World)
+    sent = checked(message, _World)
     if min(sent.width, sent.height) < 1 or sent.width * sent.height > MOST_CELLS:
         raise InvalidWorld(
             "too-large",
@@ -260,15 +261,15 @@ def is_same_place(one: World, other: World) -> bool:
     return next(bare) == next(bare)
 
 
-def converted(message: object, kind: type[T]) -> T:
+def checked(message: object, kind: type[T]) -> T:
     """Return a message as a checked value of a msgspec type.
 
     Raises:
         InvalidParameter: If a part of it is missing, of another type, or out of range.
     """
     try:
-        return msgspec.convert(message, kind)
-    except msgspec.ValidationError as error:
+        return converted(message, kind)
+    except ValueError as error:
         raise InvalidParameter(
             "wrong-message",
             "the page sent a message of another form: {reason}",

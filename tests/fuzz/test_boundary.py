@@ -137,6 +137,23 @@ def test_what_a_record_says_of_its_boundaries_is_put_in_words():
     assert describe_boundaries(failure) == "begins at radius 0.083 m (0.082 passes)"
 
 
+@pytest.mark.parametrize(
+    "listed",
+    [
+        3,
+        {"axis": "radius"},
+        [{"axis": "radius", "fails_at": True, "passes_at": 0.1}],
+        [{"axis": "radius", "fails_at": "0.1", "passes_at": 0.1}],
+        [{"axis": 7, "fails_at": 0.1, "passes_at": 0.2}],
+        [{"axis": "luck", "fails_at": 0.1, "passes_at": 0.2}],
+        [[], None],
+    ],
+)
+def test_a_record_of_boundaries_that_is_malformed_is_passed_over(listed):
+    failure = failure_of(generate("trap", 7), Scenario("turn-right"))
+    assert describe_boundaries(failure.noting(boundaries=listed)) == ""
+
+
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=4, examples=160, families=("boundary",))
 
 

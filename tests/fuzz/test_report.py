@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzz.campaign.store import read_summary
+from fuzz.overview import read_overview
 from fuzz.player.runs import MOST_STEPS, SHARE, drawn_run
 from fuzz.player.streams import bits, numbers
 from fuzz.player.worlds import drawn_world
@@ -358,38 +359,85 @@ def test_a_campaign_writes_its_own_page(tmp_path):
     assert all(failure["before"] and failure["strategy"] for failure in data["failures"])
 
 
+ARCHIVE = SUMMARY["archive"]
+
+
 @pytest.mark.parametrize(
-    ("change", "fault"),
+    ("change", "place"),
     [
-        ({"version": 1}, "its version is 1"),
-        ({"worlds": -1}, "'worlds' is not a whole number"),
-        ({"seconds": "fast"}, "'seconds' is not a finite number"),
-        ({"seconds": 10**400}, "too large|no summary"),
-        ({"controller": None}, "'controller' is not text"),
-        (
-            {"archive": {**SUMMARY["archive"], "cells": [[0, 0, 1.0, ""]]}},
-            "'verdict' is not text, or empty",
-        ),
-        ({"met": {"loop": 1.5}}, "'loop' is not a whole number"),
-        ({"strategies": {}}, "'strategies' is not a list"),
-        ({"found": [3]}, "an object is required"),
-        ({"archive": {"axes": []}}, "'axes' has 0 axes"),
-        ({"archive": {**SUMMARY["archive"], "cells": [[3, 0, 1.0, "loop"]]}}, "is outside"),
-        ({"archive": {**SUMMARY["archive"], "cells": [[0]]}}, "is not"),
+        ({"version": 1}, "its version is 1, but this program reads version 2"),
+        ({"version": "2"}, "$.version"),
+        ({"worlds": -1}, "$.worlds"),
+        ({"worlds": True}, "$.worlds"),
+        ({"seed": 2**64}, "the seed is not below 2**64"),
+        ({"status": "gone"}, "$.status"),
+        ({"seconds": "fast"}, "$.seconds"),
+        ({"seconds": 10**400}, "$.seconds"),
+        ({"seconds": float("nan")}, "malformed"),
+        ({"controller": None}, "$.controller"),
+        ({"archive": {**ARCHIVE, "cells": [[0, 0, 1.0, ""]]}}, "$.archive.cells[0][3]"),
+        ({"met": {"loop": 1.5}}, "$.met[...]"),
+        ({"strategies": {}}, "$.strategies"),
+        ({"found": [3]}, "$.found[0]"),
+        ({"archive": {"axes": []}}, "$.archive.axes"),
+        ({"archive": {**ARCHIVE, "cells": [[3, 0, 1.0, "loop"]]}}, "cell [3, 0] is outside"),
+        ({"archive": {**ARCHIVE, "cells": [[0]]}}, "$.archive.cells[0]"),
     ],
 )
-def test_a_summary_that_is_none_is_refused_in_one_sentence(tmp_path, change, fault):
+def test_a_summary_of_another_form_is_refused_in_one_sentence(tmp_path, change, place):
     folder = campaign_folder(tmp_path / "c", **change)
-    with pytest.raises(FormatError, match=fault):
+    with raises(FormatError, "invalid-summary") as caught:
         read_summary(folder)
+    sentence = str(caught.value)
+    assert place in caught.value.facts["reason"] and "\n" not in sentence
+    assert sentence.endswith("; let the campaign write it again, or delete it")
 
 
-@pytest.mark.parametrize("text", ["", "[]", "nonsense", "[" * 100_000])
+WHOLE = json.dumps(SUMMARY)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        pytest.param("", id="empty"),
+        pytest.param("[]", id="list"),
+        pytest.param("nonsense", id="nonsense"),
+        pytest.param("[" * 100_000, id="nested"),
+        pytest.param(WHOLE[:-1] + ', "new": ' + "[" * 100_000, id="nested-below"),
+        pytest.param(WHOLE[: len(WHOLE) // 2], id="truncated"),
+        pytest.param(WHOLE + "}", id="more"),
+        pytest.param(WHOLE.replace("turn-right", "\\ud800"), id="half-a-character"),
+    ],
+)
 def test_a_file_that_is_no_summary_is_refused(tmp_path, text):
     (tmp_path / ".campaign").mkdir()
     (tmp_path / ".campaign" / "summary.json").write_text(text)
     with raises(FormatError, "invalid-summary"):
         read_summary(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("data", "code"),
+    [
+        pytest.param(b'{"version": 2, "controller": "\xff"}', "not-utf8", id="not-utf8"),
+        pytest.param(b" " * (64 << 20) + b"{}", "too-large", id="too-large"),
+    ],
+)
+@pytest.mark.parametrize(
+    ("name", "read"), [("summary.json", read_summary), ("overview.json", read_overview)]
+)
+def test_a_file_that_no_campaign_writes_is_refused_before_it_is_parsed(
+    tmp_path, name, read, data, code
+):
+    (tmp_path / ".campaign").mkdir()
+    (tmp_path / ".campaign" / name).write_bytes(data)
+    with raises(FormatError, code):
+        read(tmp_path)
+
+
+def test_a_summary_of_a_later_version_of_the_same_form_is_read(tmp_path):
+    folder = campaign_folder(tmp_path / "c", weather="rain")
+    assert read_summary(folder).seed == 2**64 - 1
 
 
 @pytest.mark.parametrize(

@@ -193,7 +193,7 @@ def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(
         assert page.ask("campaigns")["answer"]["campaigns"][0]["running"]
         page.ask("stop", folder="long")
         stopped = watch(page, "long")
-        assert 0 < stopped["units"] < 100_000 and (stopped["error"], stopped["status"]) == (
+        assert 0 < stopped["units"] < 100_000 and (stopped["error"], stopped["activity"]) == (
             None,
             "stopped",
         )
@@ -403,7 +403,7 @@ def test_a_campaign_by_the_clock_that_was_stopped_says_so(done, page):
     begin(page, "by the clock", seconds=600)
     watched(page, "by the clock", 0)
     page.ask("stop", folder="by the clock")
-    assert (watch(page, "by the clock")["status"], done["status"]) == ("stopped", "done")
+    assert (watch(page, "by the clock")["activity"], done["activity"]) == ("stopped", "done")
 
 
 @pytest.fixture
@@ -426,6 +426,12 @@ def give_up(out):
         )
 
 
+def write_summary(folder, status, units):
+    summary = {"version": 2, "status": status, "controller": "turn-right", "motion": "swept"}
+    summary |= {"seed": 1, "units": units, "worlds": 3, "steps": 4, "seconds": 0.5}
+    (folder / MEMORY / "summary.json").write_text(json.dumps(summary))
+
+
 def test_why_a_campaign_gave_up_is_read_from_its_record_with_paths_in_the_folder(stored):
     give_up(stored)
     error = campaign_state(stored, "c", stored.parent)["error"]
@@ -439,19 +445,32 @@ def test_a_campaign_that_begins_again_has_not_given_up(stored):
     assert campaign_state(stored, "c")["error"] is None
 
 
+@pytest.mark.parametrize(
+    ("status", "units", "activity"),
+    [
+        ("done", 2, "done"),
+        ("done", 1, "stopped"),
+        ("", 2, "done"),
+        ("stopped", 2, "stopped"),
+        ("running", 2, "stopped"),
+        ("failed", 2, "gave-up"),
+    ],
+)
+def test_a_campaign_that_no_process_runs_says_how_it_ended(stored, status, units, activity):
+    write_summary(stored, status, units)
+    assert campaign_state(stored, "c")["activity"] == activity
+
+
+def test_a_campaign_whose_error_is_recorded_gave_up(stored):
+    give_up(stored)
+    assert campaign_state(stored, "c")["activity"] == "gave-up"
+
+
 def test_what_was_refused_after_a_campaign_was_done_says_nothing_of_it(stored):
-    summary = {
-        "version": 2,
-        "status": "done",
-        "controller": "turn-right",
-        "motion": "swept",
-        "seed": 1,
-    }
-    summary |= {"units": 2, "worlds": 3, "steps": 4, "seconds": 0.5}
-    (stored / MEMORY / "summary.json").write_text(json.dumps(summary))
+    write_summary(stored, "done", 2)
     give_up(stored)
     state = campaign_state(stored, "c")
-    assert (state["status"], state["error"]) == ("done", None)
+    assert (state["activity"], state["error"]) == ("done", None)
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,10 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import CampaignState, UnitDone
-from fuzz.campaign.store import Budget, begin, read_summary, resume
+from fuzz.campaign.store import Budget, Status, begin, read_summary, resume
 from fuzz.campaign.summary import controller_share, describe_share, describe_time, summary_of
 from sim.scenario import Scenario
+from worldgen.files.json_file import plain
 
 
 def campaign_of(controller):
@@ -31,16 +32,16 @@ def of_a_compiled_one():
     return campaign_of("turn-right")
 
 
-def test_the_share_of_a_python_class_is_in_the_summary(of_a_class, tmp_path):
-    assert 0.0 < summary_of(*of_a_class, "done", tmp_path).controller_share <= 1.0
+def test_the_share_of_a_python_class_is_in_the_summary(of_a_class):
+    assert 0.0 < summary_of(*of_a_class, Status.DONE).controller_share <= 1.0
 
 
 def test_the_share_of_a_python_class_is_in_words(of_a_class):
     assert describe_share(*of_a_class).endswith(" % of the work was your controller's own code")
 
 
-def test_a_compiled_controller_has_no_share(of_a_compiled_one, tmp_path):
-    assert "controller_share" not in summary_of(*of_a_compiled_one, "done", tmp_path).table()
+def test_a_compiled_controller_has_no_share(of_a_compiled_one):
+    assert "controller_share" not in plain(summary_of(*of_a_compiled_one, Status.DONE))
     assert describe_share(*of_a_compiled_one) is None
 
 
@@ -78,7 +79,8 @@ def test_a_resumed_run_counts_what_earlier_runs_spent_after_their_last_unit(tmp_
     )
     campaign_run = begin(config, tmp_path, Budget(units=1))
     list(Campaign(config, units=1, executor=InlineExecutor(), store=campaign_run.store).run())
-    campaign_run.store.save_summary({"seconds": 1_000.0})
+    written = summary_of(config, CampaignState(seconds=1_000.0), Status.STOPPED)
+    campaign_run.store.save_summary(written)
     campaign_run.store.close()
 
     again = resume(tmp_path)
@@ -90,7 +92,7 @@ def test_a_resumed_run_counts_what_earlier_runs_spent_after_their_last_unit(tmp_
 
 def test_a_summary_is_read_as_it_was_written(of_a_class, tmp_path):
     campaign_run = begin(of_a_class[0], tmp_path, Budget(units=1))
-    written = summary_of(*of_a_class, "done", tmp_path)
-    campaign_run.store.save_summary(written.table())
+    written = summary_of(*of_a_class, Status.DONE)
+    campaign_run.store.save_summary(written)
     campaign_run.store.close()
-    assert read_summary(tmp_path).table() == written.table()
+    assert read_summary(tmp_path) == written

@@ -9,13 +9,13 @@ import { Model, emptyWorld } from "#studio/draw/model.js";
 import { LIMITS } from "./samples.mjs";
 
 const RUNNING = {
-  folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, error: null, status: "running",
+  folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, error: null,
   budget: { units: 4, seconds: null }, units: 2, elapsed: null, archive: null, failures: 5,
   met: { "loop-a": 17, "stalled-b": 4, "tunnel-c": 2 }, known: { "stalled-b": 4 },
-  phase: "searching", shrinking: 0, failed: 31,
+  activity: "searching", shrinking: 0, failed: 31,
   strategies: [{ strategy: "native", units: 1, worlds: 800, failures: 9, classes: 1 }, { strategy: "trap", units: 1, worlds: 100, failures: 14, classes: 2 }],
 };
-const DONE = { ...RUNNING, running: false, units: 4, status: "done" };
+const DONE = { ...RUNNING, running: false, units: 4, activity: "done" };
 const REFUSED = { code: "scheduler-lost", problem: "the scheduler is gone", remedy: "", terminal: false, opens: "", facts: {}, line: null, source: null };
 const A = { class: "loop-a", width: 9, height: 3, solid: 21, verdict: "loop" };
 const SLID = { class: "loop-z", width: 7, height: 3, solid: 19, verdict: "loop" };
@@ -46,7 +46,7 @@ test("while the folder is being read no class is said to wait for anything", () 
   const { made, rows, line, campaign } = status();
   campaign.read = 4; // fewer failures than there are
   made.show(DONE);
-  assert.deepEqual(rows(0).map(([, , stands]) => stands), ["…", "known", "…"]);
+  assert.deepEqual(rows(0).map(([, , size]) => size), ["…", "known", "…"]);
   assert.doesNotMatch(line(), /class/);
 });
 
@@ -54,15 +54,15 @@ test("while it runs what has no picture yet is to be shrunk", () => {
   const { made, rows, line } = status();
   made.show(RUNNING);
   made.sizes(smallest(A));
-  assert.deepEqual(rows(0).map(([, , stands]) => stands), ["9 x 3, 21 solid", "known", "to be shrunk"]);
+  assert.deepEqual(rows(0).map(([, , size]) => size), ["9 x 3, 21 solid", "known", "to be shrunk"]);
   assert.match(line(), /^Searching.*unit 2 of 4.*900 worlds2\.3 million steps/);
 });
 
 test("preparing counts for no budget, and shrinking says how many wait", () => {
   const { made, line } = status();
-  made.show({ ...RUNNING, phase: "preparing", worlds: 0, budget: { units: null, seconds: 30 }, elapsed: 0 });
+  made.show({ ...RUNNING, activity: "preparing", worlds: 0, budget: { units: null, seconds: 30 }, elapsed: 0 });
   assert.match(line(), /^Preparing.*the 30 s begin after that0 worlds/);
-  made.show({ ...RUNNING, phase: "shrinking", shrinking: 3 });
+  made.show({ ...RUNNING, activity: "shrinking", shrinking: 3 });
   assert.match(line(), /^Shrinking 3 failures.*31 not arrived/);
 });
 
@@ -81,8 +81,8 @@ test("how it stands is said: done, stopped, given up, stopping", () => {
     return line().split("turn-right")[0];
   };
   assert.deepEqual(
-    [DONE, { ...DONE, units: 3 }, { ...DONE, status: "stopped" }, { ...DONE, status: "running" }, { ...DONE, error: REFUSED }].map((state) => words(state)),
-    ["Done", "Stopped", "Stopped", "Stopped", "Gave up"],
+    [DONE, { ...DONE, activity: "stopped" }, { ...DONE, activity: "gave-up", error: REFUSED }].map((state) => words(state)),
+    ["Done", "Stopped", "Gave up"],
   );
   assert.equal(words(RUNNING, "mine"), "Stopping");
 });

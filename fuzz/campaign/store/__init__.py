@@ -5,7 +5,7 @@ folder
     ``OUT/.campaign`` and its lock. CampaignRun, Budget, begin, resume: open it for a new campaign,
     or to continue one. Fingerprint, fingerprint_of: a configuration, and the code that determines
     the units' results. errors_recorded, record_error, read_error, forget_error: why a campaign gave
-    up, as data for other programs. Summary, StrategyTotals, BucketTotals, Archive, read_summary:
+    up, as data for other programs. Summary, Status, StrategyTotals, BucketTotals, Archive, read_summary:
     the numbers in ``summary.json``. MEMORY: name of the store's folder in a campaign's folder.
     CampaignStore: the interface of a store; this one stores nothing.
 
@@ -19,8 +19,10 @@ from fuzz.campaign.store.opening import Budget, CampaignRun, begin, resume, stor
 from fuzz.campaign.store.summary import (
     MEMORY,
     OVERVIEW_FILE,
+    SUMMARY,
     Archive,
     BucketTotals,
+    Status,
     StrategyTotals,
     Summary,
     read_summary,
@@ -29,6 +31,7 @@ from fuzz.campaign.store.summary import (
 __all__ = [
     "MEMORY",
     "OVERVIEW_FILE",
+    "SUMMARY",
     "Archive",
     "BucketTotals",
     "Budget",
@@ -36,6 +39,7 @@ __all__ = [
     "CampaignStore",
     "Fingerprint",
     "FolderStore",
+    "Status",
     "StrategyTotals",
     "Summary",
     "begin",

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import os
 import re
 import shutil
@@ -17,10 +16,20 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from fuzz.campaign.store.entry import Done, read_entry, write_entry
 from fuzz.campaign.store.fingerprint import Fingerprint
 from fuzz.campaign.store.last_error import forget_error
-from fuzz.campaign.store.summary import MEMORY, OVERVIEW_FILE, SUMMARY_FILE
+from fuzz.campaign.store.summary import (
+    MEMORY,
+    OVERVIEW_FILE,
+    SUMMARY,
+    SUMMARY_FILE,
+    Status,
+    Summary,
+    read_summary,
+)
 from fuzz.failure import ID_DIGITS, Failure
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files.grid import loads
@@ -309,32 +318,32 @@ class FolderStore(CampaignStore):
         It is 0 if that cannot be read.
         """
         try:
-            seconds = float(json.loads((self._path / SUMMARY_FILE).read_bytes())["seconds"])
-        except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
+            summary = read_summary(self.out)
+        except FormatError:
             return 0.0
-        return seconds if math.isfinite(seconds) and seconds > 0.0 else 0.0
+        return 0.0 if summary is None else max(summary.seconds, 0.0)
 
-    def save_summary(self, summary: dict[str, Any]) -> None:
+    def save_summary(self, summary: Summary) -> None:
         """Write the file that reports read.
 
         Raises:
             OutputError: If it cannot be written.
         """
-        self._save(SUMMARY_FILE, (json.dumps(summary, indent=1) + "\n").encode())
+        SUMMARY.write(self._path / SUMMARY_FILE, summary)
 
-    def save_status(self, status: str) -> None:
+    def save_status(self, status: Status) -> None:
         """Write the campaign's status into the existing summary, if there is one.
 
         Raises:
             OutputError: If it cannot be written.
         """
-        file = self._path / SUMMARY_FILE
         try:
-            summary = json.loads(read_text(file))
-            self.save_summary({**summary, "status": status})
-        except (FormatError, RecursionError, TypeError, ValueError):
-            # It is unreadable: the next reader reports it.
+            summary = read_summary(self.out)
+        except FormatError:
+            # The next reader reports it.
             return
+        if summary is not None:
+            self.save_summary(msgspec.structs.replace(summary, status=status))
 
     def _unit_file(self, unit: int) -> Path:
         return self._path / "units" / f"{unit:06}.json"

@@ -9,26 +9,47 @@ import contextlib
 import os
 import signal
 from collections.abc import Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.live import has_not_arrived, read_live
-from fuzz.campaign.store import MEMORY, FolderStore, read_error, read_summary
+from fuzz.campaign.live import Phase, has_not_arrived, read_live
+from fuzz.campaign.store import MEMORY, FolderStore, Status, read_error, read_summary
 from fuzz.studio.edits import digest_of_file
 from fuzz.studio.refusals import refusal
 from fuzz.studio.running import names_of
 from worldgen.errors import FormatError
+from worldgen.files.json_file import plain
 from worldgen.files.locks import holder
 from worldgen.files.whole import expanded
 from worldgen.files.worlds import is_world_file
 
-__all__ = ["SAID", "campaign_state", "interrupt", "is_campaign", "is_own", "running_process"]
+__all__ = [
+    "SAID",
+    "Activity",
+    "campaign_state",
+    "interrupt",
+    "is_campaign",
+    "is_own",
+    "running_process",
+]
 
 SAID = "studio.txt"
 """Name, in the campaign store, of the stderr of a process that the studio started; for people."""
 
 # A later refusal at a terminal, such as that of a second start, does not concern the campaign.
-_ENDED_WELL = ("done", "stopped")
+_ENDED_WELL = (Status.DONE, Status.STOPPED)
+
+
+class Activity(StrEnum):
+    """What a campaign does, or how it ended."""
+
+    PREPARING = "preparing"
+    SEARCHING = "searching"
+    SHRINKING = "shrinking"
+    STOPPED = "stopped"
+    DONE = "done"
+    GAVE_UP = "gave-up"
 
 
 def is_campaign(folder: Path) -> bool:
@@ -90,7 +111,6 @@ def campaign_state(
     # A process that was killed leaves the file behind, and a process on another machine may be
     # unable to write it.
     live = read_live(folder / MEMORY) if running else None
-    state["phase"] = live.phase if live is not None else "preparing" if running else ""
     state["elapsed"] = (0.0 if live is None else live.elapsed) if running else None
     state["shrinking"] = 0 if live is None else live.shrinking
     failed = sum(count for verdict, count in state["verdicts"].items() if has_not_arrived(verdict))
@@ -101,8 +121,19 @@ def campaign_state(
         counted = {"worlds": live.worlds, "steps": live.steps, "failed": live.failed}
         state |= {name: max(state[name], count) for name, count in counted.items()}
     state["failures"] = _stamp(folder)
-    error = None if running or state["status"] in _ENDED_WELL else read_error(folder)
+    status = state.pop("status")
+    error = None if running or status in _ENDED_WELL else read_error(folder)
     state["error"] = None if error is None else refusal(error, opened)
+    if running:
+        state["activity"] = Activity(Phase.PREPARING if live is None else live.phase)
+    elif error is not None or status == Status.FAILED:
+        state["activity"] = Activity.GAVE_UP
+    else:
+        # A process that was killed has left the status "running".
+        stopped = status in (Status.STOPPED, Status.RUNNING) or (
+            state["units"] < (state["budget"]["units"] or 0)
+        )
+        state["activity"] = Activity.STOPPED if stopped else Activity.DONE
     return state
 
 
@@ -147,7 +178,7 @@ def _totals(folder: Path) -> dict[str, Any]:
     if summary is None:
         none: dict[str, Any] = {"units": 0, "worlds": 0, "steps": 0, "seconds": 0.0}
         return none | {
-            "status": "",
+            "status": Status.UNKNOWN,
             "verdicts": {},
             "met": {},
             "known": {},
@@ -164,8 +195,8 @@ def _totals(folder: Path) -> dict[str, Any]:
         "verdicts": summary.verdicts,
         "met": summary.met,
         "known": summary.known,
-        "strategies": [vars(strategy) for strategy in summary.strategies],
-        "archive": None if summary.archive is None else vars(summary.archive),
+        "strategies": list(map(plain, summary.strategies)),
+        "archive": None if summary.archive is None else summary.archive.table(),
     }
 
 

@@ -228,9 +228,8 @@ interface CampaignState {
   motion: string;
   seed: string;
   budget: { units: number | null; seconds: number | null };
-  status: string;
-  /** What it is doing: "preparing", "searching" or "shrinking"; empty unless it is running. */
-  phase: string;
+  /** What it is doing, or how it ended. */
+  activity: "preparing" | "searching" | "shrinking" | "stopped" | "done" | "gave-up";
   /** Failures that are being shrunk, or wait for it. */
   shrinking: number;
   units: number;

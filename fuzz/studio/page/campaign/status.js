@@ -5,6 +5,9 @@ import { el, grouped, plural, verdictDot, verdictOfClass } from "#player/dom.js"
 import { refusalWords } from "#studio/shared/refusals.js";
 
 const SPAN = 10_000; // ms over which the current speed is measured
+const ACTIVITIES = { preparing: "Preparing", searching: "Searching", stopped: "Stopped", done: "Done", "gave-up": "Gave up" };
+// What became of a class: only of a kept one is there a picture.
+const FATES = { kept: "", known: "known", waiting: "to be shrunk", lost: "not kept", unread: "…" };
 
 /**
  * @param {any} campaign
@@ -33,7 +36,7 @@ export function makeStatus(campaign) {
     table("Strategies", ["Strategy", "Units", "Worlds", "Failed", "New"], parts.strategies),
   );
   const element = el("div", { class: "status-part" }, parts.line, parts.bar, parts.best, parts.fault, parts.tables);
-  const status = { campaign, parts, past: [], strategies: new Map(), state: null, smallest: null };
+  const status = { campaign, parts, past: [], strategies: new Map(), state: null, smallest: null, offered: "null" };
   for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = true; // until a campaign is shown
   return {
     element,
@@ -142,7 +145,7 @@ function line(status, classes) {
     ...(smallest ? [[grouped(classes.length), classWords(classes)]] : []),
     [grouped(speed(status)), state.running ? "worlds/s now" : "worlds/s"],
   ];
-  const doing = !state.running ? stands(state) : campaign.stopping === state.folder ? "Stopping" : phaseWords(state);
+  const doing = campaign.stopping === state.folder && state.running ? "Stopping" : activityWords(state);
   return [
     el("b", { class: state.running ? "good" : "", id: "campaign-state" }, doing),
     el("span", {}, `${state.controller} under ${state.motion}, seed ${state.seed}`),
@@ -151,20 +154,13 @@ function line(status, classes) {
   ];
 }
 
-// Shows what a running campaign does. Shrinking also runs next to the search.
-function phaseWords({ phase, shrinking }) {
-  if (phase === "preparing") return "Preparing";
-  return phase === "shrinking" ? `Shrinking ${plural(shrinking, "failure")}` : "Searching";
+// Shows what a campaign does, or how it ended. Shrinking also runs next to the search.
+function activityWords({ activity, shrinking }) {
+  return activity === "shrinking" ? `Shrinking ${plural(shrinking, "failure")}` : ACTIVITIES[activity];
 }
 
-// Describes a campaign that does not run; a process that was killed has left "running".
-function stands({ budget, units, error, status }) {
-  if (error || status === "failed") return "Gave up";
-  return status === "stopped" || status === "running" || (budget.units && units < budget.units) ? "Stopped" : "Done";
-}
-
-function budgetWords({ budget, units, running, elapsed, phase }) {
-  if (phase === "preparing") return `loading simulator and controller; ${budget.units ? `${plural(budget.units, "unit")} follow` : `the ${budget.seconds} s begin after that`}`;
+function budgetWords({ budget, units, running, elapsed, activity }) {
+  if (activity === "preparing") return `loading simulator and controller; ${budget.units ? `${plural(budget.units, "unit")} follow` : `the ${budget.seconds} s begin after that`}`;
   if (budget.units) return `unit ${units} of ${budget.units}`;
   const shown = plural(units, "unit");
   if (running && elapsed !== null && elapsed > budget.seconds) return `the ${budget.seconds} s are over, finishing current work, ${shown}`;
@@ -189,32 +185,32 @@ function speed({ state, past }) {
 }
 
 /* Returns the classes, those met most often first. Shrinking may have turned a failure into a class that was never met.
-   Of each { name, times, best, stands }: stands says why it has no picture; "" if it has one. */
+   Of each { name, times, best, fate }: fate is one of FATES. */
 function classesOf({ state, smallest, campaign }) {
   const kept = smallest || new Map();
   const slid = [...kept.keys()].filter((name) => !Object.hasOwn(state.met, name)).map((name) => [name, 0]);
-  const why = (name) => {
-    if (kept.has(name)) return "";
+  const fateOf = (name) => {
+    if (kept.has(name)) return "kept";
     if (state.known[name]) return "known";
-    if (state.running) return "to be shrunk";
-    return campaign.read === state.failures ? "not kept" : "…"; // the folder is still being read
+    if (state.running) return "waiting";
+    return campaign.read === state.failures ? "lost" : "unread"; // the folder is still being read
   };
   const rows = [...Object.entries(state.met), ...slid].sort(([, a], [, b]) => b - a);
-  return rows.map(([name, times]) => ({ name, times, best: kept.get(name), stands: why(name) }));
+  return rows.map(([name, times]) => ({ name, times, best: kept.get(name), fate: fateOf(name) }));
 }
 
 // Describes the classes without a picture, such as "classes: 1 known, 2 to be shrunk".
 function classWords(classes) {
-  const counts = ["known", "to be shrunk", "not kept"].map((words) => [words, classes.filter(({ stands }) => stands === words).length]);
+  const counts = ["known", "waiting", "lost"].map((wanted) => [FATES[wanted], classes.filter(({ fate }) => fate === wanted).length]);
   const said = counts.filter(([, count]) => count > 0).map(([words, count]) => `${count} ${words}`);
   return `${classes.length === 1 ? "class" : "classes"}${said.length > 0 ? `: ${said.join(", ")}` : ""}`;
 }
 
 function showClasses({ parts, campaign }, classes) {
   parts.classes.replaceChildren(
-    ...classes.map(({ name, times, best, stands }) => {
+    ...classes.map(({ name, times, best, fate }) => {
       const show = el("button", { type: "button", class: "link", title: "Show only these", onclick: () => campaign.wall.only(name) }, name);
-      const size = best ? `${best.width} x ${best.height}, ${best.solid} solid` : stands;
+      const size = best ? `${best.width} x ${best.height}, ${best.solid} solid` : FATES[fate];
       const kind = el("span", { class: "kind" }, verdictDot(best ? best.verdict : verdictOfClass(name)), best ? show : name);
       return rowOf([kind, times || "by shrinking", size]);
     }),
@@ -222,17 +218,19 @@ function showClasses({ parts, campaign }, classes) {
 }
 
 // Shows Stop while the campaign runs or begins, and Resume or Continue with an amount otherwise.
-function showActions({ state, parts, campaign }) {
-  const kind = !state ? "none" : state.running ? (campaign.stopping === state.folder ? "stopping" : "stop") : standing(state, campaign);
-  if (parts.actions.dataset.kind === kind) return;
-  parts.actions.dataset.kind = kind;
+function showActions(status) {
+  const { state, parts, campaign } = status;
+  const stopping = Boolean(state?.running) && campaign.stopping === state.folder,
+    beginning = Boolean(state) && !state.running && campaign.beginning.has(state.folder);
+  // Buttons are made again only if something else is offered, so that a typed amount stays.
+  const offered = JSON.stringify(state && [state.running, stopping, beginning, state.running ? "" : state.folder, state.running || beginning ? 0 : state.units]);
+  if (status.offered === offered) return;
+  status.offered = offered;
   if (!state) parts.actions.replaceChildren();
-  else if (kind.startsWith("beginning-")) parts.actions.replaceChildren(haltButton(campaign, state.folder));
-  else if (state.running) parts.actions.replaceChildren(stopButton(campaign.stop, kind === "stopping"));
+  else if (beginning) parts.actions.replaceChildren(haltButton(campaign, state.folder));
+  else if (state.running) parts.actions.replaceChildren(stopButton(campaign.stop, stopping));
   else parts.actions.replaceChildren(...goOnPart(state, campaign));
 }
-
-const standing = ({ folder, units }, { beginning }) => (beginning.has(folder) ? `beginning-${folder}` : `on-${folder}-${units}`);
 
 function haltButton(campaign, folder) {
   const halt = () => {

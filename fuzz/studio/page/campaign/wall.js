@@ -162,7 +162,7 @@ function showCards(wall) {
 function emptyWords({ folder, states, folders }) {
   if (folder === null || folder === "" || (states.size === 0 && folders.length <= 1)) return "There is no failure in the opened folder yet. Begin a campaign on the right; it searches for worlds in which the controller fails.";
   const state = states.get(folder);
-  if (state?.phase === "preparing") return "Preparing: the simulator and the controller are being loaded. Nothing has been tried yet.";
+  if (state?.activity === "preparing") return "Preparing: the simulator and the controller are being loaded. Nothing has been tried yet.";
   if (state?.running && state.worlds === 0) return "Nothing has been tried yet.";
   if (state?.running) return "Failures appear here as soon as they are proved and shrunk.";
   if (state?.worlds === 0) return "Nothing was tried: the campaign ended before its first run. Continue it for longer.";

@@ -1,0 +1,92 @@
+"""Read and write JSON files whose form a type declares.
+
+What is written is written from the type that reads it. Numbers can be bounded, texts restricted and
+lists limited where the type declares them: ``Annotated[int, msgspec.Meta(ge=0)]``.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import msgspec
+
+from worldgen.errors import FormatError
+from worldgen.files.whole import read_text, write_bytes
+
+__all__ = ["JsonFile", "converted", "plain"]
+
+T = TypeVar("T")
+
+
+class _Version(msgspec.Struct):
+    version: int
+
+
+@dataclass(frozen=True)
+class JsonFile(Generic[T]):
+    """A kind of JSON file.
+
+    Args:
+        kind: Type of the content: a msgspec struct or a dataclass. Unknown keys are ignored.
+        version: Version of the form, which is the file's first key.
+        code: Code of the error if a file is not of this kind.
+        problem: Template of its message, with ``{reason}``.
+        remedy: The way out.
+    """
+
+    kind: type[T]
+    version: int
+    code: str
+    problem: str
+    remedy: str
+
+    def read(self, path: Path) -> T:
+        """Return the content of a file.
+
+        Raises:
+            FormatError: If it cannot be read, or is not of this kind.
+        """
+        text = read_text(path)
+        try:
+            version = msgspec.json.decode(text, type=_Version).version
+            if version != self.version:
+                raise ValueError(
+                    f"its version is {version}, but this program reads version {self.version}"
+                )
+            return msgspec.json.decode(text, type=self.kind)
+        # A nested list can be too deep for any reader.
+        except (ValueError, RecursionError) as error:
+            raise FormatError(
+                self.code, self.problem, self.remedy, reason=str(error), source=str(path)
+            ) from error
+
+    def write(self, path: Path, content: T) -> None:
+        """Write a file, replacing an existing one.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        write_bytes(path, (json.dumps(self.table(content), indent=1) + "\n").encode(), force=True)
+
+    def table(self, content: T) -> dict[str, Any]:
+        """Return the content of a file, with its version, in JSON's types."""
+        return {"version": self.version, **plain(content)}
+
+
+def plain(content: Any) -> dict[str, Any]:
+    """Return a struct or dataclass in JSON's types."""
+    table: dict[str, Any] = msgspec.to_builtins(content)
+    return table
+
+
+def converted(value: object, kind: type[T]) -> T:
+    """Return a value in JSON's types as a value of a declared type.
+
+    Raises:
+        ValueError: With the place of the fault, if a part is missing, of another type, or out of
+            range.
+    """
+    return msgspec.convert(value, kind)
