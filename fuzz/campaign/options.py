@@ -25,7 +25,7 @@ class SearchOptions:
 
     Args:
         oracles: Check each run with this oracle: detour, repeat, turn, shift, scale, mirror, finer,
-            wall, block, or ./file.py:name; may be repeated.
+            wall or block; may be repeated.
         examples: Number of worlds that each unit of work tries; up to 80 times as many for compiled
             controllers.
         robots: Number of robots in each world. Several robots are all driven by the same

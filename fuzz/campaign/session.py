@@ -27,7 +27,7 @@ from fuzz.campaign.summary import (
     summary_of,
 )
 from fuzz.campaign.variation import Variation
-from fuzz.ci import NO_OUTPUTS, CiFinding, Outputs, Report
+from fuzz.ci import NO_OUTPUTS, CiFinding, FindingState, Outputs, Report
 from fuzz.corpus import Baseline
 from fuzz.describe import describe
 from fuzz.failure import Failure
@@ -581,14 +581,16 @@ class CampaignSession:
             CiFinding.of(
                 one,
                 self._path(bucket),
-                "new" if bucket in failing else "hazard",
+                FindingState.NEW if bucket in failing else FindingState.HAZARD,
                 why=why.get(self._path(bucket), ""),
             )
             for bucket, one in best
         ]
         stored = sorted(self._baseline.failures.items(), key=lambda item: (item[0][2], item[1][0]))
         met = [
-            CiFinding.of(one, path, "known") for key, (path, one) in stored if state.known[key[2]]
+            CiFinding.of(one, path, FindingState.KNOWN)
+            for key, (path, one) in stored
+            if state.known[key[2]]
         ]
         return Report("fuzz", (*new, *met), facts)
 

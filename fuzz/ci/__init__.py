@@ -1,7 +1,7 @@
 """Report failures to CI services: JUnit, SARIF and a summary in Markdown.
 
 Contents:
-    Finding, State, Report: The results of a command.
+    CiFinding, FindingState, Report: The results of a command.
     Outputs, NO_OUTPUTS: The report files that a user requests, checked before the work starts and
         written after it.
     junit, sarif, markdown: Convert a report to text.
@@ -10,7 +10,7 @@ Contents:
 ``docs/tutorials/ci.md`` describes these reports for users.
 """
 
-from fuzz.ci.finding import CiFinding, Report, State
+from fuzz.ci.finding import CiFinding, FindingState, Report
 from fuzz.ci.junit import junit
 from fuzz.ci.markdown import markdown
 from fuzz.ci.outputs import NO_OUTPUTS, Outputs
@@ -20,9 +20,9 @@ from fuzz.ci.sarif import sarif
 __all__ = [
     "NO_OUTPUTS",
     "CiFinding",
+    "FindingState",
     "Outputs",
     "Report",
-    "State",
     "junit",
     "markdown",
     "place_of",

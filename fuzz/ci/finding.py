@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from pathlib import Path
-from typing import Literal
 
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
@@ -18,9 +18,23 @@ from worldgen.files.grid.writer import world_digest
 from worldgen.render import draw_terminal
 from worldgen.support.plain_text import counted, shown, shown_lines
 
-__all__ = ["CiFinding", "Report", "State"]
+__all__ = ["CiFinding", "FindingState", "Report"]
 
-State = Literal["new", "known", "hazard", "confirmed", "not confirmed"]
+
+class FindingState(StrEnum):
+    """What a command says of a failure.
+
+    A campaign finds a new or a known one, or a hazard that the controller cannot sense; a replay
+    confirms one or does not.
+    """
+
+    NEW = "new"
+    KNOWN = "known"
+    HAZARD = "hazard"
+    CONFIRMED = "confirmed"
+    NOT_CONFIRMED = "not confirmed"
+
+
 _MOST_PICTURE = 20_000  # characters; larger worlds are better viewed from their file
 
 
@@ -29,8 +43,7 @@ class CiFinding:
     """A failure and its description.
 
     Args:
-        state: From a campaign ``new``, ``known`` or a ``hazard`` that the controller cannot sense;
-            from a replay ``confirmed`` or ``not confirmed``.
+        state: What the command says of it.
         file: The failure's file.
         controller: The recorded controller, without options.
         who: Controller with options, and motion model.
@@ -48,7 +61,7 @@ class CiFinding:
         frames: Where the controller crashed, one line per frame; empty if it did not crash.
     """
 
-    state: State
+    state: FindingState
     file: Path
     controller: str
     who: str
@@ -70,7 +83,7 @@ class CiFinding:
         cls,
         failure: Failure,
         file: Path,
-        state: State,
+        state: FindingState,
         reason: str = "",
         controller: str | None = None,
         why: str = "",
@@ -105,7 +118,7 @@ class CiFinding:
             frames = describe_frames(failure.evidence)
         # Collect the facts for the CI's log: the cause, what happened, and a picture that fits.
         cause = cause_of(failure)
-        what = reason if state == "not confirmed" else f"{record.verdict}{words}"
+        what = reason if state == FindingState.NOT_CONFIRMED else f"{record.verdict}{words}"
         picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
             picture = (
@@ -133,7 +146,7 @@ class CiFinding:
     @property
     def fails(self) -> bool:
         """True if this finding makes the command exit with code 1."""
-        return self.state in ("new", "not confirmed")
+        return self.state in (FindingState.NEW, FindingState.NOT_CONFIRMED)
 
     @property
     def place(self) -> str:
@@ -182,7 +195,7 @@ class Report:
     def conclusion(self) -> str:
         """The outcome in a few words."""
         others = len(self.findings) - self.failing
-        hazards = sum(finding.state == "hazard" for finding in self.findings)
+        hazards = sum(finding.state == FindingState.HAZARD for finding in self.findings)
         if self.command == "replay":
             return f"{others} of {len(self.findings)} confirmed"
         found = (

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from fuzz.ci.finding import CiFinding, Report
+from fuzz.ci.finding import CiFinding, FindingState, Report
 
 __all__ = ["junit"]
 
 _SKIPPED = {
-    "known": "known: the baseline has this class",
-    "hazard": "hazard: none of the controller's senses detects what burned the robot",
+    FindingState.KNOWN: "known: the baseline has this class",
+    FindingState.HAZARD: "hazard: none of the controller's senses detects what burned the robot",
 }
 
 

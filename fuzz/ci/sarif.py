@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from fuzz.ci.finding import CiFinding, Report
+from fuzz.ci.finding import CiFinding, FindingState, Report
 from fuzz.ci.markdown import escaped
 from fuzz.ci.place import Place, place_of, uri_of
 from sim.verdict import MEANINGS, Verdict
@@ -29,7 +29,7 @@ _MEANINGS: dict[str, str] = {
     **{verdict.value: meaning for verdict, meaning in MEANINGS.items()},
     Verdict.REACHED.value: "The robot arrives, but one of the chosen oracles finds a violation in "
     "its run.",
-    "not confirmed": "A stored failure does not replay as stored: the controller has changed, or "
+    FindingState.NOT_CONFIRMED.value: "A stored failure does not replay as stored: the controller has changed, or "
     "the file.",
 }
 _OTHERWISE = "The robot fails, although its target can be reached."
@@ -78,12 +78,16 @@ def _category(report: Report) -> str:
 
 
 def _rule_id(finding: CiFinding) -> str:
-    return "not-confirmed" if finding.state == "not confirmed" else finding.bucket[:_LONGEST_ID]
+    return (
+        "not-confirmed"
+        if finding.state == FindingState.NOT_CONFIRMED
+        else finding.bucket[:_LONGEST_ID]
+    )
 
 
 def _rule(finding: CiFinding) -> dict[str, Any]:
     name = _rule_id(finding)
-    verdict = finding.state if finding.state == "not confirmed" else finding.verdict
+    verdict = finding.state if finding.state == FindingState.NOT_CONFIRMED else finding.verdict
     meaning = _MEANINGS.get(verdict, _OTHERWISE)
     how = "The world's file contains a proof. The result states the command that replays it."
     return {
@@ -108,7 +112,9 @@ def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
     class_digest = hashlib.sha256("\0".join((finding.who, finding.bucket)).encode()).hexdigest()
     world = Place(uri_of(finding.file, root) or quote(shown(finding.file.name)))
     place = (
-        world if finding.state == "not confirmed" else place_of(finding.controller, root) or world
+        world
+        if finding.state == FindingState.NOT_CONFIRMED
+        else place_of(finding.controller, root) or world
     )
     return {
         "ruleId": _rule_id(finding),

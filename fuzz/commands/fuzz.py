@@ -41,9 +41,14 @@ _DECLARED = CampaignOptions.declared()
 _BEGUN = {option.name for option in _DECLARED} | {"out", "seed"}
 """Parameters that define a campaign rather than its extent."""
 
+_HELP = {
+    "controller": CONTROLLER_HELP,
+    "oracles": f"{CampaignOptions.named('oracles').help} ./file.py:name is an oracle of your own.",
+}
+
 
 @click.command(epilog=EXAMPLES)
-@declared_options(_DECLARED, {"controller": CONTROLLER_HELP})
+@declared_options(_DECLARED, _HELP)
 @click.option(
     "--budget",
     type=Duration(),

@@ -45,7 +45,7 @@ def replay(
     certificate. Exits with 0 if all are confirmed, with 1 if any is not (also if the robot now
     arrives), with 2 if a file contains no failure.
     """
-    from fuzz.ci import CiFinding, Outputs, Report, State
+    from fuzz.ci import CiFinding, FindingState, Outputs, Report
     from fuzz.describe import describe
     from fuzz.failure import Failure
     from fuzz.overview.building import explained
@@ -100,7 +100,7 @@ def replay(
             elif now.episode is not None:
                 click.echo(shown_lines(describe_frames(now.episode.evidence)), nl=False)
         if reports:
-            state: State = "confirmed" if outcome.confirmed else "not confirmed"
+            state = FindingState.CONFIRMED if outcome.confirmed else FindingState.NOT_CONFIRMED
             findings.append(CiFinding.of(failure, path, state, now.words, controller))
     # Write the reports and the summary; the exit code tells whether all are confirmed.
     reports.write(Report("replay", tuple(findings)))

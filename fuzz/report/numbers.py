@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from fuzz.boundary import describe_boundaries
 from fuzz.campaign.store import Summary
@@ -13,10 +13,18 @@ from sim.evidence import LoopEvidence
 from worldgen.support.plain_text import counted, describe_value
 from worldgen.world import Cut, Value, Witness, World
 
-__all__ = ["Group", "groups"]
+__all__ = ["FactGroup", "groups"]
 
 Row: TypeAlias = tuple[str, str]
-Group: TypeAlias = tuple[str, list[Row]]
+
+
+class FactGroup(NamedTuple):
+    """Facts under a heading; raw ones, as the file has them, are folded away at first."""
+
+    title: str
+    rows: list[Row]
+    is_raw: bool = False
+
 
 # Details that have their own row; others are listed under their names.
 _SAID = (
@@ -37,20 +45,24 @@ _SAID = (
 _KEPT = {"verdict": "verdict and cause kept", "class": "kept the class"}
 
 
-def groups(reported: Reported, campaigns: list[ReportedCampaign]) -> list[Group]:
+def groups(reported: Reported, campaigns: list[ReportedCampaign]) -> list[FactGroup]:
     """Return everything known about a failure, as rows of name and value under headings."""
     # Groups without rows are left out.
     campaign = campaigns[reported.campaign].summary if reported.campaign >= 0 else None
     record = reported.seen.failure.record
     found = [
-        ("Failure", _of_the_failure(reported)),
-        ("Run", _of_the_run(reported.seen)),
-        ("World", _of_the_world(reported.seen.failure.world)),
-        ("Search", _of_the_search(reported, campaign)),
-        ("Options", [(name, describe_value(value)) for name, value in record.parameters.items()]),
-        ("Evidence", [(name, describe_value(value)) for name, value in record.evidence.items()]),
+        FactGroup("Failure", _of_the_failure(reported)),
+        FactGroup("Run", _of_the_run(reported.seen)),
+        FactGroup("World", _of_the_world(reported.seen.failure.world)),
+        FactGroup("Search", _of_the_search(reported, campaign)),
+        FactGroup("Options", _as_written(record.parameters), is_raw=True),
+        FactGroup("Evidence", _as_written(record.evidence), is_raw=True),
     ]
-    return [group for group in found if group[1]]
+    return [group for group in found if group.rows]
+
+
+def _as_written(table: Mapping[str, Value]) -> list[Row]:
+    return [(name, describe_value(value)) for name, value in table.items()]
 
 
 def _of_the_failure(reported: Reported) -> list[Row]:

@@ -103,7 +103,7 @@ def _family(name: str) -> dict[str, Any]:
     family = FAMILIES.get(name)
     return {
         "name": name,
-        "about": family.description,
+        "about": family.description.partition("\n\n")[0],
         "changes": family.changes,
         "parameters": [
             _parameter(parameter) | {"idle": _idle(name, parameter.name)}

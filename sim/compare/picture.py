@@ -32,18 +32,9 @@ def draw_comparison(comparison: Comparison) -> bytes:
     panels = []
     for world, cells in zip(comparison.worlds, comparison.cells, strict=True):
         trails = tuple(_way(world.world, cell) for cell in cells)
-        notes = tuple(f"{_short(cell.label)}: {_outcome(cell)}" for cell in cells)
+        notes = tuple(f"{_short(cell.label)}: {describe_outcome(cell, ' s')}" for cell in cells)
         panels.append(Panel(world.world, world.name, trails, notes))
     return draw_sheet(panels, comparison.labels)
-
-
-def _outcome(cell: Cell) -> str:
-    """Return a controller's result with its time, in the unit that the table's heading gives."""
-    words = describe_outcome(cell)
-    if cell.time is None:
-        return words
-    time, blank, others = words.partition(" ")
-    return f"{time} s{blank}{others}"
 
 
 def _short(label: str) -> str:

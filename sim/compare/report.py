@@ -42,16 +42,20 @@ CSV_COLUMNS = (
 _WIDTH = 116
 
 
-def describe_outcome(cell: Cell) -> str:
+def describe_outcome(cell: Cell, unit: str = "") -> str:
     """Return what a controller did in a world, in a few words.
 
     Examples: ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``.
+
+    Args:
+        cell: The controller's runs in the world.
+        unit: Text after a time, such as `` s``; a table's heading has the unit.
     """
     # A random controller has a share of arrivals; the others one outcome.
     if cell.random:
         share = f"({cell.reached}/{len(cell.runs)})"
         if cell.time is not None:
-            return f"{cell.time:.3f} {share}"
+            return f"{cell.time:.3f}{unit} {share}"
         failures = describe_detail(cell)
         return (
             f"never ({failures})"
@@ -59,7 +63,7 @@ def describe_outcome(cell: Cell) -> str:
             else f"none arrives ({failures})"
         )
     if cell.time is not None:
-        return f"{cell.time:.3f}"
+        return f"{cell.time:.3f}{unit}"
     if cell.verdict == Verdict.LOOP:
         return f"never (loop, {cell.detail})" if cell.detail else "never (loop)"
     if cell.verdict == Verdict.STALLED:

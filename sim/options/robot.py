@@ -37,10 +37,10 @@ _LISTS = (
 class RobotOptions(OptionSet):
     """How the robot moves and senses under ``swept`` and ``endpoint``.
 
-    A failure stores those that differ from their defaults.
+    A failure stores those that differ from their defaults. Angles are in rad.
 
     Args:
-        turn_limit: Greatest turn rate, rad/s; 0 means no limit.
+        turn_limit: Greatest turn rate; 0 means no limit.
         acceleration: Greatest gain of speed, m/s2; 0 means no limit.
         friction: Greatest loss of speed, by brakes or floor friction, m/s2; 0 means no limit.
         wall_friction: Share of a slide along a wall that friction takes, 0 to 1.
@@ -49,8 +49,7 @@ class RobotOptions(OptionSet):
             for each step.
         sensor_cells: Reach of the signal sensor, cells around its own, 1 to 10; 1 sees eight cells.
         sensor_range: Distance from the target beyond which there is no signal, m; 0 means no limit.
-        sensor_field: Field of view of the signal sensor, rad, centred on the heading; 0 means all
-            around.
+        sensor_field: Field of view of the signal sensor, centred on the heading; 0 means all around.
         sensor_noise: Largest share by which a signal strength is wrong, 0 to 1, drawn for each cell
             and step.
         signal: Effect of walls on the signal's straight line from the target: none (``open``),
@@ -60,13 +59,13 @@ class RobotOptions(OptionSet):
             included.
         beams: Number of range beams, 0 to 1000.
         beam_range: Longest distance that a beam measures, m.
-        beam_field: Angle between the first and the last beam, rad, centred on the heading; 0
-            spreads them evenly over a full turn, the first ahead, the others counter-clockwise.
+        beam_field: Angle between the first and the last beam, centred on the heading; 0 spreads them
+            evenly over a full turn, the first ahead, the others counter-clockwise.
         beam_noise: Largest share by which a distance is wrong, 0 to 1, drawn for each beam and
             step.
         beam_dropout: Probability, 0 to 1, that a beam returns nothing.
         drift: Speed at which a tilted floor carries the robot, m/s.
-        drift_heading: Direction of the drift, rad, counter-clockwise from the x axis.
+        drift_heading: Direction of the drift, counter-clockwise from the x axis.
         pushes: Pushes at given times, four numbers each: time (s), displacement along x and y (m),
             turn (rad, counter-clockwise). Each happens at the end of its step; walls stop it.
         push_places: Cells that push the robot, five numbers each: a point in the cell (m), then

@@ -29,15 +29,14 @@ REPAIRS = ("repair_slide", "repair_back_off", "repair_corner")
 class ThesisOptions(OptionSet):
     """Options of the motion model ``stepped`` and of the thesis's robot.
 
-    A failure stores the options that differ from their defaults.
+    A failure stores the options that differ from their defaults. Angles are in rad.
 
     Args:
         sensor_range: Reach of the signal sensor, px, 36 to 1000; 36 sees the eight cells around.
         noise: Whether the noise filter has changed the signal near walls.
         collide_ticks: Counter of the collide behaviour, 0 to 1000; it drives one tick more.
         drive_ticks: Counter of the drive behaviour, 0 to 1000; it drives one tick more.
-        turn_angle: Angle by which the collide behaviour turns, rad, 0 to pi; the random rule draws
-            its own.
+        turn_angle: Angle by which the collide behaviour turns; the random rule draws its own.
         arbiter: Reading of the arbiter, which the thesis's listing lacks: ``A0`` to ``A6``; or
             ``interruptible``, which decides in every tick and lets a new collision restart the
             escape.
@@ -53,8 +52,7 @@ class ThesisOptions(OptionSet):
         wall_friction: Fraction of a slide along a wall that friction takes, 0 to 1.
         slip: Largest fraction of a tick's move that is lost on the floor, 0 to 1, drawn again in
             each tick.
-        sensor_field: Angle that the sensor covers, rad, centred on the heading; 0 means all
-            directions.
+        sensor_field: Angle that the sensor covers, centred on the heading; 0 means all directions.
         sensor_noise: Largest fraction by which a reading is wrong, 0 to 1, drawn for each cell and
             tick.
         signal: What walls do to the signal on its straight path from the target: nothing, as in the

@@ -8,7 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.ci import CiFinding, Report, junit, markdown, place_of, repository, sarif
+from fuzz.ci import (
+    CiFinding,
+    FindingState,
+    Report,
+    junit,
+    markdown,
+    place_of,
+    repository,
+    sarif,
+)
 from fuzz.failure import Failure
 from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
 from tests.helpers.command_line import worldgen
@@ -33,7 +42,7 @@ def project(tmp_path, monkeypatch):
     return tmp_path
 
 
-def finding(path, state="new", **changes):
+def finding(path, state=FindingState.NEW, **changes):
     file = Path("failures") / path.name
     return replace(CiFinding.of(Failure.read(path), file, state), **changes)
 
@@ -42,7 +51,7 @@ def report(*findings, command="fuzz"):
     return Report(command, findings, {"controller": "thesis-1", "motion": "stepped", "seed": "1"})
 
 
-TWO = report(finding(LOOP), finding(STALLED, "known"))
+TWO = report(finding(LOOP), finding(STALLED, FindingState.KNOWN))
 
 
 def test_junit_fails_what_is_new_and_skips_what_is_known():
@@ -72,7 +81,7 @@ def test_a_campaign_that_finds_nothing_is_one_test_that_passes():
 
 def test_sarif_is_as_it_was(project):
     known = CiFinding(
-        state="known",
+        state=FindingState.KNOWN,
         file=project / "failures" / "tunnel.grid",
         controller="thesis-1",
         who="thesis-1 under stepped",
@@ -87,7 +96,7 @@ def test_sarif_is_as_it_was(project):
     )
     new = replace(
         known,
-        state="new",
+        state=FindingState.NEW,
         file=project / "a b.grid",
         verdict="loop",
         bucket="loop-bumps",
@@ -105,7 +114,9 @@ def test_sarif_has_a_rule_for_each_class_and_notes_what_is_known(project):
 
 def test_a_fingerprint_is_the_class_and_not_the_world(project):
     loop = Failure.read(LOOP)
-    there = CiFinding.of(replace(loop, world=turned(loop.world)), project / "elsewhere.grid", "new")
+    there = CiFinding.of(
+        replace(loop, world=turned(loop.world)), project / "elsewhere.grid", FindingState.NEW
+    )
     here, same, other = read_sarif(sarif(report(finding(LOOP), there, finding(STALLED)), project))[
         "results"
     ]
@@ -148,7 +159,7 @@ def test_a_failure_stands_at_its_controllers_source(controller, uri, line, proje
 
 def test_a_file_that_does_not_replay_stands_at_itself(project):
     (project / "mine.py").write_text(SOURCE)
-    stale = finding(LOOP, "not confirmed", controller="./mine.py:Robot")
+    stale = finding(LOOP, FindingState.NOT_CONFIRMED, controller="./mine.py:Robot")
     [result] = read_sarif(sarif(report(stale), project))["results"]
     uri = result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
     assert uri == f"failures/{LOOP.name}"
@@ -179,7 +190,7 @@ def test_words_of_strangers_break_no_report(project):
     bad = report(
         *(
             CiFinding.of(Failure(world, record), file, state, HOSTILE)
-            for state in ("new", "not confirmed")
+            for state in (FindingState.NEW, FindingState.NOT_CONFIRMED)
         )
     )
     assert len(read_sarif(sarif(bad, project))["results"]) == 2

@@ -108,7 +108,9 @@ def test_every_failure_says_whether_it_replays(page):
 
 def test_numbers_say_strategy_chance_and_how_often_the_class_was_met(page):
     loop = next(failure for failure in data_of(page)["failures"] if failure["verdict"] == "loop")
-    groups = {title: dict(rows) for title, rows in loop["groups"]}
+    groups = {title: dict(rows) for title, rows, _ in loop["groups"]}
+    raw = [title for title, _, is_raw in loop["groups"] if is_raw]
+    assert raw == ["Options", "Evidence"]
     assert groups["Search"]["found by strategy"] == "native"
     assert groups["Search"]["class met"] == "17 times"
     assert groups["Failure"]["chance"].startswith("39 of 40 seeds fail")
@@ -126,7 +128,8 @@ def test_an_exact_answer_is_among_the_numbers(tmp_path):
     write_world(replace(trap, failure=replace(trap.failure, details=details)), tmp_path / "a.grid")
     write_report([tmp_path], tmp_path / "r.html")
     groups = {
-        title: dict(rows) for title, rows in data_of(tmp_path / "r.html")["failures"][0]["groups"]
+        title: dict(rows)
+        for title, rows, _ in data_of(tmp_path / "r.html")["failures"][0]["groups"]
     }
     assert groups["Failure"]["exact answer"] == "trap, over 512 states"
     assert groups["Search"]["newly noted"] == "1, 2"

@@ -19,7 +19,7 @@ const CONTROLLERS = [
   { ...both, name: "bug1", also: "", thesis: false },
   { ...both, name: "mine", also: "", thesis: false, fault: { code: "no-such-file", problem: "no such file" }, named: false },
 ];
-const angle = { name: "turn_angle", group: "Behaviours", kind: "float", unit: "rad", default: Math.PI / 2, low: 0, high: Math.PI, choices: [], help: "Angle of a turn, rad, 0 to pi." };
+const angle = { name: "turn_angle", group: "Behaviours", kind: "float", unit: "rad", default: Math.PI / 2, low: 0, high: Math.PI, choices: [], help: "Angle of a turn." };
 const OPTIONS = [
   { name: "drive_ticks", group: "Behaviours", kind: "int", unit: "", default: 4, low: 1, high: 100, choices: [], help: "How long." },
   angle,

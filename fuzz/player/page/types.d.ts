@@ -223,7 +223,8 @@ interface ReportFailure {
   shrunk: boolean;
   /** A test that contains the world. */
   test: string;
-  groups: [string, [string, string][]][];
+  /** Heading, rows of name and value, and whether they are folded away at first. */
+  groups: [string, [string, string][], boolean][];
   now: DrawnFailure;
   before: DrawnFailure | null;
 }

@@ -103,10 +103,8 @@ function headline(worst, natural) {
 
 // How often it arrives in natural worlds, as a sentence and as a bar with the interval.
 function ratePart(natural) {
-  const percent = (share) => `${Math.round(100 * share)} %`;
-  const low = percent(natural.low),
-    high = percent(natural.high);
-  const bar = el("span", { class: "rate", role: "img", "aria-label": `95 % interval: ${low} to ${high}` });
+  const [low, high, arrives] = [natural.low, natural.high, natural.share].map((share) => Math.round(100 * share));
+  const bar = el("span", { class: "rate", role: "img", "aria-label": `95 % interval: ${low} % to ${high} %` });
   const range = el("i", { class: "range" }),
     point = el("i", { class: "point" });
   range.style.left = `${100 * natural.low}%`;
@@ -117,8 +115,8 @@ function ratePart(natural) {
   return el(
     "p",
     { class: "rate-line" },
-    el("b", {}, `Arrives in ${percent(natural.share)}`),
-    ` of ${plural(natural.worlds, "natural world")} (95 %: ${low.replace(" %", "")} to ${high}) `,
+    el("b", {}, `Arrives in ${arrives} %`),
+    ` of ${plural(natural.worlds, "natural world")} (95 %: ${low} to ${high} %) `,
     bar,
     el("span", { class: "quiet" }, unsensed),
   );
@@ -131,7 +129,7 @@ function coverage(natural) {
     turns = never(natural.turns);
   const missing = [
     clearances.length ? `paths with room for ${listed(clearances)} robot radii` : "",
-    turns.length ? `paths with ${listed(turns).replace("no", "0")} quarter turns` : "",
+    turns.length ? `paths with ${listed(turns.map((name) => (name === "no" ? "0" : name)))} quarter turns` : "",
   ].filter(Boolean);
   return el(
     "p",

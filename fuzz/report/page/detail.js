@@ -208,7 +208,7 @@ async function copyText(text, button) {
   }, 1500);
 }
 
-function numbersPart([title, rows]) {
+function numbersPart([title, rows, isRaw]) {
   const body = el(
     "table",
     { class: "numbers" },
@@ -218,10 +218,9 @@ function numbersPart([title, rows]) {
       rows.map(([name, value]) => el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, value))),
     ),
   );
-  const raw = title === "Options" || title === "Evidence";
   return el(
     "div",
     { class: "part" },
-    raw ? el("details", {}, el("summary", {}, title), body) : [el("h3", {}, title), body],
+    isRaw ? el("details", {}, el("summary", {}, title), body) : [el("h3", {}, title), body],
   );
 }

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, TypeAlias
+
+import msgspec
 
 from fuzz.campaign.store import MEMORY, FolderStore, read_summary
 from fuzz.search.features import decode_scene
@@ -14,6 +15,10 @@ from worldgen.files.whole import read_text
 from worldgen.world import World
 
 __all__ = ["elite_of", "runs_in"]
+
+# Cell of the archive, layout in hex digits, quality and verdict.
+_Hex = Annotated[str, msgspec.Meta(pattern=r"^([0-9a-f]{2})*\Z")]
+_Elite: TypeAlias = tuple[list[int], _Hex, float, str]
 
 
 def elite_of(folder: Path, i: int, j: int) -> World:
@@ -51,18 +56,21 @@ def elite_of(folder: Path, i: int, j: int) -> World:
     )
 
 
-def _elites(units: Path) -> Iterator[tuple[list[int], str, float, str]]:
+class _UnitElites(msgspec.Struct):
+    """The part of a unit's entry in the campaign store that is needed here."""
+
+    elites: list[_Elite]
+
+
+def _elites(units: Path) -> Iterator[_Elite]:
     """Yield the entries that units added to the archive, in order."""
     for file in sorted(units.glob("*.json")):
         if file.is_symlink() or not file.is_file():
             continue
         text = read_text(file)
-        if '"elites": []' in text:  # most units add nothing; skip parsing them
-            continue
         try:
-            for cell, layout, quality, verdict in json.loads(text)["elites"]:
-                yield list(cell), str(layout), float(quality), str(verdict)
-        except (KeyError, RecursionError, TypeError, ValueError) as error:
+            yield from msgspec.json.decode(text, type=_UnitElites).elites
+        except (RecursionError, ValueError) as error:
             raise FormatError(
                 "invalid-entry",
                 "is not an entry of a campaign store",

@@ -193,9 +193,16 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
 
 
 def options() -> dict[str, dict[str, Any]]:
-    """Return the command's options by name, with ``help`` and ``default``."""
+    """Return the command's options by name, with ``help`` and ``default``.
+
+    What the command alone says of an option, such as that code in files can be named, is left out.
+    """
+    declared = {option.name: option.help for option in CampaignOptions.declared()}
     return {
-        param.opts[0]: {"help": getattr(param, "help", "") or "", "default": _plain(param.default)}
+        param.opts[0]: {
+            "help": declared.get(str(param.name)) or getattr(param, "help", "") or "",
+            "default": _plain(param.default),
+        }
         for param in fuzz.params
     }
 

@@ -131,9 +131,9 @@ async function followLink() {
 function showName() {
   const { unsaved, past, future, world } = studio.model;
   if (studio.page() === "campaign") {
-    const [folder, doing] = studio.campaign.name();
-    byId("name").replaceChildren(folder, doing ? el("span", { class: "quiet" }, ` · ${doing}`) : "");
-    document.title = `${doing === "running" ? "▶ " : ""}${folder} - worldgen studio`;
+    const { shown, running, stopping } = studio.campaign.name();
+    byId("name").replaceChildren(shown, running ? el("span", { class: "quiet" }, ` · ${stopping ? "stopping" : "running"}`) : "");
+    document.title = `${running && !stopping ? "▶ " : ""}${shown} - worldgen studio`;
     showLink();
     return;
   }

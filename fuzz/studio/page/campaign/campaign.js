@@ -66,12 +66,11 @@ export function makeCampaign(section, studio) {
   };
 }
 
-// Returns the name of the chosen folder, and what its campaign is doing.
+// Returns the name of the chosen folder to show, and whether its campaign runs and is being stopped.
 function nameOf({ folder, states, stopping, isListed }) {
-  if (folder === null) return [isListed ? "no failures yet" : "looking …", ""];
-  const state = states.get(folder);
-  const doing = state?.running ? (stopping === folder ? "stopping" : "running") : "";
-  return [folder || "the whole opened folder", doing];
+  if (folder === null) return { shown: isListed ? "no failures yet" : "looking …", running: false, stopping: false };
+  const running = Boolean(states.get(folder)?.running);
+  return { shown: folder || "the whole opened folder", running, stopping: running && stopping === folder };
 }
 
 function sidePart(campaign) {

@@ -26,7 +26,7 @@ export function makeMore({ options }, limits) {
   };
   inputs.baseline.setAttribute("list", "campaign-folders");
   const list = el("datalist", { id: "campaign-folders" });
-  const one = (name, option, words, more = {}) => labelled(words, inputs[name], { help: `${option}: ${registeredOnly(options[option].help)}`, ...more });
+  const one = (name, option, words, more = {}) => labelled(words, inputs[name], { help: `${option}: ${options[option].help}`, ...more });
   const element = el(
     "details",
     { class: "more" },
@@ -52,9 +52,6 @@ export function makeMore({ options }, limits) {
     write: (values) => entries.forEach(([name, input]) => Object.hasOwn(values, name) && (input.value = values[name])),
   };
 }
-
-// Removes code from files from a help text, because a page runs no such code.
-const registeredOnly = (help) => help.replace(/, or \.\/file\.py:name/, "");
 
 // Returns the values for the protocol; null for defaults.
 function filled(inputs) {

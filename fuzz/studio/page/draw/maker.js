@@ -81,7 +81,7 @@ function wishPart(parts) {
 function chooseFamily(studio, state, parts, name) {
   state.family = studio.offered.families.find((family) => family.name === name);
   state.given = {};
-  parts.about.textContent = state.family.about.split("\n\n")[0];
+  parts.about.textContent = state.family.about;
   parts.difficulty.disabled = state.family.changes;
   if (state.family.changes) parts.difficulty.value = ""; // worlds with events have no difficulty
   parts.difficulty.placeholder = state.family.changes ? "none: its worlds have events" : "any";

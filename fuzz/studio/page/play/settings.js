@@ -65,18 +65,12 @@ function field(settings, option) {
     change();
   });
   input.title = `+${name}${option.kind === "bool" ? "" : "=…"} after a robot's name`;
-  const element = labelled(words(name), input, { unit: name.endsWith(unit) ? "" : DEGREES[unit] || unit, help: noteOf(option) });
+  const element = labelled(words(name), input, { unit: name.endsWith(unit) ? "" : DEGREES[unit] || unit, help: option.help.replaceAll("``", "") });
   if (option.kind === "bool") element.classList.add("switch");
   return element;
 }
 
 const inDegrees = (value) => (value === null ? null : Number(((value * 180) / Math.PI).toFixed(6)));
-
-// Returns the option's help, without the unit and bounds that the field already shows.
-function noteOf({ help, unit }) {
-  const plain = help.replaceAll("``", "");
-  return unit in DEGREES ? plain.replace(`, ${unit}`, "").replace(", 0 to pi", "") : plain;
-}
 
 function toggle(settings, heading) {
   settings.open = settings.open === heading ? "" : heading;
