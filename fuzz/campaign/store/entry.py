@@ -6,19 +6,50 @@ An entry is a table in JSON's types with a digest of all of it.
 from __future__ import annotations
 
 import json
-import re
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, TypeAlias
+
+import msgspec
 
 from fuzz.campaign.result import Elite, UnitResult
 from fuzz.campaign.store.fingerprint import digest_of
 from fuzz.failure import ID_DIGITS, Failure
+from worldgen.files.json_file import plain
 
-__all__ = ["Done", "read_entry", "write_entry"]
+__all__ = ["Done", "StoredElite", "UnitEntry", "read_entry", "write_entry"]
 
-_FAILURE_ID = re.compile(rf"[0-9a-f]{{{ID_DIGITS}}}")
+_FailureId = Annotated[str, msgspec.Meta(pattern=rf"^[0-9a-f]{{{ID_DIGITS}}}\Z")]
+_Hex = Annotated[str, msgspec.Meta(pattern=r"^([0-9a-f]{2})*\Z")]
+
+StoredElite: TypeAlias = tuple[list[int], _Hex, float, str]
+"""Cell of the archive, layout, quality and verdict."""
+
+
+class UnitEntry(msgspec.Struct, frozen=True, kw_only=True):
+    """An entry without its digest.
+
+    Args:
+        unit: Number of the unit.
+        strategy: See :class:`UnitResult`, as are the others.
+        seconds: Seconds of the campaign, over all runs, when the unit was merged.
+        failures: Name of the failure's file, by class.
+    """
+
+    unit: int
+    strategy: str
+    worlds: int
+    steps: int
+    seconds: float
+    verdicts: dict[str, int]
+    met: dict[str, int]
+    failures: dict[str, _FailureId]
+    elites: list[StoredElite]
+
+
+class _Sealed(UnitEntry, frozen=True, kw_only=True):
+    digest: str
 
 
 @dataclass(frozen=True)
@@ -44,21 +75,22 @@ def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, 
         failures: Name of the failure's file, by class.
     """
     result = done.result
-    entry = {
-        "unit": unit,
-        "strategy": result.strategy,
-        "worlds": result.worlds,
-        "steps": result.steps,
-        "seconds": round(done.seconds, 3),
-        "verdicts": dict(result.verdicts),
-        "met": dict(result.met),
-        "failures": dict(failures),
-        "elites": [
-            [list(cell), elite.layout.hex(), elite.quality, elite.verdict]
+    entry = UnitEntry(
+        unit=unit,
+        strategy=result.strategy,
+        worlds=result.worlds,
+        steps=result.steps,
+        seconds=round(done.seconds, 3),
+        verdicts=dict(result.verdicts),
+        met=dict(result.met),
+        failures=dict(failures),
+        elites=[
+            (list(cell), elite.layout.hex(), elite.quality, elite.verdict)
             for cell, elite in result.elites.items()
         ],
-    }
-    return (json.dumps({**entry, "digest": digest_of([fingerprint, entry])}) + "\n").encode()
+    )
+    table = plain(entry)
+    return (json.dumps({**table, "digest": digest_of([fingerprint, table])}) + "\n").encode()
 
 
 def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], Failure]) -> Done:
@@ -75,32 +107,22 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
             its failures cannot be read.
     """
     try:
-        entry = json.loads(text)
-        if entry.pop("digest") != digest_of([fingerprint, entry]) or entry["unit"] != unit:
-            raise ValueError("it belongs to another campaign or unit, or was changed")
-        result = UnitResult(
-            strategy=str(entry["strategy"]),
-            worlds=int(entry["worlds"]),
-            steps=int(entry["steps"]),
-            verdicts=Counter({str(name): int(count) for name, count in entry["verdicts"].items()}),
-            met=Counter({str(name): int(count) for name, count in entry["met"].items()}),
-            failures={
-                str(bucket): failure(_checked(name)) for bucket, name in entry["failures"].items()
-            },
-            elites=dict(_elite(*one) for one in entry["elites"]),
-        )
-        return Done(result, float(entry["seconds"]))
-    except (AttributeError, KeyError, OverflowError, RecursionError, TypeError) as error:
-        raise ValueError(f"it is not an entry of a campaign store: {error}") from error
-
-
-def _checked(name: Any) -> str:
-    if not _FAILURE_ID.fullmatch(name):
-        raise ValueError(f"{name!r} is not a failure's name")
-    return str(name)
-
-
-def _elite(
-    cell: list[int], layout: str, quality: float, verdict: str
-) -> tuple[tuple[int, ...], Elite]:
-    return tuple(map(int, cell)), Elite(bytes.fromhex(layout), float(quality), str(verdict))
+        entry = msgspec.json.decode(text, type=_Sealed)
+    except RecursionError as error:
+        raise ValueError("it is nested too deeply") from error
+    table = plain(entry)
+    if table.pop("digest") != digest_of([fingerprint, table]) or entry.unit != unit:
+        raise ValueError("it belongs to another campaign or unit, or was changed")
+    result = UnitResult(
+        strategy=entry.strategy,
+        worlds=entry.worlds,
+        steps=entry.steps,
+        verdicts=Counter(entry.verdicts),
+        met=Counter(entry.met),
+        failures={bucket: failure(name) for bucket, name in entry.failures.items()},
+        elites={
+            tuple(cell): Elite(bytes.fromhex(layout), quality, verdict)
+            for cell, layout, quality, verdict in entry.elites
+        },
+    )
+    return Done(result, entry.seconds)

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Any
 
 import msgspec
 
 from fuzz.campaign.store import MEMORY, FolderStore, read_summary
+from fuzz.campaign.store.entry import StoredElite, UnitEntry
 from fuzz.search.features import decode_scene
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.files.whole import read_text
 from worldgen.world import World
 
 __all__ = ["elite_of", "runs_in"]
-
-# Cell of the archive, layout in hex digits, quality and verdict.
-_Hex = Annotated[str, msgspec.Meta(pattern=r"^([0-9a-f]{2})*\Z")]
-_Elite: TypeAlias = tuple[list[int], _Hex, float, str]
 
 
 def elite_of(folder: Path, i: int, j: int) -> World:
@@ -56,20 +53,14 @@ def elite_of(folder: Path, i: int, j: int) -> World:
     )
 
 
-class _UnitElites(msgspec.Struct):
-    """The part of a unit's entry in the campaign store that is needed here."""
-
-    elites: list[_Elite]
-
-
-def _elites(units: Path) -> Iterator[_Elite]:
+def _elites(units: Path) -> Iterator[StoredElite]:
     """Yield the entries that units added to the archive, in order."""
     for file in sorted(units.glob("*.json")):
         if file.is_symlink() or not file.is_file():
             continue
         text = read_text(file)
         try:
-            yield from msgspec.json.decode(text, type=_UnitElites).elites
+            yield from msgspec.json.decode(text, type=UnitEntry).elites
         except (RecursionError, ValueError) as error:
             raise FormatError(
                 "invalid-entry",

@@ -67,14 +67,14 @@ class FolderMaps:
                 )
             ends = _own_ends(found)
         except WorldgenError as error:
-            yield Refused(name, _without_name(error, path))
+            yield Refused(name, _without_name(error))
             return
         if not ends:
             try:
                 ends = self._scenario_ends(name, path, found)
             # The map itself can still be judged.
             except WorldgenError as error:
-                yield Refused(f"{name} (its scenarios)", _without_name(error, path))
+                yield Refused(f"{name} (its scenarios)", _without_name(error))
         yield CensusMap(name, found.walls, found.cell_size, ends, found.params, found.warnings)
 
     def _scenario_ends(self, name: str, path: Path, found: ForeignMap) -> tuple[Ends, ...]:
@@ -125,7 +125,7 @@ def folder_maps(
                 map_name, count = scenario_contents(path)
                 scenarios.setdefault(map_name, []).append((path, count))
             except FormatError as error:
-                refused.append(Refused(name, _without_name(error, path)))
+                refused.append(Refused(name, _without_name(error)))
         elif named or looks_like_a_map(path):
             files.setdefault(path, name)
         else:
@@ -189,7 +189,8 @@ def _problem(files: Sequence[tuple[Path, int]], number: int) -> tuple[Path, int]
     raise IndexError(number)
 
 
-def _without_name(error: WorldgenError, path: Path) -> str:
+def _without_name(error: WorldgenError) -> str:
+    """Return an error in words without the name of its file."""
     if isinstance(error, FormatError):
         return str(error.message) if error.line is None else f"line {error.line}: {error.message}"
-    return str(error).removeprefix(f"{path}: ")
+    return str(error)

@@ -95,13 +95,13 @@ def read_pogema(
     letters = _letters(drawn, [number for number, _ in lines], source)
     lower = [letter for letter in letters if letter.islower()]
     if lower and agent not in lower:
-        raise InvalidParameter(
+        raise FormatError(
             "unknown-name",
-            "{source}: there is no agent {agent!r}",
+            "there is no agent {agent!r}",
             "there are {known!l}",
-            source=source,
             agent=agent,
             known=sorted(lower),
+            source=source,
         )
     centres = {
         letter: cell_centre(column, drawn.shape[0] - 1 - row, cell_size)
