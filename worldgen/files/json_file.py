@@ -35,6 +35,7 @@ class JsonFile(Generic[T]):
         code: Code of the error if a file is not of this kind.
         problem: Template of its message, with ``{reason}``.
         remedy: The way out.
+        at_terminal: Whether the way out needs a terminal.
     """
 
     kind: type[T]
@@ -42,6 +43,7 @@ class JsonFile(Generic[T]):
     code: str
     problem: str
     remedy: str
+    at_terminal: bool = False
 
     def read(self, path: Path) -> T:
         """Return the content of a file.
@@ -60,7 +62,12 @@ class JsonFile(Generic[T]):
         # A nested list can be too deep for any reader.
         except (ValueError, RecursionError) as error:
             raise FormatError(
-                self.code, self.problem, self.remedy, reason=str(error), source=str(path)
+                self.code,
+                self.problem,
+                self.remedy,
+                at_terminal=self.at_terminal,
+                reason=str(error),
+                source=str(path),
             ) from error
 
     def write(self, path: Path, content: T) -> None:

@@ -13,9 +13,9 @@ folder
 """
 
 from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of
-from fuzz.campaign.store.folder import CampaignStore, FolderStore
+from fuzz.campaign.store.folder import Budget, CampaignStore, FolderStore
 from fuzz.campaign.store.last_error import errors_recorded, forget_error, read_error, record_error
-from fuzz.campaign.store.opening import Budget, CampaignRun, begin, resume, stored_seed
+from fuzz.campaign.store.opening import CampaignRun, begin, resume, stored_seed
 from fuzz.campaign.store.summary import (
     MEMORY,
     OVERVIEW_FILE,

@@ -12,7 +12,7 @@ import os
 import re
 import shutil
 from collections.abc import Collection
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -33,18 +33,49 @@ from fuzz.campaign.store.summary import (
 from fuzz.failure import ID_DIGITS, Failure
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files.grid import loads
+from worldgen.files.json_file import JsonFile
 from worldgen.files.locks import lock, sign
 from worldgen.files.whole import read_text, refused_writes, write_bytes
 
-__all__ = ["CampaignStore", "FolderStore"]
+__all__ = ["Budget", "CampaignStore", "FolderStore"]
 
-_VERSION = 2
 _SHRUNK = re.compile(
     rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid"
 )
 _CUT = ".cut.json"
 _WRITTEN = "written.json"
 _PARTS = ("units", "failures", "shrunk")
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The budget of a campaign.
+
+    Args:
+        units: Amount of work, or ``None``.
+        seconds: Time for this run, or ``None``.
+    """
+
+    units: int | None = None
+    seconds: float | None = None
+
+
+@dataclass(frozen=True)
+class _Stored:
+    configuration: dict[str, Any]
+    code: dict[str, str]
+    goal: Budget
+
+
+_CAMPAIGN_FILE = "campaign.json"
+_CAMPAIGN = JsonFile(
+    _Stored,
+    version=2,
+    code="invalid-campaign",
+    problem="is not a campaign's configuration: {reason}",
+    remedy="--force begins a new campaign",
+    at_terminal=True,
+)
 
 
 def _content_name(data: bytes) -> str:
@@ -118,7 +149,7 @@ class FolderStore(CampaignStore):
         sign(self._lock)
 
     @staticmethod
-    def stored_in(out: Path) -> tuple[Fingerprint, dict[str, Any]] | None:
+    def stored_in(out: Path) -> tuple[Fingerprint, Budget] | None:
         """Return the fingerprint and the budget of the campaign in a folder.
 
         It is ``None`` if there is none.
@@ -126,27 +157,11 @@ class FolderStore(CampaignStore):
         Raises:
             FormatError: If it cannot be read.
         """
-        file = out / MEMORY / "campaign.json"
+        file = out / MEMORY / _CAMPAIGN_FILE
         if not file.is_file():
             return None
-        try:
-            said = json.loads(read_text(file))
-            if said["version"] != _VERSION:
-                raise ValueError(
-                    f"it has version {said['version']}, but this program reads version {_VERSION}"
-                )
-            return Fingerprint(dict(said["configuration"]), dict(said["code"])), dict(said["goal"])
-        except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as error:
-            if isinstance(error, FormatError):
-                raise
-            raise FormatError(
-                "invalid-campaign",
-                "is not a campaign's configuration: {reason}",
-                "--force begins a new campaign",
-                at_terminal=True,
-                reason=repr(error),
-                source=str(file),
-            ) from error
+        stored = _CAMPAIGN.read(file)
+        return Fingerprint(stored.configuration, stored.code), stored.goal
 
     def units_done(self) -> int:
         """Return the number of units in it: one more than the last unit's number."""
@@ -161,7 +176,7 @@ class FolderStore(CampaignStore):
         """Unlock it for other processes."""
         os.close(self._lock)
 
-    def begin(self, fingerprint: Fingerprint, budget: dict[str, Any]) -> None:
+    def begin(self, fingerprint: Fingerprint, budget: Budget) -> None:
         """Store the fingerprint of a new campaign, or the new budget of an existing one.
 
         Raises:
@@ -175,13 +190,8 @@ class FolderStore(CampaignStore):
             for file in (self._path / "shrunk").iterdir():
                 if name := _SHRUNK.fullmatch(file.name):
                     self._shrunk[name["key"]] = file
-        said = {
-            "version": _VERSION,
-            "configuration": fingerprint.configuration,
-            "code": fingerprint.code,
-            "goal": budget,
-        }
-        self._save("campaign.json", (json.dumps(said, indent=1) + "\n").encode())
+        stored = _Stored(dict(fingerprint.configuration), dict(fingerprint.code), budget)
+        _CAMPAIGN.write(self._path / _CAMPAIGN_FILE, stored)
 
     def forget(self) -> None:
         """Remove an earlier campaign's store, but not its failures in the folder outside.
@@ -191,7 +201,7 @@ class FolderStore(CampaignStore):
         """
         with refused_writes(self._path):
             # Remove this one first: the rest is then no longer a campaign.
-            (self._path / "campaign.json").unlink(missing_ok=True)
+            (self._path / _CAMPAIGN_FILE).unlink(missing_ok=True)
             (self._path / SUMMARY_FILE).unlink(missing_ok=True)
             (self._path / OVERVIEW_FILE).unlink(missing_ok=True)
             (self._path / _WRITTEN).unlink(missing_ok=True)

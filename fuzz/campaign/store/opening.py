@@ -5,33 +5,18 @@ A folder is refused for any other use.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.store.fingerprint import Fingerprint, config_of, fingerprint_of
-from fuzz.campaign.store.folder import FolderStore
+from fuzz.campaign.store.folder import Budget, FolderStore
 from worldgen.errors import FormatError, OutputError
 
-__all__ = ["Budget", "CampaignRun", "begin", "resume", "stored_seed"]
+__all__ = ["CampaignRun", "begin", "resume", "stored_seed"]
 
 # Limit on the differences to list.
 _SAID_AT_MOST = 3
-
-
-@dataclass(frozen=True)
-class Budget:
-    """The budget of a campaign.
-
-    Args:
-        units: Amount of work, or ``None``.
-        seconds: Time for this run, or ``None``.
-    """
-
-    units: int | None = None
-    seconds: float | None = None
 
 
 @dataclass(frozen=True)
@@ -128,7 +113,6 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
     fingerprint, before = stored
     try:
         config = config_of(fingerprint.configuration)
-        wanted = budget or _budget(before)
     except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
         raise FormatError(
             "invalid-campaign",
@@ -147,7 +131,7 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
     )
     store = FolderStore(out)
     try:
-        return _open_run(config, store, now, wanted)
+        return _open_run(config, store, now, budget or before)
     except BaseException:
         store.close()
         raise
@@ -166,16 +150,8 @@ def _open_run(
             out=store.out,
             units=done,
         )
-    store.begin(fingerprint, {"units": budget.units, "seconds": budget.seconds})
+    store.begin(fingerprint, budget)
     return CampaignRun(config, store, budget, done)
-
-
-def _budget(said: Mapping[str, Any]) -> Budget:
-    units = said["units"]
-    seconds = said["seconds"]
-    return Budget(
-        None if units is None else int(units), None if seconds is None else float(seconds)
-    )
 
 
 def _refuse_another(out: Path, before: Fingerprint, now: Fingerprint, way_out: str) -> None:

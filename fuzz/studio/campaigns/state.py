@@ -155,14 +155,8 @@ def _beginning(folder: Path, named: Sequence[str]) -> dict[str, Any]:
         "motion": str(recorded.get("motion", "")),
         # A 64-bit seed is text, because a browser's numbers cannot hold it.
         "seed": str(fingerprint.configuration.get("seed", "")),
-        "budget": {
-            part: value if isinstance(value := budget.get(part), int | float) else None
-            for part in _BUDGET
-        },
+        "budget": plain(budget),
     }
-
-
-_BUDGET = ("units", "seconds")
 
 
 def _is_edited(controller: str, digest: str | None) -> bool:
