@@ -298,6 +298,17 @@ def test_an_overview_that_is_read_is_the_one_that_was_written(tmp_path):
     assert read == written.table() and read.natural.worlds == natural.worlds
 
 
+def test_an_overview_of_an_earlier_version_is_read(tmp_path):
+    (tmp_path / ".campaign").mkdir()
+    cause = CauseTotals(Cause.CRASHES, ("crash-a",), {"crash": 2}, 1, "crash-a.grid")
+    write_overview(Overview((cause,)), tmp_path)
+    file = tmp_path / ".campaign/overview.json"
+    table = json.loads(file.read_text())
+    del table["causes"][0]["fault"], table["causes"][0]["changes"], table["natural"]
+    file.write_text(json.dumps(table))
+    assert read_overview(tmp_path) == Overview((cause,)).table()
+
+
 @pytest.mark.parametrize("file", ["../secret.grid", "a/b.grid", "/etc/passwd", ".campaign/x.grid"])
 def test_an_overview_names_no_file_outside_its_folder(tmp_path, file):
     (tmp_path / ".campaign").mkdir()

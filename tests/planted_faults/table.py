@@ -223,7 +223,7 @@ FAULTS = (
         "resumed-short",
         "a campaign that is stopped and resumed ends as one that was not",
         "fuzz/campaign/store/entry.py",
-        'steps=int(entry["steps"]),',
+        "steps=entry.steps,",
         "steps=0,",
         ("tests/fuzz/test_campaign_folder.py",),
     ),

@@ -76,7 +76,7 @@ def test_another_agent_can_be_the_robot(write):
     assert read_map(path).start == (0.05, pytest.approx(0.15))
     other = read_map(path, "pogema+agent=b")
     assert other.start[0] == pytest.approx(0.25) and "agent b of 2" in other.notes[0]
-    with raises(InvalidParameter, "unknown-name", agent="c"):
+    with raises(FormatError, "unknown-name", agent="c"):
         read_map(path, "pogema+agent=c")
 
 

@@ -63,8 +63,8 @@ export function makeTools(board, setting, said) {
     kit,
     brush: painter(kit, 1),
     erase: painter(kit, 0),
-    line: spanned(kit, "line", (from, to) => thick(lineCells(from, to), setting.size)),
-    rectangle: spanned(kit, "rectangle", (from, to) => rectangleBoxes(rectangleOf(from, to), setting.hollow)),
+    line: spanned(kit, "line", () => setting.size, (from, to) => thick(lineCells(from, to), setting.size)),
+    rectangle: spanned(kit, "rectangle", () => 1, (from, to) => rectangleBoxes(rectangleOf(from, to), setting.hollow)),
     fill: filler(kit),
     select: selector(kit),
     stamp: stamper(kit),
@@ -128,10 +128,11 @@ function painter(kit, value) {
 /**
  * @param {any} kit
  * @param {string} label
+ * @param {() => number} width Of what is drawn, cells.
  * @param {(from: CellPlace, to: CellPlace) => Box[]} cellsOf
  * @returns {Tool}
  */
-function spanned(kit, label, cellsOf) {
+function spanned(kit, label, width, cellsOf) {
   /** @type {CellPlace} */
   let from = [0, 0];
   /** @type {CellPlace} */
@@ -155,7 +156,7 @@ function spanned(kit, label, cellsOf) {
       kit.model.lift(label);
     },
     hover: (point) => {
-      kit.board.marks = [brushBox(cellOf(point), label === "line" ? kit.setting.size : 1)];
+      kit.board.marks = [brushBox(cellOf(point), width())];
     },
   };
 }
