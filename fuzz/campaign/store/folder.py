@@ -281,14 +281,10 @@ class FolderStore(CampaignStore):
     def written(self) -> dict[str, str]:
         """Return a digest of each failure that this campaign wrote into its folder, by file name."""
         try:
-            said = json.loads(read_text(self._path / _WRITTEN))
-            return {
-                str(name): str(digest)
-                for name, digest in said.items()
-                if Path(str(name)).name == name
-            }
-        except (AttributeError, OSError, RecursionError, ValueError, WorldgenError):
+            said = msgspec.json.decode(read_text(self._path / _WRITTEN), type=dict[str, str])
+        except (RecursionError, ValueError):
             return {}
+        return {name: digest for name, digest in said.items() if Path(name).name == name}
 
     def write_failure(self, name: str, data: bytes) -> None:
         """Write a failure into the campaign's folder.
