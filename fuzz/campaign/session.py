@@ -7,15 +7,12 @@ import shlex
 import sys
 import time
 from collections.abc import Mapping
-from dataclasses import fields
 from pathlib import Path
 
 import click
 
-from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.live import Phase, has_not_arrived, shown_in
-from fuzz.campaign.options import CampaignOptions, SearchOptions
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import Discovery, Progress, UnitDone
 from fuzz.campaign.store import MEMORY, SUMMARY, CampaignRun, Status, Summary, record_error
@@ -26,36 +23,25 @@ from fuzz.campaign.summary import (
     describe_units,
     summary_of,
 )
-from fuzz.campaign.variation import Variation
 from fuzz.ci import NO_OUTPUTS, CiFinding, FindingState, Outputs, Report
 from fuzz.corpus import Baseline
 from fuzz.describe import describe
 from fuzz.failure import Failure
-from fuzz.oracles import NamedOracle, Trial
 from fuzz.overview import Overview
 from fuzz.overview.building import Conclusion, build_overview
 from fuzz.overview.overview import write_overview
 from fuzz.overview.terminal import Headline, overview_lines
-from fuzz.search.names import DATABASE, TIME_STEPS
-from fuzz.search.registry import check_strategy
+from fuzz.search.names import DATABASE
 from fuzz.triage.hazards import hazard_words, is_hazard
-from fuzz.triage.proofs import certified
-from sim.fleet.assignment import is_numbered
-from sim.motion import MOTIONS
-from sim.options.run import RunOptions
 from sim.runners.stopping import stopping_when
-from sim.runners.try_out import EMPTY_ARENA, try_out
-from sim.scenario import Scenario
-from sim.verdict import Verdict
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
-from worldgen.files.grid import read_world
 from worldgen.files.json_file import plain
 from worldgen.render import wants_color
 from worldgen.support.plain_text import counted
 from worldgen.support.progress import is_verbose, working
 
-__all__ = ["CampaignSession", "configure"]
+__all__ = ["CampaignSession"]
 
 # Minimum seconds between two summaries while the search continues.
 _SUMMARY_EVERY = 1.0
@@ -65,92 +51,6 @@ _TO_DRAW = 2.0
 _TO_CONCLUDE = 0.15
 # Seconds for that after Ctrl-C.
 _TO_CONCLUDE_AT_ONCE = 1.0
-_VARY = "--vary"
-
-
-def configure(options: CampaignOptions, seed: int, seconds: float | None = None) -> CampaignConfig:
-    """Check a campaign's parts before any work begins.
-
-    Args:
-        options: Options as given.
-        seed: Seed of the whole campaign.
-        seconds: Limit in seconds for trying out the controller; None for no limit.
-
-    Raises:
-        InvalidParameter: If a name is unknown, or controller and motion model do not fit together.
-        InvalidWorld: If the map has no room.
-    """
-    # Read the controller with its options, and check that the strategies fit it.
-    if is_numbered(options.controller):
-        raise InvalidParameter(
-            "one-controller-for-all",
-            "{controller!r} gives each robot its own controller, but a campaign has one for all",
-            "write --robots 2 --controller bug2",
-            at_terminal=True,
-            controller=options.controller,
-        )
-    usual = RunOptions.time_step
-    fixed_map = None if options.world is None else read_world(options.world)
-    scenario = Scenario.parse(
-        options.controller,
-        motion=options.motion,
-        time_step=usual if options.time_step is None else options.time_step,
-        task=options.task,
-    )
-    families = (*options.families, *options.strategies)
-    for name in families:
-        check_strategy(name, scenario, options.robots)
-    time_steps: tuple[float, ...] = (scenario.run.time_step,)
-    unsaid = options.time_step is None and scenario.run.time_step == usual
-    if unsaid and MOTIONS.get(scenario.run.motion).name == "endpoint":
-        time_steps = TIME_STEPS
-    # Read the quantities that vary; each may be named only once.
-    varied = tuple(Variation.parse(text, scenario) for text in options.vary)
-    names = [one.name for one in varied]
-    if twice := {name for name in names if names.count(name) > 1}:
-        raise InvalidParameter(
-            "twice",
-            "{option} {name} is given twice",
-            "put all its values into one, separated by commas",
-            option=_VARY,
-            name=min(twice),
-        )
-    kept = {field.name: getattr(options, field.name) for field in fields(SearchOptions)}
-    config = CampaignConfig(
-        scenario,
-        seed,
-        families,
-        time_steps,
-        varied,
-        fixed_map,
-        shrink=fixed_map is None if options.shrink is None else options.shrink,
-        **(kept | {"oracles": options.asked_oracles}),
-    )
-    with working("loading the simulator and the controller"):
-        _try_out(config, seconds, [NamedOracle.parse(text) for text in config.oracles])
-    return config
-
-
-def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedOracle]) -> None:
-    """Do one short run in an empty arena, judged by each oracle.
-
-    It reveals a wrong name or a compile error immediately.
-    """
-    scenario = config.scenario
-    outcome = try_out(scenario, seconds=seconds)
-    # Every other run would fail too, each after the whole start-up deadline.
-    if outcome.fault is not None and outcome.verdict == Verdict.HANG and outcome.steps == 1:
-        raise InvalidParameter(
-            "no-first-answer",
-            "{controller} does not answer its first observation within {seconds} s",
-            "does it flush its output after each line? docs/reference/controllers.md describes "
-            "the protocol",
-            controller=scenario.controller,
-            seconds=outcome.fault.deadline,
-        )
-    proved = certified(EMPTY_ARENA) or EMPTY_ARENA
-    for oracle in oracles:
-        oracle.check(Trial(proved, scenario.controller, scenario.options(EMPTY_ARENA, 2)))
 
 
 class CampaignSession:

@@ -195,7 +195,7 @@ def _begin(
     run_budget: Budget, *, out: Path | None, seed: int | None, force: bool, **said: Any
 ) -> CampaignRun:
     """Return a new campaign, or the same one again in its folder."""
-    from fuzz.campaign.session import configure
+    from fuzz.campaign.configure import configure
     from fuzz.campaign.store import begin, stored_seed
     from sim.commands.notes import note_unused
 

@@ -67,9 +67,10 @@ def init(
     import tempfile
 
     from fuzz.campaign import store
+    from fuzz.campaign.configure import configure
     from fuzz.campaign.executors import local_executor
     from fuzz.campaign.options import CampaignOptions
-    from fuzz.campaign.session import CampaignSession, configure
+    from fuzz.campaign.session import CampaignSession
     from fuzz.ci.project import SEED, Project
     from worldgen.files.whole import write_bytes
 

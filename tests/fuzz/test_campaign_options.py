@@ -2,8 +2,8 @@
 
 import pytest
 
+from fuzz.campaign.configure import configure
 from fuzz.campaign.options import CampaignOptions
-from fuzz.campaign.session import configure
 from fuzz.commands.fuzz import fuzz
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter

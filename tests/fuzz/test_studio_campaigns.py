@@ -13,9 +13,9 @@ from dataclasses import replace
 import pytest
 
 from fuzz.campaign import store
+from fuzz.campaign.configure import configure
 from fuzz.campaign.options import CampaignOptions
 from fuzz.campaign.run import Campaign
-from fuzz.campaign.session import configure
 from fuzz.campaign.store import MEMORY
 from fuzz.failure import Failure
 from fuzz.shrink.snippet import snippet

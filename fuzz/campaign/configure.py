@@ -1,0 +1,111 @@
+"""Check what a campaign is asked to do before any work begins."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.options import CampaignOptions, SearchOptions
+from fuzz.campaign.variation import Variation
+from fuzz.oracles import NamedOracle, Trial
+from fuzz.search.names import TIME_STEPS
+from fuzz.search.registry import check_strategy
+from fuzz.triage.proofs import certified
+from sim.fleet.assignment import is_numbered
+from sim.motion import MOTIONS
+from sim.options.run import RunOptions
+from sim.runners.try_out import EMPTY_ARENA, try_out
+from sim.scenario import Scenario
+from sim.verdict import Verdict
+from worldgen.errors import InvalidParameter
+from worldgen.files.grid import read_world
+from worldgen.support.progress import working
+
+__all__ = ["configure"]
+
+_VARY = "--vary"
+
+
+def configure(options: CampaignOptions, seed: int, seconds: float | None = None) -> CampaignConfig:
+    """Check a campaign's parts before any work begins.
+
+    Args:
+        options: Options as given.
+        seed: Seed of the whole campaign.
+        seconds: Limit in seconds for trying out the controller; None for no limit.
+
+    Raises:
+        InvalidParameter: If a name is unknown, or controller and motion model do not fit together.
+        InvalidWorld: If the map has no room.
+    """
+    # Read the controller with its options, and check that the strategies fit it.
+    if is_numbered(options.controller):
+        raise InvalidParameter(
+            "one-controller-for-all",
+            "{controller!r} gives each robot its own controller, but a campaign has one for all",
+            "write --robots 2 --controller bug2",
+            at_terminal=True,
+            controller=options.controller,
+        )
+    usual = RunOptions.time_step
+    fixed_map = None if options.world is None else read_world(options.world)
+    scenario = Scenario.parse(
+        options.controller,
+        motion=options.motion,
+        time_step=usual if options.time_step is None else options.time_step,
+        task=options.task,
+    )
+    families = (*options.families, *options.strategies)
+    for name in families:
+        check_strategy(name, scenario, options.robots)
+    time_steps: tuple[float, ...] = (scenario.run.time_step,)
+    unsaid = options.time_step is None and scenario.run.time_step == usual
+    if unsaid and MOTIONS.get(scenario.run.motion).name == "endpoint":
+        time_steps = TIME_STEPS
+    # Read the quantities that vary; each may be named only once.
+    varied = tuple(Variation.parse(text, scenario) for text in options.vary)
+    names = [one.name for one in varied]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise InvalidParameter(
+            "twice",
+            "{option} {name} is given twice",
+            "put all its values into one, separated by commas",
+            option=_VARY,
+            name=min(twice),
+        )
+    kept = {field.name: getattr(options, field.name) for field in fields(SearchOptions)}
+    config = CampaignConfig(
+        scenario,
+        seed,
+        families,
+        time_steps,
+        varied,
+        fixed_map,
+        shrink=fixed_map is None if options.shrink is None else options.shrink,
+        **(kept | {"oracles": options.asked_oracles}),
+    )
+    with working("loading the simulator and the controller"):
+        _try_out(config, seconds, [NamedOracle.parse(text) for text in config.oracles])
+    return config
+
+
+def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedOracle]) -> None:
+    """Do one short run in an empty arena, judged by each oracle.
+
+    It reveals a wrong name or a compile error immediately.
+    """
+    scenario = config.scenario
+    outcome = try_out(scenario, seconds=seconds)
+    # Every other run would fail too, each after the whole start-up deadline.
+    if outcome.fault is not None and outcome.verdict == Verdict.HANG and outcome.steps == 1:
+        raise InvalidParameter(
+            "no-first-answer",
+            "{controller} does not answer its first observation within {seconds} s",
+            "does it flush its output after each line? docs/reference/controllers.md describes "
+            "the protocol",
+            controller=scenario.controller,
+            seconds=outcome.fault.deadline,
+        )
+    proved = certified(EMPTY_ARENA) or EMPTY_ARENA
+    for oracle in oracles:
+        oracle.check(Trial(proved, scenario.controller, scenario.options(EMPTY_ARENA, 2)))
