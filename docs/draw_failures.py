@@ -42,11 +42,7 @@ def row(controller: str, motion: str, entries: list[CorpusEntry]) -> str:
 
 def smallest(entries: list[CorpusEntry]) -> CorpusEntry:
     """Return the smallest failure: a loop if there is one, for that says more than a fire."""
-    ranked = sorted(
-        entries,
-        key=lambda entry: (entry.facts.verdict != "loop", entry.facts.solid, entry.facts.kind),
-    )
-    return ranked[0]
+    return min(entries, key=lambda entry: (entry.facts.verdict != "loop", entry.facts.order))
 
 
 def main() -> None:

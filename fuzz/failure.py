@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from fuzz.simplicity import Case, simplicity
+from fuzz.simplicity import Case, FailureOrder, simplicity
 from fuzz.violation import Violation
 from sim.episode import Episode, simulate
 from sim.evidence import Evidence, read_evidence
@@ -96,13 +96,18 @@ class Failure:
         return dumps(self.stored)
 
     @cached_property
-    def id(self) -> str:
-        """The first hex digits of the SHA-256 of its file.
+    def digest(self) -> str:
+        """SHA-256 of its file, in hex.
 
-        The world's id is not enough: one world may have several failures, for example with
+        The world's digest is not enough: one world may have several failures, for example with
         different seeds.
         """
-        return hashlib.sha256(self.dumps()).hexdigest()[:ID_DIGITS]
+        return hashlib.sha256(self.dumps()).hexdigest()
+
+    @property
+    def id(self) -> str:
+        """The first hex digits of its digest."""
+        return self.digest[:ID_DIGITS]
 
     @property
     def bucket(self) -> str:
@@ -113,12 +118,21 @@ class Failure:
     def size(self) -> tuple[int, ...]:
         """How complex the failure is, by :data:`fuzz.simplicity.ORDER`; smaller is simpler.
 
-        Campaigns, corpora and shrinking keep the simplest failure of each bucket.
-
         Raises:
             InvalidParameter: If the record has options that this version does not know.
         """
         return simplicity(Case(self.world, self.scenario))
+
+    @property
+    def order(self) -> FailureOrder:
+        """The failure's place among others, the simplest first.
+
+        Campaigns, corpora, shrinking and reports keep or show the first failure of each bucket.
+
+        Raises:
+            InvalidParameter: If the record has options that this version does not know.
+        """
+        return FailureOrder(self.size, self.digest)
 
     @property
     def verdict(self) -> str:

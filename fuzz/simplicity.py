@@ -1,4 +1,4 @@
-"""Define "simpler": the order in which failures are compared, and the cost of their numbers."""
+"""Define "simpler": the order of failures, and the cost of their numbers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,16 @@ from sim.scenario import Scenario
 from worldgen.lattice import in_cells
 from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World
 
-__all__ = ["ORDER", "Case", "Measure", "number_cost", "rounder", "simplicity", "turned"]
+__all__ = [
+    "ORDER",
+    "Case",
+    "FailureOrder",
+    "Measure",
+    "number_cost",
+    "rounder",
+    "simplicity",
+    "turned",
+]
 
 _LEADING = {1: 1, 2: 2, 5: 3}  # cost of a number's only digit; other digits cost 4
 _EIGHTH = math.pi / 4
@@ -38,6 +47,18 @@ class Measure(NamedTuple):
     name: str
     says: str
     of: Callable[[Case], int]
+
+
+class FailureOrder(NamedTuple):
+    """A failure's place among others, the simplest first; only equal files have equal places.
+
+    Args:
+        size: All measures of :data:`ORDER`.
+        digest: SHA-256 of the failure's file, in hex; it decides between equally simple ones.
+    """
+
+    size: tuple[int, ...]
+    digest: str
 
 
 def number_cost(value: float, usual: float = 0.0) -> int:

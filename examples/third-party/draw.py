@@ -16,9 +16,8 @@ def main() -> None:
     Run it from the repository's root: the files name their controllers relative to it.
     """
     entries = read_corpus([HERE / "failures"]).entries
-    sheet = contact_sheet(
-        sorted(entries, key=lambda entry: (entry.facts.controller, entry.facts.solid))
-    )
+    ordered = sorted(entries, key=lambda entry: (entry.facts.controller, entry.facts.order))
+    sheet = contact_sheet(ordered)
     (HERE / "failures.png").write_bytes(sheet)
 
 

@@ -119,9 +119,9 @@ class SearchState:
         )
 
     def is_interesting(self, bucket: str, failure: Failure) -> bool:
-        """Return True if a failure is the first of its class, or smaller than the known one."""
+        """Return True if a failure is the first of its class, or before the known one in order."""
         before = self.failures.get(bucket)
-        return before is None or failure.size < before.size
+        return before is None or failure.order < before.order
 
     def is_better(self, cell: tuple[int, ...], elite: Elite) -> bool:
         """Return True if a cell of the archive is empty or holds a worse layout."""

@@ -22,7 +22,6 @@ from fuzz.campaign.shrinking import (
     ShrinkJob,
     ShrinkQueue,
     shrunk_or_same,
-    size_of,
 )
 from fuzz.campaign.state import CampaignState, Discovery, DiscoveryTotals, Progress, UnitDone
 from fuzz.campaign.store import CampaignStore
@@ -371,6 +370,6 @@ class Campaign(UnitSearch[UnitResult, Progress]):
                 continue
             bucket = shrunk.bucket
             before = self.state.best.get(bucket)
-            if before is None or size_of(shrunk) < size_of(before):
+            if before is None or shrunk.order < before.order:
                 self.state.best[bucket] = shrunk
                 yield Discovery(bucket, shrunk, before is not None)

@@ -11,12 +11,13 @@ from fuzz.boundary import with_boundaries
 from fuzz.campaign.deadline import Deadline
 from fuzz.failure import Failure
 from fuzz.shrink import shrink
+from fuzz.simplicity import FailureOrder
 from sim.controllers.shared.guarded import renew
 from sim.runners.controller_time import Effort
 from sim.runners.stopping import OutOfTime, check_time, stopping_when
 from worldgen.errors import WorldgenError
 
-__all__ = ["RESTARTS", "ShrinkJob", "ShrinkQueue", "Shrinking", "shrunk_or_same", "size_of"]
+__all__ = ["RESTARTS", "ShrinkJob", "ShrinkQueue", "Shrinking", "shrunk_or_same"]
 
 # Number of failures per class that are shrunk; the smallest result is kept.
 RESTARTS = 6
@@ -122,7 +123,7 @@ class ShrinkQueue:
     def unshrunk(self, best: Container[str]) -> dict[str, Failure]:
         """Return the smallest failure of each class that has no shrunk one in ``best``."""
         return {
-            bucket: min(found, key=size_of)
+            bucket: min(found, key=lambda failure: failure.order)
             for bucket, found in self._queued.items()
             if bucket not in best
         }
@@ -137,31 +138,26 @@ class ShrinkQueue:
             best: Classes that have a shrunk failure.
             busy: Classes to leave out, because one of their failures is still being shrunk.
         """
-        fresh = sorted(
-            bucket
-            for bucket in self._queued
-            if bucket not in best and bucket not in busy and bucket not in self._kept_whole
-        )
-        self._kept_whole.update(fresh)
-        return [ShrinkJob(min(self._queued[bucket], key=size_of), "class") for bucket in fresh]
+        slid = {
+            bucket: failure
+            for bucket, failure in sorted(self.unshrunk(best).items())
+            if bucket not in busy and bucket not in self._kept_whole
+        }
+        self._kept_whole.update(slid)
+        return [ShrinkJob(failure, "class") for failure in slid.values()]
 
     def classes_with_a_first(self) -> set[str]:
         """Return the classes whose first failure is waiting."""
         return {job.failure.bucket for job in self._waiting if not job.before}
 
 
-def size_of(failure: Failure) -> tuple[tuple[int, ...], bytes]:
-    """Return a failure's size; ties are broken by the text of its file."""
-    return failure.size, failure.dumps()
-
-
 def _by_turn(job: ShrinkJob) -> tuple[int]:
     return (job.before,)
 
 
-def _by_size(job: ShrinkJob) -> tuple[int, int, tuple[tuple[int, ...], bytes]]:
+def _by_size(job: ShrinkJob) -> tuple[int, int, FailureOrder]:
     """Return the first failure of each class, smallest first, so that most get done in time."""
-    return min(job.before, 1), int(job.kept == "class"), size_of(job.failure)
+    return min(job.before, 1), int(job.kept == "class"), job.failure.order
 
 
 def shrunk_or_same(

@@ -29,7 +29,7 @@ class UnitDone:
 
 @dataclass(frozen=True)
 class Discovery:
-    """A failure is the first of its class, or smaller than the known one.
+    """A failure is the first of its class, or comes before the known one in order.
 
     Args:
         bucket: Its class.
@@ -47,7 +47,7 @@ Progress = UnitDone | Discovery
 
 @dataclass(frozen=True)
 class DiscoveryTotals:
-    """A class occurred for the first time, or in a smaller world than before.
+    """A class occurred for the first time, or a failure comes before the known one in order.
 
     Args:
         unit: Unit that found it.

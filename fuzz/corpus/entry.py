@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import shlex
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.failure import Failure
+from fuzz.simplicity import FailureOrder
 from sim.controllers import in_plain_place
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.world import World
@@ -30,7 +30,7 @@ class Facts:
         height: Height in cells.
         solid: Number of solid cells.
         events: Number of events that change a cell.
-        digest: SHA-256, in hex, of the canonical text.
+        digest: See :attr:`fuzz.failure.Failure.digest`.
         size: See :attr:`fuzz.failure.Failure.size`.
     """
 
@@ -76,7 +76,7 @@ class Facts:
             height=world.height,
             solid=world.solid_cells,
             events=len(world.timeline),
-            digest=hashlib.sha256(failure.dumps()).hexdigest(),
+            digest=failure.digest,
             size=failure.size,
         )
 
@@ -92,9 +92,9 @@ class Facts:
         return in_plain_place(self.controller), self.motion, self.bucket
 
     @property
-    def order(self) -> tuple[tuple[int, ...], str]:
-        """Sort key: the simplest first; among equally simple ones, the lower digest."""
-        return self.size, self.digest
+    def order(self) -> FailureOrder:
+        """See :attr:`fuzz.failure.Failure.order`."""
+        return FailureOrder(self.size, self.digest)
 
     def describe_size(self) -> str:
         """Return the size, such as ``5x8, 12 solid``, with the number of events if not 0."""
@@ -115,6 +115,11 @@ class CorpusEntry:
     path: Path
     facts: Facts
     seen: int | None = None
+
+    @property
+    def order(self) -> tuple[tuple[str, str, str], FailureOrder, str]:
+        """Sort key: class by class, the simplest failure first; equal files by path."""
+        return self.facts.key, self.facts.order, str(self.path)
 
     @property
     def first_seen(self) -> str:

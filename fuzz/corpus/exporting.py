@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.corpus.entry import CorpusEntry, Facts
+from fuzz.corpus.merging import distinct
 from fuzz.corpus.names import name_of
 from fuzz.corpus.pictures import draw_failure
 from fuzz.failure import Failure
@@ -57,12 +58,7 @@ def export(entries: Iterable[CorpusEntry], out: Path, *, force: bool = False) ->
     check_output(out, force)
     if ending == ".parquet":
         _pyarrow()
-    # Of identical failures keep the first by path, so that the result does not depend on the order.
-    chosen = {
-        entry.facts.digest: entry
-        for entry in sorted(entries, key=lambda entry: str(entry.path), reverse=True)
-    }
-    ordered = sorted(chosen.values(), key=lambda entry: (entry.facts.key, entry.facts.order))
+    ordered = distinct(entries)
     make = _archive if is_archive(out) else _parquet if ending == ".parquet" else _bare_table
     write_bytes(out, make(ordered, out), force=force)
     return len(ordered)

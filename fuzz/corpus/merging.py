@@ -1,4 +1,4 @@
-"""Merge several corpora into one with the simplest failure of each class."""
+"""Choose entries of several corpora, and merge these into one with the simplest of each class."""
 
 from __future__ import annotations
 
@@ -13,15 +13,23 @@ from worldgen.errors import OutputError
 from worldgen.files.whole import refused_writes, write_bytes
 from worldgen.files.worlds import files_in
 
-__all__ = ["merge", "smallest"]
+__all__ = ["distinct", "merge", "smallest"]
+
+
+def distinct(entries: Iterable[CorpusEntry]) -> list[CorpusEntry]:
+    """Return one entry for each failure, in order; of equal files, the first by path."""
+    chosen: dict[str, CorpusEntry] = {}
+    for entry in sorted(entries, key=lambda entry: entry.order):
+        chosen.setdefault(entry.facts.digest, entry)
+    return list(chosen.values())
 
 
 def smallest(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], CorpusEntry]:
     """Return the simplest failure by controller, motion model and class, regardless of order."""
     best: dict[tuple[str, str, str], CorpusEntry] = {}
-    for entry in sorted(entries, key=lambda entry: (entry.facts.order, str(entry.path))):
+    for entry in distinct(entries):
         best.setdefault(entry.facts.key, entry)
-    return dict(sorted(best.items()))
+    return best
 
 
 def merge(

@@ -38,9 +38,7 @@ def judge_all(entries: Iterable[CorpusEntry]) -> Iterator[Judgement]:
 
     The rest of the class can be deleted.
     """
-    ordered = sorted(
-        entries, key=lambda entry: (entry.facts.key, entry.facts.order, str(entry.path))
-    )
+    ordered = sorted(entries, key=lambda entry: entry.order)
     for _, group in groupby(ordered, key=lambda entry: entry.facts.key):
         kept: CorpusEntry | None = None
         for entry in group:

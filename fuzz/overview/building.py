@@ -23,7 +23,7 @@ from sim.evidence import FaultEvidence
 from sim.runners.stopping import OutOfTime, stopping_when
 from worldgen.errors import WorldgenError
 
-__all__ = ["Conclusion", "build_overview", "explained"]
+__all__ = ["Conclusion", "build_overview", "causes_in", "explained", "with_worlds"]
 
 # Limit on the natural worlds of a campaign without a time limit: a tenth of the worlds that its
 # units may try, so that a short campaign stays short, and no more than an interval of +/- 3 %
@@ -101,11 +101,7 @@ def build_overview(
 
     # Find the clearest world of each cause, and its dependencies.
     is_over = None if seconds is None else _after(began, seconds, 1.0)
-    candidates = _candidates(state)
-    shown = [
-        _shown(one, candidates, is_explained=number < _MOST_EXPLAINED, is_over=is_over)
-        for number, one in enumerate(causes)
-    ]
+    shown = with_worlds(causes, _candidates(state), is_over)
 
     comparison = _compared(state, conclusion)
     if comparison is not None:
@@ -134,7 +130,25 @@ def _candidates(state: CampaignState) -> dict[str, Failure]:
     return found | {f"{MEMORY}/failures/{name}.grid": failure for name, failure in kept.items()}
 
 
-def _shown(
+def with_worlds(
+    causes: Iterable[CauseTotals],
+    candidates: Mapping[str, Failure],
+    is_over: Callable[[], bool] | None = None,
+) -> list[CauseTotals]:
+    """Return causes with their worlds to look at, and explanations of the first few.
+
+    Args:
+        causes: The causes, the worst first.
+        candidates: Failures by the name of their file.
+        is_over: Returns True once there is no more time; a fixed amount of work if omitted.
+    """
+    return [
+        _with_worlds(one, candidates, is_explained=number < _MOST_EXPLAINED, is_over=is_over)
+        for number, one in enumerate(causes)
+    ]
+
+
+def _with_worlds(
     cause: CauseTotals,
     candidates: Mapping[str, Failure],
     *,
@@ -147,7 +161,7 @@ def _shown(
         # An error of the controller shows in its message, not in the picture.
         is_error = cause.cause.severity == Severity.CONTROLLER_ERROR
         best = None if is_error else clearest(own.values(), cause.cause)
-    smallest = min(own.values(), key=lambda failure: (failure.size, failure.id), default=None)
+    smallest = min(own.values(), key=lambda failure: failure.order, default=None)
     best = smallest if is_error else best
     if best is None or smallest is None:
         return cause

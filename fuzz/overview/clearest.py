@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from fuzz.failure import Failure
+from fuzz.simplicity import FailureOrder
 from fuzz.triage.behaviour import behaviour_of
 from fuzz.triage.cause import Cause
 from sim.runners.stopping import OutOfTime
@@ -37,20 +38,20 @@ _MOST = 12
 class Clarity:
     """How hard a failure is to understand from its picture; smaller is clearer.
 
+    Of equally clear failures, the first in order is the one to show.
+
     Args:
         flaws: Number of the reasons against it.
         is_unshrunk: True if it has walls that do not matter.
         windings: Number of doublings by which the period's path is longer than a path around its
             box.
-        size: Cells of the grid.
-        name: Digest of its file, so that the order is the same everywhere.
+        order: Its place in the order of failures.
     """
 
     flaws: int
     is_unshrunk: bool
     windings: int
-    size: int
-    name: str
+    order: FailureOrder
 
 
 def clarity(failure: Failure, cause: Cause) -> Clarity:
@@ -84,7 +85,7 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
         windings = math.floor(math.log2(max(1.0, behaviour.length / around)))
         flaws += cause != Cause.MISSES_THE_TARGET and behaviour.nearest < robot
         flaws += behaviour.length > _TANGLE * max(world.width, world.height)
-    return Clarity(flaws, not failure.is_shrunk, windings, world.walls.size, failure.id)
+    return Clarity(flaws, not failure.is_shrunk, windings, failure.order)
 
 
 def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:
@@ -94,7 +95,7 @@ def clearest(failures: Iterable[Failure], cause: Cause) -> Failure | None:
         failures: The candidates. The simplest dozen are examined.
         cause: Their cause.
     """
-    candidates = sorted(failures, key=lambda failure: (failure.size, failure.id))
+    candidates = sorted(failures, key=lambda failure: failure.order)
     # Examine both shrunk and unshrunk ones, the simplest of each.
     shrunk = [failure for failure in candidates if failure.is_shrunk][:_MOST]
     others = [failure for failure in candidates if not failure.is_shrunk][:_MOST]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,21 +12,15 @@ import msgspec
 from fuzz.corpus import CorpusEntry
 from fuzz.corpus.entry import Facts
 from fuzz.failure import Failure
-from fuzz.overview.building import explained
-from fuzz.overview.causes import CauseTotals, causes_of
-from fuzz.overview.clearest import clearest
+from fuzz.overview.building import causes_in, with_worlds
 from fuzz.overview.overview import read_overview
 from fuzz.overview.table import CauseRow, ComparisonRow, NaturalRow
 from fuzz.report.gather import ReportedCampaign
 from fuzz.triage.cause import Severity
-from fuzz.triage.diagnosis import cause_of
 from worldgen.errors import WorldgenError
 from worldgen.files.json_file import plain
 
 __all__ = ["Answer", "answers_for", "entry_of"]
-
-# Limit on the causes explained here if no campaign did so: each takes about a second.
-_MOST_EXPLAINED = 5
 
 
 @dataclass(frozen=True)
@@ -124,25 +118,8 @@ def _placed(cause: CauseRow, folder: Path) -> CauseRow:
 
 def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) -> Answer:
     """Return the answer for failures without a known campaign: their causes."""
-    failures = {entry.path: Failure.read(entry.path) for entry in entries if entry.path.is_file()}
-    found: dict[str, Failure] = {}
-    for failure in failures.values():
-        found.setdefault(failure.bucket, failure)
-    causes = [
-        _explained(one, failures, number < _MOST_EXPLAINED)
-        for number, one in enumerate(causes_of(found, {}))
-    ]
+    failures = {
+        str(entry.path): Failure.read(entry.path) for entry in entries if entry.path.is_file()
+    }
+    causes = with_worlds(causes_in(list(failures.values())), failures)
     return Answer(controller, motion, [one.table() for one in causes])
-
-
-def _explained(
-    cause: CauseTotals, failures: Mapping[Path, Failure], is_explained: bool
-) -> CauseTotals:
-    own = {path: one for path, one in failures.items() if cause_of(one) == cause.cause}
-    best = clearest(own.values(), cause.cause)
-    if best is None:
-        return cause
-    smallest = min(own, key=lambda path: (own[path].size, str(path)))
-    file = min(path for path, failure in own.items() if failure is best)
-    why = explained(best) if is_explained else None
-    return replace(cause, file=str(file), smallest=str(smallest), why=why)

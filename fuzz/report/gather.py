@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzz.campaign.store import MEMORY, Summary, read_summary
-from fuzz.corpus import CorpusEntry, read_corpus
+from fuzz.corpus import CorpusEntry, distinct, read_corpus
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
 from fuzz.triage.judging import Replay, replay
@@ -112,7 +112,7 @@ def gather(paths: Sequence[Path]) -> ReportSubject:
         for folder in dict.fromkeys(folders)
         if (summary := read_summary(folder)) is not None
     ]
-    entries = _distinct(corpus.entries)
+    entries = distinct(corpus.entries)
     if not entries and not campaigns:
         raise InvalidParameter(
             "no-failure",
@@ -138,14 +138,6 @@ def _campaign_folders(path: Path) -> Iterable[Path]:
     return (
         sorted(memory.parent for memory in path.rglob(MEMORY)) if path.is_dir() else (path.parent,)
     )
-
-
-def _distinct(entries: Iterable[CorpusEntry]) -> list[CorpusEntry]:
-    """Return one entry for each failure; of identical ones, the first by path."""
-    chosen: dict[str, CorpusEntry] = {}
-    for entry in sorted(entries, key=lambda entry: str(entry.path)):
-        chosen.setdefault(entry.facts.digest, entry)
-    return sorted(chosen.values(), key=lambda entry: (entry.facts.key, entry.facts.order))
 
 
 def look_at(entry: CorpusEntry, campaigns: Sequence[ReportedCampaign]) -> Reported:

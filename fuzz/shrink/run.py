@@ -24,7 +24,6 @@ from sim.options.run import MAX_STEPS
 from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.files.grid import world_digest
 from worldgen.world import Value, World
 
 __all__ = ["KEEP", "Shrunk", "shrink", "shrink_class"]
@@ -72,11 +71,6 @@ class Shrunk:
     complete: bool
     kept: str = "verdict"
     interrupted: bool = False
-
-    @property
-    def simplicity(self) -> tuple[int, ...]:
-        """How simple it is, by :data:`fuzz.shrink.ORDER`."""
-        return self.failure.size
 
 
 def shrink(
@@ -147,7 +141,7 @@ def shrink_class(
     Raises:
         InvalidParameter: If there are no failures, or as for :func:`shrink`.
     """
-    waiting = sorted(failures, key=lambda one: (one.size, world_digest(one.world)))
+    waiting = sorted(failures, key=lambda one: one.order)
     if not waiting:
         raise InvalidParameter(
             "nothing-given", "there is no failure to shrink", "give at least one"
@@ -170,7 +164,7 @@ def shrink_class(
         )
         if results[-1].interrupted:
             break
-    return min(results, key=lambda one: one.simplicity)
+    return min(results, key=lambda one: one.failure.order)
 
 
 class _Reducer:

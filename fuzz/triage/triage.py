@@ -194,7 +194,7 @@ class Triage:
         bucket = failure.bucket
         self.result.met[bucket] += 1
         before = self.result.failures.get(bucket)
-        if before is None or failure.size < before.size:
+        if before is None or failure.order < before.order:
             self.result.failures[bucket] = failure
         return bucket
 

@@ -238,7 +238,7 @@ def test_each_edit_that_is_taken_makes_the_failure_simpler():
 def test_the_simplest_of_several_restarts_is_kept():
     failures = found("turn-right", "swept")
     best = shrink_class(failures)
-    assert best.simplicity == min(shrink(world).simplicity for world in failures)
+    assert best.failure.size == min(shrink(world).failure.size for world in failures)
 
 
 def test_restarts_share_one_budget_of_time_and_still_give_a_result():

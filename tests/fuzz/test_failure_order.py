@@ -1,0 +1,106 @@
+"""One order of failures, by which campaigns, corpora, the shrinker and reports all choose."""
+
+import itertools
+from pathlib import Path
+
+import pytest
+
+import fuzz.shrink.run
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.result import SearchState, UnitResult
+from fuzz.campaign.shrinking import ShrinkQueue
+from fuzz.corpus import distinct, read_corpus, smallest
+from fuzz.failure import Failure
+from fuzz.overview.building import causes_in, with_worlds
+from fuzz.overview.clearest import clearest
+from fuzz.shrink import Shrunk, shrink_class
+from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.triage import Triage
+
+FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
+
+
+@pytest.fixture(scope="module")
+def equal():
+    """Return four different failures of one world, which are equally simple, the first one first."""
+    one = Failure.read(FAULTS / "thesis-1-loop-104.grid")
+    return sorted((one.noting(found_by=word) for word in "abcd"), key=lambda other: other.order)
+
+
+@pytest.fixture
+def corpus(equal, tmp_path):
+    """Return entries of the same failures, named so that their paths are in the opposite order."""
+    for number, failure in enumerate(equal):
+        failure.write(tmp_path / f"{9 - number}.grid")
+    return read_corpus([tmp_path]).entries
+
+
+def test_of_two_different_failures_one_comes_first(equal):
+    stored = [Failure.read(path) for path in sorted(FAULTS.glob("*.grid"))]
+    for one, other in itertools.combinations([*equal, *stored], 2):
+        assert (one.order < other.order) != (other.order < one.order)
+    assert equal[0].order == Failure.of(equal[0].stored).order
+
+
+def test_a_simpler_failure_comes_first_whatever_the_digests_are(equal):
+    stored = [Failure.read(path) for path in sorted(FAULTS.glob("*.grid"))]
+    for one, other in itertools.permutations([*equal, *stored], 2):
+        assert one.size >= other.size or one.order < other.order
+
+
+def test_a_corpus_orders_failures_as_they_order_themselves(equal, corpus):
+    orders = [one.order for one in equal]
+    assert [entry.facts.order for entry in distinct(corpus)] == orders
+    assert [entry.facts.order for entry in distinct(reversed(corpus))] == orders
+    assert [entry.facts.order for entry in smallest(corpus).values()] == orders[:1]
+
+
+@pytest.mark.parametrize("places", [*itertools.permutations(range(4))], ids=str)
+def test_a_campaign_keeps_the_first_failure_in_whatever_order_it_finds_them(
+    equal, places, monkeypatch
+):
+    bucket = equal[0].bucket
+    found = [equal[place] for place in places]
+    triage = Triage(CampaignConfig(found[0].scenario, seed=1), UnitResult())
+    monkeypatch.setattr(
+        "fuzz.triage.triage.failure_of", lambda *_, **__: found[triage.result.worlds]
+    )
+    queue = ShrinkQueue(shrinks=True, by_size=False)
+    memory = SearchState()
+    for failure in found:
+        triage.enter(failure.world, failure.scenario, failure.verdict)
+        triage.result.worlds += 1
+        memory = memory.after(UnitResult(failures={bucket: failure}))
+        queue.job_for(bucket, failure, is_known=False, is_interesting=True)
+    assert triage.result.failures == memory.failures == queue.unshrunk(()) == {bucket: equal[0]}
+
+
+def test_a_campaign_shrinks_the_first_failure_of_each_class_first(equal):
+    queue = ShrinkQueue(shrinks=True, by_size=True)
+    jobs = [
+        queue.job_for(str(number), failure, is_known=False, is_interesting=True)
+        for number, failure in enumerate(equal)
+    ]
+    for job in reversed(jobs):
+        queue.add(job)
+    assert [queue.take().failure for _ in jobs] == equal
+
+
+def test_the_shrinker_begins_with_the_first_failure_and_keeps_the_first_result(equal, monkeypatch):
+    begun = []
+
+    # The result of each is the one on the opposite side of the order.
+    def opposite(failure, **_settings):
+        begun.append(failure)
+        return Shrunk(equal[3 - equal.index(failure)], 9, 9, 1, (), complete=True)
+
+    monkeypatch.setattr(fuzz.shrink.run, "shrink", opposite)
+    best = shrink_class(reversed(equal))
+    assert begun == equal and best.failure is equal[0]
+
+
+def test_a_report_shows_the_first_of_equally_clear_failures_as_clearest_and_smallest(equal):
+    files = {f"{9 - number}.grid": failure for number, failure in enumerate(equal)}
+    causes = with_worlds(causes_in(equal), files, is_over=lambda: True)
+    assert [one.smallest for one in causes] == ["9.grid"]
+    assert clearest(reversed(equal), cause_of(equal[0])) is equal[0]
