@@ -4,7 +4,8 @@ Contents:
     Corpus, CorpusEntry, Selection, read_corpus: Contents of a folder or an archive, without worlds.
     Baseline: Known failures.
     differences, BucketDifference: Compare two corpora.
-    distinct, merge, smallest: Choose entries, or collect the simplest of each class in a folder.
+    distinct, places, smallest: Order entries, and choose the simplest of each class.
+    merge: Collect these in a folder.
     judge_all, Judgement, remove: Find failures that can be deleted, and why.
     export: Write one archive, or a table.
     contact_sheet: Draw a corpus as one picture.
@@ -16,7 +17,7 @@ from fuzz.corpus.baseline import Baseline
 from fuzz.corpus.comparing import BucketDifference, differences
 from fuzz.corpus.entry import CorpusEntry
 from fuzz.corpus.exporting import export
-from fuzz.corpus.merging import distinct, merge, smallest
+from fuzz.corpus.merging import distinct, merge, places, smallest
 from fuzz.corpus.pictures import contact_sheet
 from fuzz.corpus.pruning import Judgement, judge_all, remove
 from fuzz.corpus.reading import Corpus, Selection, read_corpus
@@ -34,6 +35,7 @@ __all__ = [
     "export",
     "judge_all",
     "merge",
+    "places",
     "read_corpus",
     "remove",
     "smallest",

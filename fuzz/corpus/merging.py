@@ -9,11 +9,12 @@ from pathlib import Path
 from fuzz.corpus.entry import CorpusEntry
 from fuzz.corpus.names import name_of
 from fuzz.failure import Failure
+from fuzz.simplicity import FailureOrder
 from worldgen.errors import OutputError
 from worldgen.files.whole import refused_writes, write_bytes
 from worldgen.files.worlds import files_in
 
-__all__ = ["distinct", "merge", "smallest"]
+__all__ = ["distinct", "merge", "places", "smallest"]
 
 
 def distinct(entries: Iterable[CorpusEntry]) -> list[CorpusEntry]:
@@ -22,6 +23,13 @@ def distinct(entries: Iterable[CorpusEntry]) -> list[CorpusEntry]:
     for entry in sorted(entries, key=lambda entry: entry.order):
         chosen.setdefault(entry.facts.digest, entry)
     return list(chosen.values())
+
+
+def places(entries: Iterable[CorpusEntry]) -> dict[FailureOrder, int]:
+    """Return the failures' places in order, from 0, for pages that sort by it."""
+    return {
+        order: place for place, order in enumerate(sorted({entry.facts.order for entry in entries}))
+    }
 
 
 def smallest(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], CorpusEntry]:

@@ -11,7 +11,7 @@ from typing import Any
 
 import msgspec
 
-from fuzz.corpus import CorpusEntry
+from fuzz.corpus import CorpusEntry, places
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
 from fuzz.player.sources import modules
 from fuzz.report.answers import answers_for, entry_of
@@ -68,10 +68,12 @@ def write_report(
     answers = answers_for(subject.entries, subject.campaigns)
     why = {cause.file: cause.why for answer in answers for cause in answer.causes}
     failures = []
+    place = places(subject.entries)
     # Replay each entry, because the corpus stores no trajectories.
     for done, entry in enumerate(subject.entries):
         progress(done, len(subject.entries))
-        failures.append(_failure(entry, subject.campaigns, why))
+        shown_entry = _failure(entry, subject.campaigns, why)
+        failures.append(shown_entry | {"place": place[entry.facts.order]})
     # A cause's clearest world may be an original before shrinking, which is not among the failures.
     shown = {failure["path"] for failure in failures}
     others = [entry_of(Path(name)) for name in why if name and name not in shown]
@@ -121,7 +123,6 @@ def _failure(
         "motion": facts.motion,
         "solid": facts.solid,
         "size": f"{facts.width} x {facts.height}",
-        "cells": facts.width * facts.height,
         "met": None if campaign is None else campaign.met.get(facts.bucket),
         "strategy": str(record.details.get("found_by", "")),
         "campaign": reported.campaign,

@@ -9,7 +9,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from fuzz.boundary import describe_boundaries
-from fuzz.corpus import read_corpus
+from fuzz.corpus import places, read_corpus
 from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.corpus.names import name_of
 from fuzz.describe import describe_seeds
@@ -68,6 +68,7 @@ class WallAnswers(Opened):
         entries = (
             self._packed(place, faults, part) if packed else self._entries(below, faults, part)
         )
+        place_of = places(entries)
         return {
             "failures": [
                 {
@@ -81,6 +82,7 @@ class WallAnswers(Opened):
                     "height": entry.facts.height,
                     "solid": entry.facts.solid,
                     "events": entry.facts.events,
+                    "place": place_of[entry.facts.order],
                     "seen": entry.seen or 0,
                     "digest": entry.facts.digest,
                     "known": entry.facts.key in known,

@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzz.campaign.store import read_summary
+from fuzz.failure import Failure
 from fuzz.overview import read_overview
 from fuzz.player.runs import MOST_STEPS, SHARE, drawn_run
 from fuzz.player.streams import bits, numbers
@@ -100,6 +101,13 @@ def test_the_failure_as_found_stands_beside_the_shrunk_one(page):
         for failure in data_of(page)["failures"]
         if failure["verdict"] != "loop"
     )
+
+
+def test_the_page_sorts_by_the_place_in_the_order_of_failures(page):
+    told = sorted(data_of(page)["failures"], key=lambda failure: failure["place"])
+    folder = page.parent / "failures"
+    ordered = sorted(folder.glob("*.grid"), key=lambda path: Failure.read(path).order)
+    assert [failure["now"]["name"] for failure in told] == [path.name for path in ordered]
 
 
 def test_every_failure_says_whether_it_replays(page):

@@ -9,6 +9,7 @@ import shutil
 
 import pytest
 
+from fuzz.failure import Failure
 from sim import simulate
 from tests.helpers.command_line import worldgen
 from tests.helpers.studio import page_of
@@ -40,6 +41,13 @@ def asked(gate):
 
 def failures(asked, folder):
     return asked.ask("failures", folder=folder)["answer"]
+
+
+def test_failures_have_their_place_in_the_order_of_failures(asked):
+    told = sorted(failures(asked, "plain")["failures"], key=lambda one: one["place"])
+    ordered = sorted(FAILURES, key=lambda path: Failure.read(path).order)
+    digests = [Failure.read(path).digest for path in ordered]
+    assert [one["digest"] for one in told] == digests
 
 
 def test_archives_are_offered_beside_folders(asked):

@@ -102,7 +102,7 @@ test("the smallest failure is the best so far, and before there is one the longe
   made.show({ ...RUNNING, met: {}, archive });
   const best = made.element.querySelector("#best-so-far");
   assert.equal(best.textContent, "No failure yet. Longest path so far: 1.5 to 2 times the straight line");
-  made.sizes(smallest(A, SLID));
+  made.sizes(smallest(SLID, A));
   assert.equal(best.textContent, "Best so far:loop-z7 x 3 cells, 19 solid");
   best.querySelector("button").click();
   assert.deepEqual(done, ["loop-z"]);

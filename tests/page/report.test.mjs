@@ -11,7 +11,7 @@ const CAUSES = { loop: "circles-a-wall", tunnel: "steps-over-a-wall", stalled: "
 
 function failure(id, verdict, solid, more = {}) {
   const now = { size: "9 x 3", solid, events: 0, run: { steps: 10 * solid, loop: null }, world: null };
-  return { id, verdict, bucket: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, cells: 27, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], now, ...more };
+  return { id, verdict, bucket: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, place: solid, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], now, ...more };
 }
 
 const FAILURES = [failure("one", "loop", 20), failure("two", "tunnel", 8, { met: 30 }), failure("three", "tunnel", 12, { bucket: "tunnel-b", controller: "bug1" }), failure("four", "stalled", 9, { confirmed: false })];
@@ -127,7 +127,7 @@ test("a campaign has its charts, each with a label and its table", () => {
   const titles = place.querySelectorAll("h3").map((one) => one.textContent);
   assert.deepEqual(titles, ["Found over time", "By search strategy", "Archive: detour and density", "Classes, by how often they were met", "Verdicts at screening"]);
   assert.ok(place.querySelectorAll("svg.plot").every((one) => one.getAttribute("aria-label")));
-  assert.deepEqual([place.querySelectorAll(".heat").length, place.querySelectorAll(".first").length, place.querySelectorAll(".smaller").length], [2, 2, 1]);
+  assert.deepEqual([place.querySelectorAll(".heat").length, place.querySelectorAll(".first").length, place.querySelectorAll(".later").length], [2, 2, 1]);
 });
 
 test("the curve goes up at each new class, and its words say when the last one came", () => {

@@ -60,7 +60,7 @@ class StrategyTotals(msgspec.Struct, frozen=True):
 
 
 class BucketTotals(msgspec.Struct, frozen=True, kw_only=True):
-    """A class found for the first time, or in a smaller world.
+    """A class found for the first time, or a failure that comes before the known one in order.
 
     ``worlds`` and the following fields are totals up to then.
     """

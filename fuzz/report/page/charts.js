@@ -81,7 +81,7 @@ function chart(title, note, ...content) {
   );
 }
 
-// Finds over time: a step up for each new class, a ring where a class was met in a smaller world.
+// Finds over time: a step up for each new class, a ring where a later failure of a class replaced the one before.
 function foundChart(campaign, links) {
   if (campaign.found.length === 0) return chart("Found over time", "Nothing was found.");
   const curve = cumulated(campaign.found);
@@ -144,12 +144,12 @@ function foundPlot(campaign, curve, axis) {
         cx: x(point.find[axis]).toFixed(1),
         cy: y(point.total).toFixed(1),
         r: point.first ? 4.5 : 3,
-        class: point.first ? "first" : "smaller",
+        class: point.first ? "first" : "later",
       },
       svg(
         "title",
         {},
-        `${point.find.bucket}${point.first ? "" : ", smaller"}: ${point.find.solid_cells} cells, strategy ${point.find.strategy}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
+        `${point.find.bucket}${point.first ? "" : ", replaces the one before"}: ${point.find.solid_cells} cells, strategy ${point.find.strategy}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
       ),
     ),
   );

@@ -5,8 +5,8 @@ import { drawSmall, pictureLabel } from "#player/picture/map.js";
 
 const ORDERS = {
   class: ["Class", (a, b) => compareText(a.verdict, b.verdict) || compareText(a.bucket, b.bucket)],
-  small: ["Smallest first", (a, b) => a.solid - b.solid || a.cells - b.cells],
-  large: ["Largest first", (a, b) => b.solid - a.solid || b.cells - a.cells],
+  small: ["Smallest first", (a, b) => a.place - b.place],
+  large: ["Largest first", (a, b) => b.place - a.place],
   steps: ["Longest run first", (a, b) => stepsOf(b) - stepsOf(a)],
   met: ["Met most often", (a, b) => (b.met || 0) - (a.met || 0)],
 };

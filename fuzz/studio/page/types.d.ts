@@ -263,6 +263,8 @@ interface WallFailure {
   height: number;
   solid: number;
   events: number;
+  /** Its place among the folder's failures, the simplest first. */
+  place: number;
   seen: number;
   digest: string;
   known: boolean;

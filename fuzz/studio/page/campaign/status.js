@@ -43,7 +43,7 @@ export function makeStatus(campaign) {
     actions: parts.actions,
     show: (state) => show(status, state),
     sizes: (smallest) => {
-      status.smallest = smallest; // by class; null while the folder is being read
+      status.smallest = smallest; // by class, the simplest first; null while the folder is being read
       if (status.state) showFailures(status);
     },
   };
@@ -103,8 +103,7 @@ function strategiesNow({ state, strategies }) {
 
 // Shows the smallest failure or, before there is one, the longest path that a robot took to its target.
 function showBest({ state, smallest, parts, campaign }) {
-  const all = [...(smallest || new Map()).values()].sort((a, b) => a.solid - b.solid || a.width * a.height - b.width * b.height);
-  const [best] = all;
+  const [best] = (smallest || new Map()).values();
   if (best) {
     const open = el("button", { type: "button", class: "link", onclick: () => campaign.wall.choose(best) }, best.class);
     parts.best.replaceChildren(el("span", {}, "Best so far:"), open, el("span", {}, `${best.width} x ${best.height} cells, ${best.solid} solid`));

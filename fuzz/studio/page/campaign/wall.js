@@ -93,11 +93,11 @@ function faultWords(faults) {
 }
 
 function sorted(failures, by) {
-  const size = (a, b) => a.solid - b.solid || a.width * a.height - b.width * b.height || a.events - b.events;
+  const size = (a, b) => a.place - b.place;
   const times = (cause) => failures.filter((one) => one.cause === cause).length;
   const name = (a, b) => (a.class < b.class ? -1 : a.class > b.class ? 1 : 0);
   const orders = { cause: (a, b) => times(b.cause) - times(a.cause) || (a.cause < b.cause ? -1 : a.cause > b.cause ? 1 : 0), size, newest: (a, b) => b.seen - a.seen, oldest: (a, b) => a.seen - b.seen, class: name };
-  return [...failures].sort((a, b) => orders[by](a, b) || size(a, b) || name(a, b) || (a.name < b.name ? -1 : 1));
+  return [...failures].sort((a, b) => orders[by](a, b) || size(a, b) || (a.name < b.name ? -1 : 1));
 }
 
 function showAll(wall) {
