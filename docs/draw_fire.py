@@ -38,10 +38,7 @@ AT = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 
 def at_time(world: World, time: float) -> World:
     """Return the world as it is at one time, standing still but for the flames."""
-    now = world.walls.astype(np.uint8)
-    for event in world.timeline:
-        if event.time <= time:
-            now[event.iy, event.ix] = event.state
+    now = world.cells_at(time)
     burning = [
         Event(0.0, int(ix), int(iy), CellState.BURNING)
         for iy, ix in np.argwhere(now == CellState.BURNING)

@@ -172,7 +172,7 @@ ORDER: tuple[Measure, ...] = (
     Measure(
         "times",
         "cost of the events' times, computed in the same way; 0 s is the usual time",
-        lambda case: sum(map(number_cost, case.world.timeline.times.tolist())),
+        lambda case: sum(number_cost(event.time) for event in case.world.timeline),
     ),
 )
 """The measures by which two failures are compared, most significant first.

@@ -512,11 +512,19 @@ class World(HoldsFrozen):
         return int(np.count_nonzero(self.walls))
 
     @property
+    def bare(self) -> World:
+        """The world without certificate, provenance and failure."""
+        return replace(self, certificate=None, provenance=None, failure=None)
+
+    @property
+    def changing_cells(self) -> npt.NDArray[np.bool_]:
+        """Cells with an event, (height, width) bool."""
+        return self.timeline.cells_that_become(shape=self.walls.shape)
+
+    @property
     def still_walls(self) -> npt.NDArray[np.bool_]:
         """Cells that are always solid, (height, width) bool."""
-        still: npt.NDArray[np.bool_] = self.walls & ~self.timeline.cells_that_become(
-            shape=self.walls.shape
-        )
+        still: npt.NDArray[np.bool_] = self.walls & ~self.changing_cells
         return still
 
     def cells_at(self, time: float) -> npt.NDArray[np.uint8]:
@@ -524,14 +532,11 @@ class World(HoldsFrozen):
 
         The result has shape (height, width), uint8, with values of :class:`CellState`.
         """
-        return self.cells_after(self.timeline.count_until(time))
-
-    def cells_after(self, count: int) -> npt.NDArray[np.uint8]:
-        """Return the state of every cell after the first ``count`` events of the timeline."""
         line = self.timeline
+        past = np.s_[: line.count_until(time)]
         cells = np.where(self.walls, np.uint8(CellState.SOLID), np.uint8(CellState.FREE))
         # The last of a cell's events wins.
-        cells[line.iy[:count], line.ix[:count]] = line.states[:count]
+        cells[line.iy[past], line.ix[past]] = line.states[past]
         return cells
 
     @property

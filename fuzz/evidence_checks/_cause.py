@@ -93,11 +93,11 @@ def _depths(world: World, x: Floats, y: Floats, times: Floats) -> Floats:
             depth = radius - _gap(x, y, ix, iy)
             deepest = np.where(steady[inner_y, inner_x], np.maximum(deepest, depth), deepest)
     # For cells of the timeline, only those that would be the deepest need their state at that time.
-    for cell in {(event.ix, event.iy) for event in world.timeline}:
-        depth = radius - _gap(x, y, np.full(len(x), cell[0]), np.full(len(x), cell[1]))
+    for row, column in np.argwhere(world.changing_cells).tolist():
+        depth = radius - _gap(x, y, np.full(len(x), column), np.full(len(x), row))
         for k in np.flatnonzero(depth > deepest):
             time = float(times[k]) + 1e-9
-            if is_solid_at(world, *cell, time, time):
+            if is_solid_at(world, column, row, time, time):
                 deepest[k] = depth[k]
     return deepest
 

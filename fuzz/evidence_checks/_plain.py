@@ -37,13 +37,10 @@ def is_solid_at(world: World, ix: int, iy: int, earliest: float, latest: float) 
         return True
     # Follow the events of this cell up to the end of the interval.
     state = CellState.SOLID if world.walls[iy, ix] else CellState.FREE
-    for event in world.timeline:
-        if event.time > latest:
-            break
-        if (event.ix, event.iy) == (ix, iy):
-            if state == CellState.SOLID and event.time > earliest:
-                return True
-            state = event.state
+    for event in world.timeline.until(latest).in_cell(ix, iy):
+        if state == CellState.SOLID and event.time > earliest:
+            return True
+        state = event.state
     return state == CellState.SOLID
 
 

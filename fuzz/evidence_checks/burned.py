@@ -19,8 +19,7 @@ def check_burned(world: World, trace: Trace, evidence: BurnedEvidence, motion: M
     state = evidence.state
     if not 1 <= step <= trace.steps:
         return f"the run has no step {step}"
-    changes = [event for event in world.timeline if (event.ix, event.iy) == cell]
-    known = [event for event in changes if event.time <= step * trace.time_step + 1e-9]
+    known = [*world.timeline.until(step * trace.time_step + 1e-9).in_cell(*cell)]
     if not known or known[-1].state.word != state or known[-1].state == CellState.FREE:
         return f"cell {cell} is not {state} in step {step}"
     # Some motion models move the robot exactly to the event; only the path after it counts.

@@ -75,9 +75,7 @@ class Layout:
             )
         border = np.zeros_like(world.walls)
         border[[0, -1], :] = border[:, [0, -1]] = True
-        empty = replace(
-            world, walls=world.walls & border, certificate=None, provenance=None, failure=None
-        )
+        empty = replace(world.bare, walls=world.walls & border)
         inner = world.walls & ~border
         boxes = _half(inner) if mirror else _boxes(inner)
         home = cls(empty, tuple(boxes), mirror, fixed_target)

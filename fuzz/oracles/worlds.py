@@ -22,7 +22,6 @@ _ROWS = 5
 
 def turned(world: World) -> World:
     """Return the world turned counter-clockwise by a quarter turn."""
-    line = world.timeline
 
     def turn(robot: Robot) -> Robot:
         start = robot.start
@@ -33,16 +32,15 @@ def turned(world: World) -> World:
             target=Target(_across(world, world.height, target.y), target.x, target.radius),
         )
 
-    return _bare(world).with_robots(
+    return world.bare.with_robots(
         map(turn, world.robots),
         walls=world.walls.T[:, ::-1].copy(),
-        timeline=replace(line, ix=world.height - 1 - line.iy, iy=line.ix),
+        timeline=world.timeline.moved(lambda ix, iy: (world.height - 1 - iy, ix)),
     )
 
 
 def mirrored(world: World) -> World:
     """Return the world with left and right swapped."""
-    line = world.timeline
 
     def mirror(robot: Robot) -> Robot:
         start = robot.start
@@ -53,17 +51,16 @@ def mirrored(world: World) -> World:
             target=replace(target, x=_across(world, world.width, target.x)),
         )
 
-    return _bare(world).with_robots(
+    return world.bare.with_robots(
         map(mirror, world.robots),
         walls=world.walls[:, ::-1].copy(),
-        timeline=replace(line, ix=world.width - 1 - line.ix),
+        timeline=world.timeline.moved(lambda ix, iy: (world.width - 1 - ix, iy)),
     )
 
 
 def shifted(world: World) -> World:
     """Return the world with three more solid columns on the left and five more solid rows below."""
     side = exact(world.cell_size)
-    line = world.timeline
     right = _COLUMNS * side
     up = _ROWS * side
 
@@ -76,10 +73,10 @@ def shifted(world: World) -> World:
             target=replace(target, x=float(exact(target.x) + right), y=float(exact(target.y) + up)),
         )
 
-    return _bare(world).with_robots(
+    return world.bare.with_robots(
         map(shift, world.robots),
         walls=np.pad(world.walls, ((_ROWS, 0), (_COLUMNS, 0)), constant_values=True),
-        timeline=replace(line, ix=line.ix + _COLUMNS, iy=line.iy + _ROWS),
+        timeline=world.timeline.moved(lambda ix, iy: (ix + _COLUMNS, iy + _ROWS)),
     )
 
 
@@ -95,11 +92,7 @@ def scaled(world: World) -> World:
             2 * robot.speed,
         )
 
-    return _bare(world).with_robots(map(scale, world.robots), cell_size=2 * world.cell_size)
-
-
-def _bare(world: World) -> World:
-    return replace(world, certificate=None, provenance=None, failure=None)
+    return world.bare.with_robots(map(scale, world.robots), cell_size=2 * world.cell_size)
 
 
 def _across(world: World, cells: int, metres: float) -> float:

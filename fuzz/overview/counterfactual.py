@@ -259,8 +259,7 @@ def _event_changes(search: _ChangedRuns) -> Iterator[Change]:
     for number, event in enumerate(timeline):
         if number == _MOST_EVENTS:
             return
-        kept = np.arange(len(timeline)) != number
-        if search.arrives(_with_world(search.subject, timeline=timeline.only(kept))):
+        if search.arrives(_with_world(search.subject, timeline=timeline.without(number))):
             yield Change("event", [event.ix, event.iy], event.time)
 
 
@@ -276,8 +275,7 @@ def _option_changes(search: _ChangedRuns) -> Iterator[Change]:
 
 def _with_world(subject: Subject, **changes: object) -> Subject:
     """Return the scenario in a changed world, without the witness of the old one."""
-    changed = replace(subject.world, certificate=None, provenance=None, failure=None, **changes)  # type: ignore[arg-type]
-    return replace(subject, world=changed)
+    return replace(subject, world=replace(subject.world.bare, **changes))  # type: ignore[arg-type]
 
 
 def _solid_cells(subject: Subject, episode: Episode) -> list[tuple[int, int]]:

@@ -28,7 +28,7 @@ def drawn_world(world: World) -> dict[str, Any] | None:
     if world.width * world.height > MOST_CELLS:
         return None
     side = world.cell_size
-    line = world.timeline
+    times, ix, iy, states = world.timeline.columns
     return {
         "width": world.width,
         "height": world.height,
@@ -38,10 +38,10 @@ def drawn_world(world: World) -> dict[str, Any] | None:
         "start": [world.start.x / side, world.start.y / side, world.start.heading],
         "target": [world.target.x / side, world.target.y / side, world.target.radius / side],
         "events": {
-            "ms": numbers(np.rint(line.times * 1000.0)),
-            "ix": numbers(line.ix),
-            "iy": numbers(line.iy),
-            "state": numbers(line.states),
+            "ms": numbers(np.rint(times * 1000.0)),
+            "ix": numbers(ix),
+            "iy": numbers(iy),
+            "state": numbers(states),
         }
         if world.is_dynamic
         else None,

@@ -7,17 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from sim.runners.edited import CellEdit, EditKind
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import exact
-from worldgen.world import Robot, World
+from worldgen.world import Pose, Robot, Target, World
 
 __all__ = [
-    "bare",
     "changed",
     "drop_columns",
     "drop_events",
@@ -31,10 +30,7 @@ __all__ = [
 
 _SMALLEST_SIDE = 1  # cells
 
-
-def bare(world: World) -> World:
-    """Return the world without certificate, provenance and failure, ready for edits."""
-    return replace(world, certificate=None, provenance=None, failure=None)
+_Place = TypeVar("_Place", Pose, Target)
 
 
 def free_cells(world: World, cells: Iterable[tuple[int, int]]) -> World | None:
@@ -47,56 +43,45 @@ def free_cells(world: World, cells: Iterable[tuple[int, int]]) -> World | None:
 
 def drop_rows(world: World, first: int, count: int) -> World | None:
     """Return the world without ``count`` rows from ``first`` up; the rows above move down."""
-    if world.height - count < _SMALLEST_SIDE:
-        return None
-    top = first + count
-    walls = np.delete(world.walls, np.s_[first:top], axis=0)
-    robots = [
-        replace(
-            robot,
-            start=replace(robot.start, y=_moved(world, robot.start.y, top, count)),
-            target=replace(robot.target, y=_moved(world, robot.target.y, top, count)),
-        )
-        for robot in world.robots
-    ]
-    # Events in the dropped rows disappear, those above move down.
-    line = world.timeline
-    keep = (line.iy < first) | (line.iy >= top)
-    rows = np.where(line.iy >= top, line.iy - count, line.iy)
-    timeline = replace(line, iy=rows).only(keep)
-    return with_robots(world, robots, walls=walls, timeline=timeline)
+    return _drop(world, first, count, axis=0)
 
 
 def drop_columns(world: World, first: int, count: int) -> World | None:
     """Return the world without ``count`` columns from ``first`` on; the rest moves left."""
-    if world.width - count < _SMALLEST_SIDE:
+    return _drop(world, first, count, axis=1)
+
+
+def _drop(world: World, first: int, count: int, axis: int) -> World | None:
+    """Return the world without rows (axis 0) or columns (axis 1); ``None`` if no grid is left."""
+    if world.walls.shape[axis] - count < _SMALLEST_SIDE:
         return None
-    right = first + count
-    walls = np.delete(world.walls, np.s_[first:right], axis=1)
-    robots = [
-        replace(
-            robot,
-            start=replace(robot.start, x=_moved(world, robot.start.x, right, count)),
-            target=replace(robot.target, x=_moved(world, robot.target.x, right, count)),
+    name = "yx"[axis]
+    end = first + count
+    side = exact(world.cell_size)
+
+    # A point within the dropped cells stays where it is.
+    def moved(place: _Place) -> _Place:
+        metres = exact(getattr(place, name))
+        return (
+            replace(place, **{name: float(metres - count * side)})
+            if metres >= end * side
+            else place
         )
+
+    robots = [
+        replace(robot, start=moved(robot.start), target=moved(robot.target))
         for robot in world.robots
     ]
-    # Events in the dropped columns disappear, and those on the right move left.
-    line = world.timeline
-    keep = (line.ix < first) | (line.ix >= right)
-    columns = np.where(line.ix >= right, line.ix - count, line.ix)
-    timeline = replace(line, ix=columns).only(keep)
+    walls = np.delete(world.walls, np.s_[first:end], axis=axis)
+    timeline = world.timeline.without_cells(first, count, axis)
     return with_robots(world, robots, walls=walls, timeline=timeline)
 
 
 def drop_events(world: World, first: int, count: int) -> World | None:
     """Return the world without ``count`` events from ``first`` on."""
-    line = world.timeline
-    if first >= len(line):
+    if first >= len(world.timeline):
         return None
-    keep = np.ones(len(line), bool)
-    keep[first : first + count] = False
-    return replace(world, timeline=line.only(keep))
+    return replace(world, timeline=world.timeline.without(first, count))
 
 
 def with_time(world: World, event: int, time: float) -> World | None:
@@ -104,12 +89,10 @@ def with_time(world: World, event: int, time: float) -> World | None:
 
     ``None`` if the events would then no longer be in order.
     """
-    times = world.timeline.times.copy()
-    times[event] = time
-    line = world.timeline
-    return (
-        None if (np.diff(times) < 0).any() else replace(world, timeline=replace(line, times=times))
-    )
+    try:
+        return replace(world, timeline=world.timeline.with_time(event, time))
+    except InvalidWorld:
+        return None
 
 
 def changed(world: World, **parts: Any) -> World | None:
@@ -157,12 +140,3 @@ def edited(world: World, edit: CellEdit) -> World | None:
     else:
         solid = solid[(ix == 0) | (iy == 0) | (ix == world.width - 1) | (iy == world.height - 1)]
     return free_cells(world, ((ix, iy) for iy, ix in solid.tolist()))
-
-
-def _moved(world: World, metres: float, edge: int, count: int) -> float:
-    """Return a coordinate after ``count`` cells below ``edge`` were removed.
-
-    A coordinate within the removed cells stays where it is.
-    """
-    side = exact(world.cell_size)
-    return float(exact(metres) - count * side) if exact(metres) >= edge * side else metres

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from fuzz.shrink.edits import bare, drop_columns, drop_robot, drop_rows, free_cells
+from fuzz.shrink.edits import drop_columns, drop_robot, drop_rows, free_cells
 from worldgen.world import World
 
 __all__ = ["removable", "removed"]
@@ -29,7 +29,7 @@ def removed(
     world: World, still_fails: Callable[[World], World | None]
 ) -> Iterator[tuple[str, World]]:
     """Yield each part that could still be removed, with the certified world that is left."""
-    for name, candidate in _neighbours(bare(world)):
+    for name, candidate in _neighbours(world.bare):
         left = None if candidate is None else still_fails(candidate)
         if left is not None:
             yield name, left

@@ -173,10 +173,10 @@ def _simplify_run(case: Case) -> Iterator[Edit]:
 
 
 def _round_times(case: Case) -> Iterator[Edit]:
-    for event, time in enumerate(case.world.timeline.times.tolist()):
-        if time > 0.0:
-            for earlier in rounder(time, up=False):
-                yield partial(_earlier, case, event, earlier)
+    for number, event in enumerate(case.world.timeline):
+        if event.time > 0.0:
+            for earlier in rounder(event.time, up=False):
+                yield partial(_earlier, case, number, earlier)
 
 
 PASSES: tuple[Pass, ...] = (

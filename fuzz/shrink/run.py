@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from fuzz.chance import chance_details
 from fuzz.failure import Failure
 from fuzz.oracles import Trial
-from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.passes import PASSES, Pass
 from fuzz.shrink.predicate import StillFails
@@ -178,7 +177,7 @@ class _Reducer:
         self._deadline = deadline
         self._progress = progress
         self._still_fails = _judge(failure, keep)
-        self._best = self._begin = Case(bare(failure.world), self._still_fails.scenario)
+        self._best = self._begin = Case(failure.world.bare, self._still_fails.scenario)
         self._trying = Trying(self._still_fails, deadline)
         # The last case that was confirmed, and its failure.
         self._made: tuple[Case, Failure] | None = None
@@ -216,7 +215,7 @@ class _Reducer:
             found = next(removed(self._best.world, self._judged_in_time), None)
             if found is None:
                 return
-            self._take(self._best._replace(world=bare(found[1])))
+            self._take(self._best._replace(world=found[1].bare))
 
     def result(self) -> Shrunk:
         """Return the simplest case that is confirmed, with its record.
@@ -329,7 +328,7 @@ def _judge(failure: Failure, keep: str) -> StillFails:
     more = _MORE_STEPS * _steps_to_fail(failure) + _FEWEST_STEPS
     for budget in (min(more, MAX_STEPS), options.steps):
         still_fails = StillFails.of(failure, budget, bucket=bucket)
-        if still_fails(bare(failure.world)) is not None:
+        if still_fails(failure.world.bare) is not None:
             return still_fails
     by = "" if failure.oracle is None else f" with a violation of oracle {failure.oracle}"
     raise InvalidParameter(

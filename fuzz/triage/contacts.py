@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.trace import Trace
+from worldgen.timeline import CellState
 from worldgen.world import World
 
 __all__ = [
@@ -108,10 +109,8 @@ def winding_number(x: Floats, y: Floats, cells: Iterable[tuple[int, int]]) -> in
 
 def walls_at_the_end(world: World) -> npt.NDArray[np.bool_]:
     """Return the (height, width) solid cells as they are after the last event."""
-    walls = world.walls.copy()
-    for event in world.timeline:
-        walls[event.iy, event.ix] = event.state.word == "solid"
-    return walls
+    ended: npt.NDArray[np.bool_] = world.cells_at(math.inf) == CellState.SOLID
+    return ended
 
 
 def enclosure(world: World, places: Iterable[tuple[float, float]]) -> str:

@@ -107,11 +107,7 @@ def _of_fire(world: World, trace: Trace, evidence: BurnedEvidence) -> tuple[str,
 def is_entered(world: World, trace: Trace, evidence: BurnedEvidence) -> bool:
     """Return True if the cell was already burning or solid when the robot drove into it."""
     begun = (evidence.step - 1) * trace.time_step + 1e-9
-    changes = [
-        event
-        for event in world.timeline
-        if (event.ix, event.iy) == evidence.cell and event.time <= begun
-    ]
+    changes = [*world.timeline.until(begun).in_cell(*evidence.cell)]
     return bool(changes) and changes[-1].state.word == evidence.state
 
 

@@ -69,7 +69,7 @@ class Surroundings:
 
     def __init__(self, world: World) -> None:
         self.height, self.width = world.walls.shape
-        changing = world.timeline.cells_that_become(shape=world.walls.shape)
+        changing = world.changing_cells
 
         # For each cell of the ringed grid, the columns of the nearest solid cells on both sides.
         self._still = np.pad(world.walls & ~changing, 1, constant_values=True)
@@ -77,37 +77,21 @@ class Surroundings:
         ahead = np.where(self._still, columns, np.int32(self.width + 1))
         self._left = np.maximum.accumulate(np.where(self._still, columns, np.int32(0)), axis=1)
         self._right = np.minimum.accumulate(ahead[:, ::-1], axis=1)[:, ::-1]
-        self._spans_of(world, changing)
+        self._spans_of(world)
 
         # Distances to any cell that is ever blocked skip pieces that stay far from all of them.
         blocked = self._still.copy()
         blocked[1:-1, 1:-1] |= changing
         self._far = ndimage.distance_transform_cdt(~blocked, metric="chessboard")
 
-    def _spans_of(self, world: World, changing: Cells) -> None:
-        """Set ``since``, ``until`` (s) and ``state`` of all time spans, by cell and time."""
-        # Line up each changing cell's first state with its events.
-        line = world.timeline
-        cell = np.concatenate([np.flatnonzero(changing), line.iy * self.width + line.ix])
-        first = np.count_nonzero(changing)
-        since = np.concatenate([np.full(first, -math.inf), line.times])
-        was = np.where(world.walls[changing], int(CellState.SOLID), int(CellState.FREE))
-        state = np.concatenate([was, line.states.astype(np.int64)])
-        # Of events at the same time, the later line of the file wins.
-        order = np.lexsort((np.arange(len(cell)), since, cell))
-        cell = cell[order]
-        since = since[order]
-        state = state[order]
-
-        # A span ends where the cell's next one begins. Keep spans in which the cell is blocked.
-        until = np.full(len(cell), math.inf)
-        same = cell[1:] == cell[:-1]
-        until[:-1][same] = since[1:][same]
-        kept = (state != int(CellState.FREE)) & (since < until)
-        self.since = since[kept]
-        self.until = until[kept]
-        self.state = state[kept]
-        cell = cell[kept]
+    def _spans_of(self, world: World) -> None:
+        """Set ``since``, ``until`` (s) and ``state`` of the spans in which cells are blocked."""
+        spans = world.timeline.spans(world.walls)
+        kept = spans.states != CellState.FREE
+        self.since = spans.since[kept]
+        self.until = spans.until[kept]
+        self.state = spans.states[kept]
+        cell = spans.cells[kept]
 
         # Number the changing cells, and note which spans belong to each.
         used, self._first = np.unique(cell, return_index=True)

@@ -69,17 +69,16 @@ def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
 def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
     """Yield steps and cells that the robot cuts into; a cell may occur more than once."""
     side = world.cell_size
-    line = world.timeline
     steps = trace.path_step
+    times = steps * trace.time_step
     x = trace.path_x / side
     y = trace.path_y / side
 
     # Between two events the cells stay the same, so those stretches of the path go together.
-    changes = np.searchsorted(steps * trace.time_step, line.times, side="left")
+    changes = np.searchsorted(times, [event.time for event in world.timeline], side="left")
     bounds = np.unique(np.concatenate(([0], changes, [len(steps)])))
     for begin, end in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
-        done = int(np.searchsorted(changes, begin, side="right"))
-        cells = world.cells_after(done)
+        cells = world.cells_at(float(times[begin]))
         solid = np.pad(cells == CellState.SOLID, 1, constant_values=True)
         yield from _discs(
             solid, steps[begin:end], x[begin:end], y[begin:end], world.robot_radius / side

@@ -14,7 +14,6 @@ import re
 import sys
 import types
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -166,9 +165,7 @@ def memory_at_start(controller: PythonController | VectorController, world: Worl
     resetting: Any = controller
     if world is None:
         return flat_memory(timed(resetting.reset)())
-    return flat_memory(
-        timed(resetting.reset)(replace(world, certificate=None, provenance=None, failure=None))
-    )
+    return flat_memory(timed(resetting.reset)(world.bare))
 
 
 def driver_of(controller: PythonController | VectorController) -> Callable[[Stops, Memory], Memory]:

@@ -11,7 +11,7 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
 from fuzz.failure import Failure
 from fuzz.shrink import removable, shrink, shrink_class
-from fuzz.shrink.edits import bare, drop_columns, drop_events, drop_rows, free_cells
+from fuzz.shrink.edits import drop_columns, drop_events, drop_rows, free_cells
 from fuzz.shrink.predicate import StillFails
 from fuzz.simplicity import Case, number_cost, rounder, simplicity
 from fuzz.triage.judging import failure_of, replay
@@ -114,12 +114,12 @@ def test_a_failure_that_does_not_fail_is_refused():
 
 
 def test_dropping_a_row_moves_what_lies_above():
-    world = drop_rows(bare(cup_world()), 5, 1)
+    world = drop_rows(cup_world().bare, 5, 1)
     assert (world.height, world.start.y, world.target.y) == (19, 0.45, 1.55)
 
 
 def test_dropping_a_column_moves_what_lies_right_of_it():
-    world = drop_columns(bare(cup_world()), 2, 2)
+    world = drop_columns(cup_world().bare, 2, 2)
     assert (world.width, world.start.x, world.target.x) == (18, 0.85, 0.85)
 
 
@@ -177,7 +177,7 @@ def plain_neighbours(world):
 def fails_alike(world, failure):
     """By the steps that a user would take: prove, run, compare."""
     record, options = failure.record, failure.options
-    proved = None if world is None else certified(bare(world))
+    proved = None if world is None else certified(world.bare)
     if proved is None:
         return False
     try:

@@ -199,10 +199,7 @@ def _digest(piece: Piece) -> str:
 
     Hashing the file itself would not do, because some formats keep their cells in a second file.
     """
-    line = piece.timeline
-    events = b"".join(
-        np.ascontiguousarray(part).tobytes() for part in (line.times, line.ix, line.iy, line.states)
-    )
+    events = b"".join(column.tobytes() for column in piece.timeline.columns)
     settings = repr((piece.solid.shape, piece.cell_size, dict(piece.marks))).encode()
     return hashlib.sha256(np.packbits(piece.solid).tobytes() + events + settings).hexdigest()
 

@@ -57,7 +57,7 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
         radius = bottleneck(world, solid)
         found |= {"bottleneck": radius, "bottleneck_radii": radius / world.robot_radius}
     if world.is_dynamic:
-        changing = world.timeline.cells_that_become(shape=solid.shape)
+        changing = world.changing_cells
         found["changing"] = int(np.count_nonzero(changing)) / solid.size
     # Without a witness there is no path, and only the map itself can be measured.
     if isinstance(certificate, Witness) and len(certificate.times):

@@ -127,7 +127,6 @@ class _Stage:
         self.line = 19.0 * frame.unit
         height = frame.bottom + frame.top + round((2.4 if title else 1.4) * self.line)
         self.size = frame.picture_width, height
-        self.cells = world.cells_after(0)
         # Add the marks in the cells.
         self.changes = 0
         self.ground: Image.Image | None = None
@@ -159,7 +158,7 @@ class _Stage:
         ]
         if pierced:
             picture = draw_parts(
-                pierced_parts(pierced, self.cells.shape, self.frame),
+                pierced_parts(pierced, self.world.walls.shape, self.frame),
                 self.frame,
                 self.size,
                 onto=picture,
@@ -181,12 +180,13 @@ class _Stage:
         )
 
     def _ground_at(self, time: float) -> Image.Image:
-        until = self.world.timeline.count_until(time + 1e-9)
+        time += 1e-9
+        until = self.world.timeline.count_until(time)
         if self.ground is None or until > self.changes:
-            self.cells = self.world.cells_after(until)
+            cells = self.world.cells_at(time)
             self.changes = until
-            solid = self.cells == CellState.SOLID
-            burning = self.cells == CellState.BURNING
+            solid = cells == CellState.SOLID
+            burning = cells == CellState.BURNING
             parts = moment_parts(self.world, self.frame, solid, burning, self.size[1])
             self.ground = draw_parts(parts, self.frame, self.size)
         return self.ground

@@ -136,7 +136,7 @@ def shifted(
             "draw walls off the diagonal, or take another seed",
             duration=duration,
         )
-    return replace(world, timeline=swaps, certificate=None, provenance=None, failure=None)
+    return replace(world.bare, timeline=swaps)
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,7 @@ def place_robots(world: World, rng: RandomStream, count: int, owner: str) -> Wor
     )
     boxes: list[tuple[Box | None, Box | None]] = [(None, None)] * (count - 1)
     radius = radius_in_cells(world)
-    never = world.walls | world.timeline.cells_that_become(shape=world.walls.shape)
+    never = world.walls | world.changing_cells
     try:
         placed = _draw_ends(never, radius, rng.child("safe"), boxes, [first], owner)
     except InvalidParameter:

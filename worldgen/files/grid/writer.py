@@ -183,14 +183,13 @@ def _cells(world: World) -> Iterator[bytes]:
 
 def _section_lines(world: World) -> Iterator[str]:
     # Sections without lines are omitted.
-    timeline = world.timeline
     certificate = world.certificate
-    if len(timeline):
+    if world.is_dynamic:
         yield "%timeline"
         words = [state.word for state in sorted(CellState)]
-        columns = (timeline.ix.tolist(), timeline.iy.tolist(), timeline.states.tolist())
-        for time, ix, iy, state in zip((timeline.times + 0.0).tolist(), *columns, strict=True):
-            yield f"{time!r} {ix} {iy} {words[state]}"
+        columns = (column.tolist() for column in world.timeline.columns)
+        for time, ix, iy, state in zip(*columns, strict=True):
+            yield f"{time + 0.0!r} {ix} {iy} {words[state]}"
     if isinstance(certificate, Witness):
         yield "%witness"
         yield from _point_lines(certificate, "")

@@ -195,8 +195,9 @@ def always_solid(world: World) -> npt.NDArray[np.bool_]:
 
     In a static world these are its walls.
     """
-    later = world.timeline.only(world.timeline.times > 0)
-    opened = later.cells_that_become(CellState.FREE, CellState.BURNING, shape=world.walls.shape)
+    opened = world.timeline.after(0.0).cells_that_become(
+        CellState.FREE, CellState.BURNING, shape=world.walls.shape
+    )
     always: npt.NDArray[np.bool_] = (world.cells_at(0.0) == CellState.SOLID) & ~opened
     return always
 

@@ -45,7 +45,7 @@ def _fault(world: World, swap: Swap, radius: float | None) -> str:
         return f"there are no robots {swap.first} and {swap.second}"
     one = world.robots[swap.first - 1]
     other = world.robots[swap.second - 1]
-    blocked = world.walls & ~_ever_free(world)
+    blocked = world.still_walls
     strip = _flooded(blocked, _cell_of(world, one))
     if not strip[_cell_of(world, other)]:
         return "the two robots are in different rooms"
@@ -82,13 +82,6 @@ def _cell_of(world: World, robot: Robot) -> tuple[int, int]:
     row = min(_exact(robot.start.y) // size, world.height - 1)
     column = min(_exact(robot.start.x) // size, world.width - 1)
     return int(row), int(column)
-
-
-def _ever_free(world: World) -> npt.NDArray[np.bool_]:
-    """Return the cells that an event touches; they may be free at some time."""
-    touched = np.zeros(world.walls.shape, np.bool_)
-    touched[world.timeline.iy, world.timeline.ix] = True
-    return touched
 
 
 def _flooded(blocked: npt.NDArray[np.bool_], start: tuple[int, int]) -> npt.NDArray[np.bool_]:

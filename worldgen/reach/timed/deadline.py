@@ -109,12 +109,10 @@ def until(world: World, deadline: float) -> World:
 
     They do not affect a robot that must arrive by then.
     """
-    kept = world.timeline.times <= deadline
-    return (
-        world
-        if kept.all()
-        else replace(world, timeline=world.timeline.only(kept), certificate=None)
-    )
+    kept = world.timeline.until(deadline)
+    if len(kept) == len(world.timeline):
+        return world
+    return replace(world, timeline=kept, certificate=None)
 
 
 def _all_in_time(world: World, deadline: float | None, radius: float | None) -> Decision:

@@ -64,27 +64,16 @@ class Spans:
         last = max(line.last_time, early)
         while self.ticks > 1 and last * self.ticks > _LAST:
             self.ticks //= 10
-        place = line.iy * world.width + line.ix
-        changed = np.unique(place)
-        # Add one event per cell that changes: its initial state, from time 0.
-        place = np.concatenate([changed, place])
-        state = np.concatenate([world.walls.ravel()[changed], line.states])
-        since = np.concatenate([np.zeros(len(changed)), line.times])
-        order = np.lexsort((np.arange(len(place)), since, place))
-        place = place[order]
-        state = state[order]
-        since = since[order]
-        until = np.full(len(place), math.inf)
-        same = place[1:] == place[:-1]
-        until[:-1][same] = since[1:][same]
+        # A cell's first state begins at time 0, and is dropped if an event ends it right then.
+        spans = line.spans(world.walls)
+        since = np.maximum(spans.since, 0.0)
+        lasting = since < spans.until
+        place = spans.cells[lasting]
+        since = since[lasting]
+        until = spans.until[lasting]
+        blocked = spans.states[lasting] != CellState.FREE
         # Adjacent spans of one cell (solid, then burning) become one, because there is no gap
         # between them.
-        blocked = (state != int(CellState.FREE)) & (since < until)
-        lasting = since < until
-        place = place[lasting]
-        since = since[lasting]
-        until = until[lasting]
-        blocked = blocked[lasting]
         goes_on = np.zeros(len(place), np.bool_)
         goes_on[1:] = blocked[1:] & blocked[:-1] & (place[1:] == place[:-1])
         heads = np.nonzero(blocked & ~goes_on)[0]
@@ -104,7 +93,7 @@ class Spans:
             stays, FOREVER, np.ceil(np.where(stays, 0.0, until) * self.ticks) + MARGIN
         )
         self.end = self.end.astype(np.int64)
-        self.changing = self._raster(world, changed)
+        self.changing = world.changing_cells
         self.fixed: npt.NDArray[np.bool_] = world.walls & ~self.changing
         self.at_start = self.fixed | self._raster(world, cell[since == 0])
         self.always = self.fixed | self._raster(world, cell[(since == 0) & (until == math.inf)])
