@@ -126,11 +126,7 @@ class Timeline(HoldsFrozen):
     def of(cls, events: Iterable[Event | tuple[float, int, int, CellState]]) -> Timeline:
         """Build a timeline from events in any order; simultaneous events keep their order."""
         ordered = sorted(events, key=lambda event: event[0])
-        return (
-            cls(*(np.array([event[k] for event in ordered]) for k in range(4)))
-            if ordered
-            else cls()
-        )
+        return cls(*map(np.array, zip(*ordered, strict=True))) if ordered else cls()
 
     @property
     def columns(self) -> tuple[Floats, Ints, Ints, Bytes]:

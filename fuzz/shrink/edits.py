@@ -17,15 +17,11 @@ from worldgen.lattice import exact
 from worldgen.world import Pose, Robot, Target, World
 
 __all__ = [
-    "changed",
-    "drop_columns",
-    "drop_events",
+    "drop_lines",
     "drop_robot",
-    "drop_rows",
     "edited",
     "free_cells",
     "with_robots",
-    "with_time",
 ]
 
 _SMALLEST_SIDE = 1  # cells
@@ -41,18 +37,17 @@ def free_cells(world: World, cells: Iterable[tuple[int, int]]) -> World | None:
     return None if np.array_equal(walls, world.walls) else replace(world, walls=walls)
 
 
-def drop_rows(world: World, first: int, count: int) -> World | None:
-    """Return the world without ``count`` rows from ``first`` up; the rows above move down."""
-    return _drop(world, first, count, axis=0)
+def drop_lines(world: World, first: int, count: int, axis: int) -> World | None:
+    """Return the world without some rows or columns; those beyond move towards the origin.
 
+    ``None`` if no grid is left.
 
-def drop_columns(world: World, first: int, count: int) -> World | None:
-    """Return the world without ``count`` columns from ``first`` on; the rest moves left."""
-    return _drop(world, first, count, axis=1)
-
-
-def _drop(world: World, first: int, count: int, axis: int) -> World | None:
-    """Return the world without rows (axis 0) or columns (axis 1); ``None`` if no grid is left."""
+    Args:
+        world: The world.
+        first: The first row or column to drop.
+        count: How many to drop.
+        axis: 0 for rows, 1 for columns, as for ``numpy.delete``.
+    """
     if world.walls.shape[axis] - count < _SMALLEST_SIDE:
         return None
     name = "yx"[axis]
@@ -77,34 +72,6 @@ def _drop(world: World, first: int, count: int, axis: int) -> World | None:
     return with_robots(world, robots, walls=walls, timeline=timeline)
 
 
-def drop_events(world: World, first: int, count: int) -> World | None:
-    """Return the world without ``count`` events from ``first`` on."""
-    if first >= len(world.timeline):
-        return None
-    return replace(world, timeline=world.timeline.without(first, count))
-
-
-def with_time(world: World, event: int, time: float) -> World | None:
-    """Return the world in which an event happens at another time, s.
-
-    ``None`` if the events would then no longer be in order.
-    """
-    try:
-        return replace(world, timeline=world.timeline.with_time(event, time))
-    except InvalidWorld:
-        return None
-
-
-def changed(world: World, **parts: Any) -> World | None:
-    """Return the world with other parts; ``None`` if that is invalid or changes nothing."""
-    if "walls" not in parts and all(getattr(world, name) == part for name, part in parts.items()):
-        return None
-    try:
-        return replace(world, **parts)
-    except InvalidWorld:  # a point is off the grid
-        return None
-
-
 def with_robots(world: World, robots: Sequence[Robot], **parts: Any) -> World | None:
     """Return the world with other robots and parts; ``None`` if that is invalid or unchanged."""
     if not parts and tuple(robots) == world.robots:
@@ -124,10 +91,8 @@ def drop_robot(world: World, index: int) -> World | None:
 
 def edited(world: World, edit: CellEdit) -> World | None:
     """Return the world after an edit of its cells; ``None`` if no grid is left, or no change."""
-    if edit.kind == EditKind.DROP_ROWS:
-        return drop_rows(world, edit.a, edit.b)
-    if edit.kind == EditKind.DROP_COLUMNS:
-        return drop_columns(world, edit.a, edit.b)
+    if edit.kind in (EditKind.DROP_ROWS, EditKind.DROP_COLUMNS):
+        return drop_lines(world, edit.a, edit.b, axis=int(edit.kind == EditKind.DROP_COLUMNS))
     # The remaining edits free solid cells: those in a box, in a run, or else on the rim.
     solid = np.argwhere(world.walls)
     iy, ix = solid.T

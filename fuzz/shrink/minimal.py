@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from fuzz.shrink.edits import drop_columns, drop_robot, drop_rows, free_cells
+from fuzz.shrink.edits import drop_lines, drop_robot, free_cells
 from worldgen.world import World
 
 __all__ = ["removable", "removed"]
@@ -41,7 +41,6 @@ def _neighbours(world: World) -> Iterator[tuple[str, World | None]]:
             yield f"robot {index + 1}", drop_robot(world, index)
     for iy, ix in np.argwhere(world.walls).tolist():
         yield f"cell ({ix}, {iy})", free_cells(world, [(ix, iy)])
-    for row in range(world.height):
-        yield f"row {row}", drop_rows(world, row, 1)
-    for column in range(world.width):
-        yield f"column {column}", drop_columns(world, column, 1)
+    for axis, name in enumerate(("row", "column")):
+        for line in range(world.walls.shape[axis]):
+            yield f"{name} {line}", drop_lines(world, line, 1, axis)

@@ -8,11 +8,11 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
-from fuzz.shrink.edits import drop_events, with_robots, with_time
+from fuzz.shrink.edits import with_robots
 from fuzz.simplicity import Case, rounder
 from sim.options.run import DEFAULT_TIME_STEP
 from sim.runners.edited import CellEdit, EditKind
-from worldgen.errors import InvalidParameter
+from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres, metres_to_lattice
 from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, Robot, World
 
@@ -248,11 +248,15 @@ def _with(case: Case, world: World | None) -> Case | None:
 
 
 def _without_events(case: Case, first: int, count: int) -> Case | None:
-    return _with(case, drop_events(case.world, first, count))
+    return _with(case, replace(case.world, timeline=case.world.timeline.without(first, count)))
 
 
 def _earlier(case: Case, event: int, time: float) -> Case | None:
-    return _with(case, with_time(case.world, event, time))
+    try:
+        timeline = case.world.timeline.with_time(event, time)
+    except InvalidWorld:  # the events would no longer be in order
+        return None
+    return _with(case, replace(case.world, timeline=timeline))
 
 
 def _robots(case: Case, robots: Sequence[Robot]) -> Case | None:

@@ -157,10 +157,7 @@ class _Events(msgspec.Struct):
                 "the message's events are not columns of equal length up to {most}",
                 most=_MOST_EVENTS,
             )
-        kinds = (np.float64, np.int64, np.int64, np.uint8)
-        return Timeline(
-            *(np.array(column, kind) for column, kind in zip(columns, kinds, strict=True))
-        )
+        return Timeline(*map(np.array, columns))
 
 
 class _World(msgspec.Struct):
