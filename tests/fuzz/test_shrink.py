@@ -123,6 +123,14 @@ def test_dropping_a_column_moves_what_lies_right_of_it():
     assert (world.width, world.start.x, world.target.x) == (18, 0.85, 0.85)
 
 
+@pytest.mark.parametrize("axis", [0, 1], ids=["rows", "columns"])
+def test_all_rows_and_columns_but_one_can_be_dropped(axis):
+    world = World(np.zeros((3, 3), bool), Pose(0.05, 0.05), Target(0.05, 0.05, 0.05))
+    left = drop_lines(world, 1, 2, axis)
+    assert left.walls.shape == ((1, 3) if axis == 0 else (3, 1))
+    assert drop_lines(left, 0, 1, axis) is None
+
+
 def test_freeing_a_free_cell_is_no_edit():
     assert free_cells(cup_world(), [(1, 1)]) is None
 
