@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.player.streams import numbers
+from fuzz.player.streams import MOST, numbers
 from sim.controllers.base import Controller
 from sim.controllers.memory_view import MemoryField, MemoryMap, check_fields
 from sim.trace import Trace
@@ -24,6 +24,9 @@ __all__ = ["BLOCKED", "CELL", "DEGREE", "EDGE", "NODE", "PLACE", "PLAN", "drawn_
 BLOCKED, CELL, PLAN, PLACE, NODE, EDGE, DEGREE = range(7)
 """Kinds of shapes: a blocked line, an occupied rectangle, part of the plan, a remembered point, a place
 of a graph, a way between two of them, and a rectangle with a degree."""
+
+KINDS = ("blocked", "cell", "plan", "place", "node", "edge")
+"""Their names in the page; the numbers after them are degrees."""
 
 _SCALE = 1000  # a named number is shown to thousandths
 # Times at which a map is read. If it changes more often, only every second change is used, or every
@@ -51,11 +54,12 @@ def drawn_memory(
         most: Limit on shapes; a map that needs more is stored with fewer changes.
 
     Returns:
-        ``fields``: each with ``name``, ``words``, ``least``, and ``values`` by row, in thousandths.
-        ``map``: columns ``kind`` (from ``DEGREE`` on: how good a rectangle is), ``x0``, ``y0``,
-        ``x1``, ``y1`` (lattice units of the world; for a point ``x1`` is the number of its name;
-        a place of a graph has the second pair 0), ``since`` and ``until`` (steps), and ``names``;
-        null if there is no map. ``fault``: why nothing can be shown, or "".
+        ``fields``: each with ``name``, ``words``, ``least``, and ``values`` by row; ``one``: the
+        value that stands for 1; ``missing``: the value that stands for no number. ``map``: columns
+        ``kind`` (index into ``kinds``, or beyond them one of ``degrees``: how good a rectangle is),
+        ``x0``, ``y0``, ``x1``, ``y1`` (parts of a cell as in the run; for a point ``x1`` is the
+        number of its name; a place of a graph has the second pair 0), ``since`` and ``until``
+        (steps), and ``names``; null if there is no map. ``fault``: why nothing can be shown, or "".
     """
     read = getattr(controller, "memory_map", None)
     fields = getattr(controller, "memory_fields", ())
@@ -72,12 +76,9 @@ def drawn_memory(
         ]
         drawn = None if read is None else _map(watched, read, trace.steps + 1, cell_size, most)
     except Exception as error:  # noqa: BLE001
-        return {
-            "fields": [],
-            "map": None,
-            "fault": f"its memory cannot be shown: {type(error).__name__}: {error}"[:300],
-        }
-    return {"fields": shown, "map": drawn, "fault": ""}
+        fault = f"its memory cannot be shown: {type(error).__name__}: {error}"[:300]
+        return {"fields": [], "map": None, "fault": fault}
+    return {"fields": shown, "one": _SCALE, "missing": MOST, "map": drawn, "fault": ""}
 
 
 class _Watched:
@@ -144,7 +145,7 @@ class _Watched:
         name, _, words, least = self.fields[column]
         values = self.values[rows, column]
         whole = np.where(
-            np.isfinite(values), np.rint(np.clip(values, -1e11, 1e11) * _SCALE), 2.0**50
+            np.isfinite(values), np.rint(np.clip(values, -1e11, 1e11) * _SCALE), float(MOST)
         )
         return {"name": name, "words": list(words), "least": least, "values": numbers(whole)}
 
@@ -175,6 +176,8 @@ def _map(
     keys = ("kind", "x0", "y0", "x1", "y1", "since", "until")
     return {
         **{key: numbers(column) for key, column in zip(keys, columns, strict=True)},
+        "kinds": list(KINDS),
+        "degrees": _DEGREES,
         "names": list(names),
     }
 

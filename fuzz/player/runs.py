@@ -20,11 +20,12 @@ from sim.evidence import (
     WallEvidence,
 )
 from sim.fleet import FleetEpisode
+from sim.motion import Motion
 from sim.trace import BEHAVIOURS, Trace
 from sim.verdict import Verdict
 from worldgen.lattice import TURN, UNIT
 
-__all__ = ["COLOURS", "MOST_STEPS", "SHARE", "drawn_robots", "drawn_run"]
+__all__ = ["MOST_STEPS", "SHARE", "drawn_robots", "drawn_run"]
 
 Ints = npt.NDArray[np.int64]
 
@@ -33,7 +34,6 @@ Ints = npt.NDArray[np.int64]
 MOST_STEPS = 4_000
 SHARE = 256  # parts of a step, for the time at which a corner is reached
 
-COLOURS = 6  # robot colours of the page; more robots begin again with the first
 _FEWEST_STEPS = 400  # per robot's run, however many robots there are
 
 _BREACHES = {
@@ -49,6 +49,7 @@ def drawn_run(
     cell_size: float,
     judged: Episode | None = None,
     *,
+    motion: Motion | None = None,
     most: int = MOST_STEPS,
     controller: Controller | None = None,
 ) -> dict[str, Any] | None:
@@ -58,34 +59,38 @@ def drawn_run(
         episode: The run.
         cell_size: Size of a cell, m.
         judged: The run with the evidence, if it is another one: a breach's ends at the wall.
+        motion: The motion model; if omitted, the page marks only walls that the evidence names.
         most: Approximate number of steps to include of a longer run.
         controller: The controller, if its memory should be shown.
 
     Returns:
-        ``steps`` and ``dt`` (s). The columns ``at`` (step times ``SHARE``), ``x``, ``y`` (lattice
-        units of the world), ``heading`` (units of a turn, without jumps), ``bump`` (bits) and, for
-        a robot with behaviours, ``active`` (index into ``behaviours`` of the one that acted, -1 for
-        none), with one row per state or corner. ``thinned`` (at the coarsest, one step in this many
-        is included), ``loop`` (entry and period), ``marks``, ``memory`` (see ``drawn_memory``), and
-        ``breached``: true if it has entered a wall.
+        ``steps`` and ``dt`` (s). The columns ``at`` (parts of a step), ``x``, ``y`` (parts of a
+        cell), ``heading`` (parts of a turn, without jumps), ``bump`` (bits) and, for a robot with
+        behaviours, ``active`` (index into ``behaviours`` of the one that acted, -1 for none), with
+        one row per state or corner; ``per``, the number of parts of a ``step``, ``cell`` and
+        ``turn``. ``thinned`` (at the coarsest, one step in this many is included), ``loop`` (entry
+        and period), ``marks``, ``memory`` (see ``drawn_memory``), and ``tolerance``: if it has
+        entered a wall, the depth in cells beyond which the motion model reports that.
     """
     trace = episode.trace
     if trace is None:
         return None
     # Keep more steps where a reader looks closely.
-    marks = _marks(judged or episode)
-    loop = _loop(judged or episode)
+    evident = judged or episode
+    marks = _marks(evident)
+    loop = _loop(evident)
     kept, coarsest = _kept_steps(trace.steps, _span_of_interest(trace.steps, loop, marks), most)
     columns, rows = _columns(trace, kept, cell_size)
     memory = None
     if controller is not None:
         memory = drawn_memory(trace, controller, kept, rows, cell_size=cell_size, most=most)
+    breached = evident.went_into_a_wall or episode.went_into_a_wall
     return {
         "steps": trace.steps,
         "dt": trace.time_step,
         **columns,
         "memory": memory,
-        "breached": (judged or episode).went_into_a_wall or episode.went_into_a_wall,
+        "tolerance": motion.overlap_tolerance if motion is not None and breached else None,
         "thinned": coarsest,
         "loop": loop,
         "marks": marks,
@@ -97,6 +102,7 @@ def drawn_robots(
     cell_size: float,
     judged: Episode | None = None,
     *,
+    motion: Motion | None = None,
     most: int = MOST_STEPS,
     controller: Controller | None = None,
 ) -> dict[str, Any]:
@@ -106,25 +112,25 @@ def drawn_robots(
         shown: The run, of one robot or of several.
         cell_size: Size of a cell, m.
         judged: As for :func:`drawn_run`.
+        motion: As for :func:`drawn_run`.
         most: As for :func:`drawn_run`; several robots share it.
         controller: As for :func:`drawn_run`.
 
     Returns:
-        ``run``; with several robots also ``colour`` and ``number`` of the first one, and
-        ``others``, each with ``run``, ``colour``, ``number`` and ``radius`` in cells. Their runs
-        also have ``blocked_by``: the numbers of the robots that they drive into forever.
+        ``run``; with several robots also ``number`` of the first one, and ``others``, each with
+        ``run`` and ``number``. Their runs also have ``blocked_by``: the numbers of the robots that
+        they drive into forever.
     """
     if not isinstance(shown, FleetEpisode):
-        return {"run": drawn_run(shown, cell_size, judged, most=most, controller=controller)}
+        run = drawn_run(shown, cell_size, judged, motion=motion, most=most, controller=controller)
+        return {"run": run}
     share = max(most // len(shown.robots), _FEWEST_STEPS)
     drawn: list[dict[str, Any]] = []
     for number, robot in enumerate(shown.robots, start=1):
-        run = drawn_run(robot, cell_size, most=share, controller=controller)
+        run = drawn_run(robot, cell_size, motion=motion, most=share, controller=controller)
         if run is not None:
             run["blocked_by"] = [*shown.blockers(number)]
-            drawn.append(
-                {"run": run, "colour": f"robot-{(number - 1) % COLOURS}", "number": number}
-            )
+            drawn.append({"run": run, "number": number})
     return {**drawn[0], "others": drawn[1:]} if drawn else {"run": None}
 
 
@@ -144,6 +150,7 @@ def _columns(
     # Unwrap the headings at pi, so that the player can interpolate.
     turns = np.unwrap(trace.heading[whose]) / (2.0 * math.pi)
     columns = {
+        "per": {"step": SHARE, "cell": UNIT, "turn": TURN},
         "at": numbers(at[order]),
         "x": numbers(np.rint(x / cell_size * UNIT)),
         "y": numbers(np.rint(y / cell_size * UNIT)),

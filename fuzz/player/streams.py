@@ -11,11 +11,12 @@ import base64
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["bits", "numbers"]
+__all__ = ["MOST", "bits", "numbers"]
 
 _GROUPS = 9  # groups of seven bits: enough for any number below 2**62
 _ONES = np.int64(127)
-_MOST = 2**50
+MOST = 2**50
+"""Largest number that is packed; browsers still represent it exactly."""
 
 
 def numbers(values: npt.ArrayLike) -> str:
@@ -24,10 +25,9 @@ def numbers(values: npt.ArrayLike) -> str:
     Each difference is zigzag-encoded in groups of seven bits, the lowest first.
 
     Args:
-        values: (n,) integers; they are clipped to 2**50 in both directions, which browsers still
-            represent exactly.
+        values: (n,) integers; they are clipped to ``MOST`` in both directions.
     """
-    column = np.clip(np.asarray(values), -_MOST, _MOST).astype(np.int64)
+    column = np.clip(np.asarray(values), -MOST, MOST).astype(np.int64)
     twice = np.diff(np.diff(column, prepend=np.int64(0)), prepend=np.int64(0))
     zigzag = (twice << np.int64(1)) ^ (twice >> np.int64(63))
     # Split into groups of seven bits; the eighth bit of each byte is set if another one follows.

@@ -21,9 +21,9 @@ def drawn_world(world: World) -> dict[str, Any] | None:
     Returns:
         ``cells`` as bits, row by row from the lowest y; ``start`` (x, y in cells, heading in rad)
         and ``target`` (x, y, radius in cells); ``events`` in columns, with times rounded to ms;
-        ``witness`` in columns, ms and lattice units; ``cut``, a chain of cells. ``start``,
-        ``target``, ``radius`` and ``witness`` are about the first robot; ``others`` has the same
-        for each of the others.
+        ``witness`` in columns, ms and parts of a cell, of which there are ``per_cell``; ``cut``, a
+        chain of cells. ``start``, ``target``, ``radius`` and ``witness`` are about the first robot;
+        ``others`` has the same for each of the others.
     """
     if world.width * world.height > MOST_CELLS:
         return None
@@ -71,16 +71,17 @@ def _others(world: World) -> list[dict[str, Any]]:
 
 
 def _columns(path: Witness, side: float) -> dict[str, Any]:
-    """Return a witness in columns, ms and lattice units."""
+    """Return a witness in columns, ms and parts of a cell."""
     return {
         "ms": numbers(np.rint(path.times * 1000.0)),
         "x": numbers(np.rint(path.x / side * UNIT)),
         "y": numbers(np.rint(path.y / side * UNIT)),
+        "per_cell": UNIT,
     }
 
 
 def drawn_certificate(world: World) -> dict[str, Any]:
-    """Return a world's witness in columns, ms and lattice units, or its cut, or None."""
+    """Return a world's witness in columns, ms and parts of a cell, or its cut, or None."""
     proof = world.certificate
     if isinstance(proof, JointWitness):
         return {"witness": _columns(proof.paths[0], world.cell_size)}

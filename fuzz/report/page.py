@@ -152,7 +152,13 @@ def _drawn(seen: ReplayedFailure) -> dict[str, Any]:
     sensors = None
     if seen.shown is not None:
         controller = CONTROLLERS.get(failure.record.controller)
-        run = drawn_robots(seen.shown, world.cell_size, seen.replay.episode, controller=controller)
+        run = drawn_robots(
+            seen.shown,
+            world.cell_size,
+            seen.replay.episode,
+            motion=failure.options.motion_model(),
+            controller=controller,
+        )
         sensors = sensors_of(controller, failure.options, world.cell_size)
     return {
         "name": seen.name,

@@ -111,7 +111,13 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
             "before": {
                 "words": f"{found.verdict}{words}",
                 "world": drawn_world(found.stored),
-                **drawn_robots(episode, side, most=_KEPT_STEPS, controller=who),
+                **drawn_robots(
+                    episode,
+                    side,
+                    motion=found.options.motion_model(),
+                    most=_KEPT_STEPS,
+                    controller=who,
+                ),
                 "sensors": sensors_of(who, found.options, side),
             }
         }
@@ -351,7 +357,13 @@ def _seen(driven: _Driven) -> dict[str, Any]:
     """Return a run in the form that the player takes."""
     episode = driven.episode
     side = driven.world.cell_size
-    drawn = drawn_robots(episode, side, most=_KEPT_STEPS, controller=driven.controller)
+    drawn = drawn_robots(
+        episode,
+        side,
+        motion=driven.options.motion_model(),
+        most=_KEPT_STEPS,
+        controller=driven.controller,
+    )
     return {
         "name": driven.name,
         "verdict": episode.verdict,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -21,8 +22,9 @@ from fuzz.studio.edits import Edits
 from fuzz.studio.folder import Folder
 from fuzz.studio.gate import IMPORTS, SUBPROTOCOL, Gate, Guarded
 from fuzz.studio.limits import limits
-from fuzz.studio.session import Session
+from fuzz.studio.session import PROTOCOL, Session
 from fuzz.studio.workers import WORKER_OF, Worker
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
 
 __all__ = ["FULL", "MOST_PAGES", "Studio", "make_app"]
 
@@ -45,7 +47,22 @@ def _parts() -> dict[str, bytes]:
     for address, package in (("studio", "fuzz.studio"), ("player", "fuzz.player")):
         found |= _parts_below(files(package) / "page", f"/{address}")
     page = found["/studio/index.html"].replace(b"@@IMPORTS@@", IMPORTS.encode("ascii"))
+    page = page.replace(b"@@GIVEN@@", json.dumps(_given()).encode("ascii"))
     return found | {"/": page, "/studio/index.html": page}
+
+
+def _given() -> dict[str, Any]:
+    """Return what the page needs to know before it has a connection."""
+    return {
+        "protocol": PROTOCOL,
+        "subprotocol": SUBPROTOCOL,
+        "full": FULL,
+        "world": {
+            "cell_size": DEFAULT_CELL_SIZE,
+            "robot_radius": DEFAULT_ROBOT_RADIUS,
+            "robot_speed": DEFAULT_ROBOT_SPEED,
+        },
+    }
 
 
 def _parts_below(folder: Traversable, address: str) -> dict[str, bytes]:

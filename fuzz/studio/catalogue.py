@@ -22,7 +22,7 @@ from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller
 from sim.motion import MOTIONS, THESIS
 from sim.options.robot import RobotOptions
-from sim.options.run import DEFAULT_TIME_STEP
+from sim.options.run import DEFAULT_TIME_STEP, RunOptions
 from sim.scenario import Scenario
 from sim.thesis.options import ThesisOptions
 from worldgen.errors import InvalidParameter
@@ -87,6 +87,7 @@ def catalogue(named: Sequence[str], part: Callable[[dict[str, Any]], None]) -> d
         "controllers": controllers,
         "motions": [_motion(name) for name in MOTIONS.names()],
         "formats": [_format(name) for name in FORMATS.names()],
+        "motion": RunOptions().motion,
         "time_step": DEFAULT_TIME_STEP,
         "strategies": list(OWN_STRATEGIES),
         "oracles": ORACLES.names(),

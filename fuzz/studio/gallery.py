@@ -170,7 +170,13 @@ class WallAnswers(Opened):
             shown = simulate(world, who, regardless_of_walls(options), record=True)
             words += f": reached a walled-off target in step {shown.steps}"
         return {
-            **drawn_robots(shown, world.cell_size, judged, controller=controller),
+            **drawn_robots(
+                shown,
+                world.cell_size,
+                judged,
+                motion=options.motion_model(),
+                controller=controller,
+            ),
             "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + failure.violation.in_words,
             "cause": cause_of_run(world, judged, arrives_in(who, options)).value,

@@ -12,6 +12,7 @@ from fuzz.campaign.options import CampaignOptions
 from fuzz.player import MOST_CELLS
 from sim.options.run import TIME_STEPS
 from worldgen.domain import MAX_SIDE
+from worldgen.random_streams import MASK64
 
 __all__ = [
     "LENGTHS",
@@ -51,7 +52,10 @@ MOST_WORKERS = 256
 
 
 class Limits(TypedDict):
-    """The limits sent to the page; each list holds the smallest and the largest value."""
+    """The limits sent to the page; each list holds the smallest and the largest value.
+
+    The largest seed is text, because a browser's numbers cannot hold it.
+    """
 
     message: int
     dropped: int
@@ -69,6 +73,7 @@ class Limits(TypedDict):
     workers: int
     examples: int
     epoch: int
+    seed: str
 
 
 def limits() -> Limits:
@@ -90,6 +95,7 @@ def limits() -> Limits:
         "workers": MOST_WORKERS,
         "examples": _most("examples"),
         "epoch": _most("epoch"),
+        "seed": str(MASK64),
     }
 
 

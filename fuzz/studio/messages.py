@@ -18,6 +18,7 @@ from fuzz.studio.limits import LENGTHS
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files.grid import dumps, loads
 from worldgen.files.json_file import converted
+from worldgen.random_streams import MASK64
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 
@@ -295,7 +296,7 @@ def seed_of(message: Mapping[str, Any]) -> int:
         InvalidParameter: If it is not an integer from 0 to 2**64 - 1.
     """
     seed: str = field(message, "seed", str)
-    if not (seed.isascii() and seed.isdigit() and len(seed) <= 20 and int(seed) < 1 << 64):
+    if not (seed.isascii() and seed.isdigit() and len(seed) <= 20 and int(seed) <= MASK64):
         raise InvalidParameter(
             "not-a-seed",
             "seed={seed!r} is not an integer from 0 to 2**64 - 1",

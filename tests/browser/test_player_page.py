@@ -15,6 +15,7 @@ from PIL import Image
 from fuzz.player import drawn_run, drawn_world, replay_page
 from sim import simulate
 from sim.controllers import CONTROLLERS
+from sim.motion import MOTIONS
 from worldgen.files.grid import read_world
 from worldgen.world import Pose, Target, World
 
@@ -47,7 +48,8 @@ def page_of(browser, folder, world, controller, *, density=1, **settings):
 def driven(world, controller, **settings):
     """A robot as a replay page has it, and its episode."""
     episode = simulate(world, controller, record=True, **settings)
-    run = drawn_run(episode, world.cell_size, controller=CONTROLLERS.get(controller))
+    motion = MOTIONS.get(settings.get("motion", "swept"))
+    run = drawn_run(episode, world.cell_size, motion=motion, controller=CONTROLLERS.get(controller))
     robot = {"name": controller, "verdict": episode.verdict, "why": "", "steps": episode.steps}
     robot |= {
         "time": episode.time,

@@ -13,6 +13,7 @@ from sim import simulate
 from tests.helpers.page_scripts import FOLDER, called, missing_node, run_tests
 from worldgen import generate
 from worldgen.files.grid import read_world
+from worldgen.timeline import CellState
 
 pytestmark = pytest.mark.skipif(bool(missing_node()), reason=missing_node() or "-")
 
@@ -48,6 +49,13 @@ def test_numbers_of_all_sizes_are_read_as_they_were_packed():
     ]
     read = called(*(["player/decode", "numbersOf", [numbers(values)]] for values in lists))
     assert [list(map(int, one)) for one in read] == [values.tolist() for values in lists]
+
+
+def test_the_pages_have_the_codes_of_the_states_of_cells():
+    script = (PLAYER / "decode.js").read_text("utf-8")
+    declared = re.search(r"export const (FREE.*?);", script, re.DOTALL)[1]
+    codes = dict(re.findall(r"(\w+) = (\d+)", declared))
+    assert {name: int(code) for name, code in codes.items()} == {**CellState.__members__}
 
 
 @pytest.mark.parametrize("family", ["cave", "fire"])

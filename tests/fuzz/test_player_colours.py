@@ -136,3 +136,9 @@ def test_each_verdict_has_a_sign_and_a_colour():
     signs = script[script.index("const SIGNS") :].partition("};")[0]
     assert re.findall(r'"([\w-]+)":', signs) == [verdict.value for verdict in Verdict]
     assert set(re.findall(r'\[data-verdict="([\w-]+)"\]', CSS)) >= {*map(str, Verdict)}
+
+
+def test_the_page_s_scripts_use_as_many_robot_colours_as_its_style_has():
+    script = (Path(__file__).parents[2] / "fuzz/player/page/picture/pen.js").read_text("utf-8")
+    (count,) = re.findall(r"`robot-\$\{\(number - 1\) % (\d+)\}`", script)
+    assert int(count) == len(ROBOTS) == len({*re.findall(r"--(robot-\d+):", CSS)})

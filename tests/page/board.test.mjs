@@ -4,9 +4,10 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { element, point, press } from "./stand_in.mjs";
 import { makeBoard } from "#studio/draw/board.js";
-import { Model, emptyWorld } from "#studio/draw/model.js";
+import { Model } from "#studio/draw/model.js";
 import { listenToBoard } from "#studio/draw/pointer.js";
 import { makeTools } from "#studio/draw/tools.js";
+import { blank } from "./samples.mjs";
 
 const BORDER = 156; // solid cells of an empty world of 40 x 40
 
@@ -17,7 +18,7 @@ function drawing(tool = "brush") {
   Object.assign(canvas, { clientWidth: 508, clientHeight: 468 });
   element("stage").append(canvas);
   const said = [];
-  const model = new Model(emptyWorld(40, 40), () => {});
+  const model = new Model(blank(40, 40), () => {});
   const board = makeBoard(canvas, model, { grid: true, ruler: true, proof: true, signal: false });
   const setting = { size: 1, hollow: false, stamp: "U trap", stampSize: 12 };
   const draw = { canvas, board, tool, tools: makeTools(board, setting, (words) => said.push(words)), studio: { model, say: (words) => said.push(words) }, where() {} };

@@ -5,8 +5,8 @@ import { beforeEach, test } from "node:test";
 import { tick, type } from "./stand_in.mjs";
 import { makeForm } from "#studio/campaign/form.js";
 import { makeStatus } from "#studio/campaign/status.js";
-import { Model, emptyWorld } from "#studio/draw/model.js";
-import { LIMITS } from "./samples.mjs";
+import { Model } from "#studio/draw/model.js";
+import { LIMITS, blank } from "./samples.mjs";
 
 const RUNNING = {
   folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, error: null,
@@ -145,13 +145,13 @@ const option = { help: "What it does, or ./file.py:name.", default: 60 };
 const OFFERED = {
   controllers: [{ ...both, name: "turn-right" }, { ...both, name: "bug1" }, { ...both, name: "./my robots/mine.py:Robot", fault: REFUSED }, { ...both, name: "thesis-1", thesis: true, lattice: false, motion: "stepped" }],
   motions: [{ name: "swept", thesis: false, about: "exact" }, { name: "stepped", thesis: true, about: "the thesis's" }],
-  strategies: ["native", "archive"], families: [{ name: "maze" }, { name: "trap" }], cores: 2, known: "known", time_step: 0.015,
+  strategies: ["native", "archive"], families: [{ name: "maze" }, { name: "trap" }], cores: 2, known: "known", motion: "swept", time_step: 0.015,
   options: Object.fromEntries(["--examples", "--epoch", "--oracle", "--detour", "--vary", "--shrink", "--baseline", "--database"].map((name) => [name, option])),
 };
 
 function form({ offered = OFFERED, folder = "/here", played = null, folders = [], states = new Map() } = {}) {
   const begun = [];
-  const model = new Model(emptyWorld(9, 9), () => {});
+  const model = new Model(blank(9, 9), () => {});
   const campaign = {
     studio: { offered, limits: LIMITS, folder, model, play: { played: () => played }, connection: { ask: async () => ({ command: "" }) } },
     folders, states, isListed: true, listed: Promise.resolve(),

@@ -7,14 +7,15 @@ import { drawOpenings } from "#player/picture/changes.js";
 import { cellsAt } from "#player/decode.js";
 import { makeBoard } from "#studio/draw/board.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
-import { Model, emptyWorld } from "#studio/draw/model.js";
+import { Model } from "#studio/draw/model.js";
 import { makeTime } from "#studio/draw/time.js";
 import { makeTools } from "#studio/draw/tools.js";
 import { rangeWords } from "#studio/shared/fields.js";
+import { blank } from "./samples.mjs";
 
 // A wall across a world of 9 x 5 cells, whose middle opens after two seconds.
 function gate() {
-  const world = { ...emptyWorld(9, 5), events: { times: [2, 3], ix: [4, 4], iy: [2, 1], state: [0, 2] } };
+  const world = { ...blank(9, 5), events: { times: [2, 3], ix: [4, 4], iy: [2, 1], state: [0, 2] } };
   for (let iy = 0; iy < 5; iy += 1) world.cells[iy * 9 + 4] = 1;
   return world;
 }
@@ -52,7 +53,7 @@ test("the slider ends with the last change, or with the path if that takes longe
     assert.equal(time.element.querySelector("output").textContent, words);
     assert.equal(time.element.hidden, false);
   }
-  const still = makeTime({ board: {}, studio: { model: { world: emptyWorld(5, 5) } } });
+  const still = makeTime({ board: {}, studio: { model: { world: blank(5, 5) } } });
   still.refresh();
   assert.equal(still.element.hidden, true);
 });
@@ -73,7 +74,7 @@ test("the board draws a moment of the drawing, and editing leaves the time alone
 test("with Shift a brush and a line run straight across, straight up or at 45 degrees", () => {
   const straight = { erase: false, exact: false, straight: true };
   for (const tool of ["brush", "line"]) {
-    const model = new Model(emptyWorld(20, 20), () => {});
+    const model = new Model(blank(20, 20), () => {});
     const board = { model, marks: [], draw() {} };
     const tools = makeTools(board, { size: 1, hollow: false, stamp: "U trap", stampSize: 12 }, () => {});
     const drawTo = (x, y) => {

@@ -5,7 +5,7 @@ import { beforeEach, test } from "node:test";
 import "./stand_in.mjs";
 import { Ended, makeConnection } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
-import { LIMITS } from "./samples.mjs";
+import { GIVEN, LIMITS } from "./samples.mjs";
 
 const sockets = [];
 const waits = [];
@@ -44,7 +44,7 @@ globalThis.fetch = async () => ({ ok: true });
 
 async function connected(limits = LIMITS) {
   const told = { begun: [], lost: [] };
-  const connection = makeConnection((said) => told.begun.push(said), (...given) => told.lost.push(given), Promise.resolve());
+  const connection = makeConnection(GIVEN, (said) => told.begun.push(said), (...given) => told.lost.push(given), Promise.resolve());
   await new Promise((done) => setImmediate(done));
   sockets.at(-1).say({ protocol: 2, folder: "/here", limits });
   return { connection, told, socket: sockets.at(-1) };

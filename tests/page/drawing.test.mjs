@@ -33,7 +33,7 @@ function framed(pen, colour, height, name = "rect") {
 
 const room = roomOf(14, 10, [[7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, 7]]);
 const through = runOf({
-  at: [0, 1, 2, 3], x: [2.5, 5.5, 8.5, 11], y: [4.5, 4.5, 4.5, 4.5], breached: true,
+  at: [0, 1, 2, 3], x: [2.5, 5.5, 8.5, 11], y: [4.5, 4.5, 4.5, 4.5], tolerance: 0.1,
   marks: [{ step: 2, kind: "breach", name: "Breach", text: "goes through this wall", cell: [7, 4] }],
 });
 
@@ -53,7 +53,7 @@ test("a wall that the robot goes into is striped once it is in it, and framed be
 test("a wall into which only the robot's edge goes is marked, unless that is a tenth of a cell", () => {
   const marked = (x) => {
     const pen = penOf(room);
-    drawPierced(pen, { world: room, run: runOf({ at: [0, 1], x: [2.5, x], y: [4.5, 4.5], breached: true }), step: 1 });
+    drawPierced(pen, { world: room, run: runOf({ at: [0, 1], x: [2.5, x], y: [4.5, 4.5], tolerance: 0.1 }), step: 1 });
     return [...framed(pen, "pierced", 10)];
   };
   assert.deepEqual([marked(6.45), marked(6.35)], [["7,4"], []]);
@@ -107,7 +107,7 @@ test("fire is drawn while it burns", () => {
 });
 
 test("each layer is drawn where it is shown and not where it is not", () => {
-  const memory = { fields: [], fault: "", map: mapOf([[1, 0, 0, 1024, 1024, 0, 9]]) };
+  const memory = { fields: [], fault: "", map: mapOf([[1, 0, 0, 100, 100, 0, 9]]) };
   const run = runOf({ at: [0, 1, 2], x: [2.5, 6.3, 2.5], y: [4.5, 4.5, 4.5], bump: [0, 1, 0], memory });
   const signs = { trail: ["stroke", "loop"], touched: ["strokeRect", "touched"], sensors: ["stroke", "beam"], memory: ["fillRect", "memory"] };
   for (const [name, [call, colour]] of Object.entries(signs))
@@ -118,13 +118,15 @@ test("each layer is drawn where it is shown and not where it is not", () => {
     }
 });
 
+const KINDS = ["blocked", "cell", "plan", "place", "node", "edge"];
+
 function mapOf(rows, names = []) {
   const columns = ["kind", "x0", "y0", "x1", "y1", "since", "until"];
-  return { ...Object.fromEntries(columns.map((name, k) => [name, numbers(rows.map((row) => row[k]))])), names };
+  return { ...Object.fromEntries(columns.map((name, k) => [name, numbers(rows.map((row) => row[k]))])), kinds: KINDS, degrees: 4, names };
 }
 
 test("a memory's shapes are there from their step until they are forgotten", () => {
-  const memory = { fields: [], fault: "", map: mapOf([[1, 1024, 1024, 2048, 2048, 2, 5], [3, 3072, 3072, 0, 0, 3, 9]], ["hit"]) };
+  const memory = { fields: [], fault: "", map: mapOf([[1, 100, 100, 200, 200, 2, 5], [3, 300, 300, 0, 0, 3, 9]], ["hit"]) };
   const run = runOf({ at: [0, 9], x: [1, 2], memory });
   const shown = [1, 2, 3, 4, 5, 8, 9].map((step) => {
     const pen = penOf(room);
@@ -135,7 +137,7 @@ test("a memory's shapes are there from their step until they are forgotten", () 
 });
 
 test("a graph is drawn as lines and dots, and bad ground is tinted more than good ground", () => {
-  const rows = [[4, 1024, 1024, 0, 0, 0, 9], [5, 1024, 1024, 4096, 1024, 0, 9], [6, 0, 0, 1024, 1024, 0, 9], [9, 0, 2048, 1024, 3072, 0, 9]];
+  const rows = [[4, 100, 100, 0, 0, 0, 9], [5, 100, 100, 400, 100, 0, 9], [6, 0, 0, 100, 100, 0, 9], [9, 0, 200, 100, 300, 0, 9]];
   const run = runOf({ at: [0, 9], x: [1, 2], memory: { fields: [], fault: "", map: mapOf(rows) } });
   const pen = penOf(room);
   drawMemory(pen, run, 1);
@@ -149,9 +151,9 @@ test("a graph is drawn as lines and dots, and bad ground is tinted more than goo
 test("a memory's numbers are told in words where the controller has some", () => {
   const fields = [
     { name: "doing", words: ["drive", "follow"], least: 0, values: numbers([0, 1000]) },
-    { name: "best", words: [], least: 0, values: numbers([1500, 2 ** 50]) },
+    { name: "best", words: [], least: 0, values: numbers([1500, 99_000]) },
   ];
-  const run = runOf({ at: [0, 1], x: [1, 2], memory: { fields, fault: "", map: null } });
+  const run = runOf({ at: [0, 1], x: [1, 2], memory: { fields, one: 1000, missing: 99_000, fault: "", map: null } });
   assert.deepEqual(memoryFacts(run, 0), [["doing", "drive"], ["best", "1.5"]]);
   assert.deepEqual(memoryFacts(run, 1), [["doing", "follow"], ["best", "none"]]);
   assert.deepEqual(memoryFacts({ ...run, memory: { fault: "it cannot be shown" } }, 0), [["memory", "it cannot be shown"]]);
@@ -161,7 +163,7 @@ test("of several robots the numbers are beside them and along their paths, none 
   const path = Array.from({ length: 60 }, (_, k) => 1 + k);
   const long = roomOf(64, 10);
   const robot = (y) => runOf({ at: path.map((_, k) => k), x: path, y: path.map(() => y) });
-  const scene = { world: long, run: robot(3), others: [{ run: robot(3.2), number: 2, colour: "robot-1" }], number: 1, colour: "robot-0", step: 59, show: SHOW };
+  const scene = { world: long, run: robot(3), others: [{ run: robot(3.2), number: 2 }], number: 1, step: 59, show: SHOW };
   const pen = penOf(long);
   drawNumbers(pen, scene);
   const written = pen.context.of("fillText").map(({ given, fillStyle }) => ({ text: given[0], at: given.slice(1), fillStyle }));
@@ -178,7 +180,7 @@ test("robots that block each other have an arrow each, side by side, once their 
   const robot = (from, to, blocked_by) => ({ ...runOf({ at: [0, 5, 6], x: [from, to, to], y: [5, 5, 5], loop: [5, 1] }), blocked_by });
   const arrows = (step, blockers) => {
     const pen = penOf(room, { scale: 100 });
-    drawBlocked(pen, { world: room, run: robot(2, 4.3, blockers[0]), number: 1, others: [{ run: robot(8, 5.7, blockers[1]), number: 2, colour: "robot-1" }], step, show: SHOW });
+    drawBlocked(pen, { world: room, run: robot(2, 4.3, blockers[0]), number: 1, others: [{ run: robot(8, 5.7, blockers[1]), number: 2 }], step, show: SHOW });
     // Each arrow is a line, drawn twice, and a head of four corners.
     const starts = pen.context.of("moveTo").map(({ given }) => given);
     return starts.filter((_, k) => k % 2 === 0);
@@ -197,7 +199,7 @@ test("a robot alone has no number, and without the trail there is none on the pa
     drawNumbers(pen, { world: roomOf(64, 10), run, step: 59, show: SHOW, ...more });
     return pen.context.of("fillText").length;
   };
-  assert.deepEqual([count({}), count({ number: 1, colour: "robot-0", show: { ...SHOW, trail: false } })], [0, 1]);
+  assert.deepEqual([count({}), count({ number: 1, show: { ...SHOW, trail: false } })], [0, 1]);
 });
 
 /* A path of many corners, up and down through a large world. */

@@ -8,7 +8,7 @@ import { drawnOf } from "#studio/draw/drawn_world.js";
 import { cellsAt } from "#player/decode.js";
 import { shortName } from "#player/dom.js";
 import { refusalWords } from "#studio/shared/refusals.js";
-import { emptyWorld } from "#studio/draw/model.js";
+import { blank } from "./samples.mjs";
 
 const file = (name, digest) => ({ file: `/robots/${name}`, name, digest, controllers: ["/robots/mine.py:Robot"] });
 
@@ -52,7 +52,7 @@ test("a controller that an edit has broken stays on offer, and one that was neve
 });
 
 test("the drawn world can be shown before the server has answered, with its changes", () => {
-  const world = { ...emptyWorld(5, 5), events: { times: [1.5], ix: [2], iy: [3], state: [2] } };
+  const world = { ...blank(5, 5), events: { times: [1.5], ix: [2], iy: [3], state: [2] } };
   const drawn = drawnOf(world);
   assert.equal(cellsAt(drawn, 1000)[3 * 5 + 2], 0);
   assert.equal(cellsAt(drawn, 1500)[3 * 5 + 2], 2);

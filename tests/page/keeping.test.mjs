@@ -4,9 +4,10 @@ import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import "./stand_in.mjs";
 import { keep, keptOf } from "#studio/shared/kept.js";
-import { Model, emptyWorld, messageOf } from "#studio/draw/model.js";
+import { Model, messageOf } from "#studio/draw/model.js";
 import { proofWords } from "#studio/draw/proof.js";
 import { Recent } from "#studio/shared/recent.js";
+import { blank } from "./samples.mjs";
 
 const DRAFT = "worldgen-studio-draft-";
 const held = new Set(); // the locks of tabs that are there
@@ -35,7 +36,7 @@ async function newTab() {
 }
 
 function drawing(...walls) {
-  const model = new Model(emptyWorld(9, 9), () => {});
+  const model = new Model(blank(9, 9), () => {});
   for (const [x, y] of walls) {
     model.paint([{ x, y, width: 1, height: 1 }], 1);
     model.lift("brush");

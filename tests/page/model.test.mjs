@@ -3,11 +3,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
-import { Model, bordered, emptyWorld, markAt, messageOf, resized, worldOf } from "#studio/draw/model.js";
+import { Model, bordered, markAt, messageOf, resized, worldOf } from "#studio/draw/model.js";
+import { blank } from "./samples.mjs";
 
 function drawing(width = 40, height = 40) {
   const changes = [];
-  const model = new Model(emptyWorld(width, height), () => changes.push(model.version));
+  const model = new Model(blank(width, height), () => changes.push(model.version));
   return { model, changes };
 }
 
@@ -26,7 +27,7 @@ test("an empty world has a border of walls where there is room for one", () => {
 
 test("start and target of an empty world are in it, in opposite corners, however small it is", () => {
   for (const [width, height] of [[1, 1], [2, 7], [5, 5], [40, 30]]) {
-    const { start, target, cell_size: cell } = emptyWorld(width, height);
+    const { start, target, cell_size: cell } = blank(width, height);
     for (const [x, y] of [start, target]) assert.ok(x > 0 && x < width * cell && y > 0 && y < height * cell);
   }
 });
@@ -106,7 +107,7 @@ test("what is drawn while a file is being saved counts as changed", () => {
 test("undo after opening brings the drawing back and its name", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
-  model.change("open", worldOf(messageOf(emptyWorld(9, 9)), "other.grid", "digest"));
+  model.change("open", worldOf(messageOf(blank(9, 9)), "other.grid", "digest"));
   assert.deepEqual([model.world.name, model.world.width], ["other.grid", 9]);
   model.undo();
   assert.deepEqual([model.world.name, model.solid], ["", 161]);
@@ -115,7 +116,7 @@ test("undo after opening brings the drawing back and its name", () => {
 test("saving names all that the drawing has been, and no other one", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
-  model.change("open", worldOf(messageOf(emptyWorld(9, 9)), "other.grid", "digest"));
+  model.change("open", worldOf(messageOf(blank(9, 9)), "other.grid", "digest"));
   model.change("radius", { robot_radius: 0.09 });
   model.markSaved("new.grid", null, "other digest", model.mark());
   model.undo();
@@ -127,14 +128,14 @@ test("saving names all that the drawing has been, and no other one", () => {
 test("the cells of a world come back from its message", () => {
   // Also where a row, and the whole, ends within a byte: eight cells at a time are packed.
   for (const [width, height] of [[1, 1], [3, 5], [7, 9], [8, 8], [200, 131]]) {
-    const world = emptyWorld(width, height);
+    const world = blank(width, height);
     world.cells = world.cells.map((_, k) => Number((k * k + k) % 7 < 3));
     assert.deepEqual(worldOf(messageOf(world)).cells, world.cells);
   }
 });
 
 test("a message holds nothing that is the page's alone", () => {
-  const sent = JSON.parse(JSON.stringify(messageOf(worldOf(messageOf(emptyWorld(9, 9)), "mine.grid", "digest"))));
+  const sent = JSON.parse(JSON.stringify(messageOf(worldOf(messageOf(blank(9, 9)), "mine.grid", "digest"))));
   assert.deepEqual(["name", "file", "sheet"].filter((name) => name in sent), []);
 });
 
@@ -157,7 +158,7 @@ test("a world that grows and shrinks around the same corner is as it was", () =>
 });
 
 test("changes of cells go with their cells, and are gone where those are", () => {
-  const world = { ...emptyWorld(9, 9), events: { times: [1, 2], ix: [2, 7], iy: [2, 7], state: [2, 0] } };
+  const world = { ...blank(9, 9), events: { times: [1, 2], ix: [2, 7], iy: [2, 7], state: [2, 0] } };
   assert.deepEqual(resized(world, 5, 5).events, { times: [1], ix: [2], iy: [2], state: [2] });
   assert.deepEqual(resized(world, 5, 5, [1, 1]).events, { times: [2], ix: [3], iy: [3], state: [0] });
   assert.equal(resized({ ...world, events: { times: [1], ix: [8], iy: [8], state: [2] } }, 5, 5).events, null);
@@ -175,7 +176,7 @@ test("what has changed since a version is inside of a box, also after many strok
 });
 
 test("start and target have their names where they are", () => {
-  const world = emptyWorld(40, 40);
+  const world = blank(40, 40);
   const cells = ([x, y]) => [x / world.cell_size, y / world.cell_size];
   assert.deepEqual([cells(world.start), cells(world.target), [20, 20], null].map((at) => markAt(world, at)), ["Start", "Target", "", ""]);
 });

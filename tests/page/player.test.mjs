@@ -124,13 +124,13 @@ test("from within a step an arrow goes to the next whole one", () => {
 });
 
 test("of several robots the whole of the longest run is played, at a speed for that", () => {
-  const { made, readout } = played({ run: still(20), others: [{ run: still(4_000), colour: "robot-1", number: 2 }] });
+  const { made, readout } = played({ run: still(20), others: [{ run: still(4_000), number: 2 }] });
   assert.match(readout(), /^step 4,000 of 4,000/);
   assert.equal(made.speed, usualSpeed(4_000, 0.1));
 });
 
 test("a loop next to a robot that drives longer is told within its period", () => {
-  const { made, readout } = played({ run: loop(), others: [{ run: still(20_000), colour: "robot-1", number: 2 }] });
+  const { made, readout } = played({ run: loop(), others: [{ run: still(20_000), number: 2 }] });
   made.go(20_000);
   assert.match(readout(), new RegExp(`, ${(20_000 - 29) % 104} into the period$`));
 });
@@ -201,11 +201,11 @@ test("a robot that could not drive says why, and the others their results", () =
   assert.equal(looked, 0);
 });
 
-test("each robot has a colour and a number of its own, unless it is alone", () => {
+test("each robot has a number of its own, unless it is alone", () => {
   const robots = [{ run: loop() }, { run: still(5) }, { error: "no" }];
-  const { number, colour, others } = sceneOf(world, robots, 1);
-  assert.deepEqual([number, colour, others.map((one) => [one.number, one.colour])], [2, "robot-1", [[1, "robot-0"]]]);
-  assert.deepEqual([sceneOf(world, [robots[0]], 0).number, sceneOf(world, [robots[0]], 0).colour], [null, null]);
+  const { number, others } = sceneOf(world, robots, 1);
+  assert.deepEqual([number, others.map((one) => one.number)], [2, [1]]);
+  assert.equal(sceneOf(world, [robots[0]], 0).number, null);
 });
 
 test("numbers and counts have the words of one and of many", () => {

@@ -5,12 +5,12 @@ import { test } from "node:test";
 import "./stand_in.mjs";
 import { legendOf } from "#player/legend.js";
 import { seriesOf } from "#player/series.js";
-import { emptyWorld } from "#studio/draw/model.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
+import { blank } from "./samples.mjs";
 
 // A run straight to the right in a world of 9 x 5 cells of 0.1 m, one cell in each step of 0.1 s; the last one is idle.
 function straight() {
-  const world = { ...drawnOf({ ...emptyWorld(9, 5), target: [0.75, 0.25, 0.05], robot_radius: 0.05 }) };
+  const world = { ...drawnOf({ ...blank(9, 5), target: [0.75, 0.25, 0.05], robot_radius: 0.05 }) };
   const at = Float64Array.of(0, 1, 2, 3),
     x = Float64Array.of(2.5, 3.5, 4.5, 4.5),
     y = Float64Array.of(2.5, 2.5, 2.5, 2.5);

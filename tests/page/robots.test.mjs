@@ -3,12 +3,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { tick, type } from "./stand_in.mjs";
-import { Model, emptyWorld } from "#studio/draw/model.js";
+import { Model } from "#studio/draw/model.js";
 import { Refused } from "#studio/shared/refusals.js";
 import { makeRobots } from "#studio/play/robots.js";
 import { makeSettings } from "#studio/play/settings.js";
 import { sizePart } from "#studio/draw/size_form.js";
-import { LIMITS } from "./samples.mjs";
+import { LIMITS, blank } from "./samples.mjs";
 
 const both = { thesis: true, lattice: true, fault: null, named: false, motion: "swept" };
 const CONTROLLERS = [
@@ -32,7 +32,7 @@ const MOTIONS = [
 
 function panel({ controllers = CONTROLLERS, answer = async () => ({}) } = {}) {
   const asked = [];
-  const model = new Model(emptyWorld(9, 9), () => {});
+  const model = new Model(blank(9, 9), () => {});
   const ask = (kind, message) => {
     asked.push([kind, message]);
     return answer(kind, message);
@@ -193,7 +193,7 @@ test("one heading is open at a time", () => {
 
 function sizes() {
   const events = { times: [1, 2], ix: [2, 30], iy: [2, 30], state: [2, 0] };
-  const model = new Model({ ...emptyWorld(40, 40), events }, () => {});
+  const model = new Model({ ...blank(40, 40), events }, () => {});
   const parts = {},
     form = sizePart({ model, limits: LIMITS }, { board: {} }, parts);
   const press = (words) => form.querySelectorAll("button").find((one) => one.textContent === words).click();
@@ -232,7 +232,7 @@ test("a world is of one row up to four million cells, and no more", () => {
 });
 
 test("before the server has told its limits no size is taken", () => {
-  const model = new Model(emptyWorld(9, 9), () => {}),
+  const model = new Model(blank(9, 9), () => {}),
     parts = {},
     form = sizePart({ model, limits: null }, { board: {} }, parts);
   Object.assign(parts.width, { value: 5 });

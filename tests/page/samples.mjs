@@ -1,5 +1,7 @@
 // Small worlds and runs in the form in which the server packs them.
 
+import { emptyWorld } from "#studio/draw/model.js";
+
 export function base64(bytes) {
   return btoa(String.fromCharCode(...bytes));
 }
@@ -44,16 +46,25 @@ export function roomOf(width, height, walls = [], more = {}) {
   return worldOf(cells, width, more);
 }
 
+/** Parts of a step, of a cell and of a turn in what is packed; other numbers than the server's would do. */
+export const PER = { step: 16, cell: 100, turn: 3600 };
+
 /* A run through places in cells, at times in steps. */
 export function runOf({ at, x, y = x.map(() => 1), heading = x.map(() => 0), bump = x.map(() => 0), ...more }) {
   const scaled = (values, by) => numbers(values.map((value) => Math.round(value * by)));
-  const columns = { at: scaled(at, 256), x: scaled(x, 1024), y: scaled(y, 1024), heading: scaled(heading, 65536 / (2 * Math.PI)), bump: bits(bump) };
-  const usual = { steps: Math.floor(at.at(-1)), dt: 0.1, loop: null, marks: [], thinned: 1, breached: false, active: null, memory: null };
+  const columns = { per: PER, at: scaled(at, PER.step), x: scaled(x, PER.cell), y: scaled(y, PER.cell), heading: scaled(heading, PER.turn / (2 * Math.PI)), bump: bits(bump) };
+  const usual = { steps: Math.floor(at.at(-1)), dt: 0.1, loop: null, marks: [], thinned: 1, tolerance: null, active: null, memory: null };
   return { ...columns, ...usual, ...more };
 }
 
 /** Limits as the server tells them. */
 export const LIMITS = {
   message: 32 * 2 ** 20, dropped: 16 * 2 ** 20, side: 20_000, cells: 4_194_304, lengths: [0.0001, 10_000], robots: 6,
-  steps: 1_000_000, time_steps: [0.001, 10], seconds: 604_800, units: 1_000_000, workers: 256, examples: 100_000, epoch: 100_000,
+  seed: "18446744073709551615", steps: 1_000_000, time_steps: [0.001, 10], seconds: 604_800, units: 1_000_000, workers: 256, examples: 100_000, epoch: 100_000,
 };
+
+/** What the server writes into the page. */
+export const GIVEN = { protocol: 2, subprotocol: "worldgen-studio", full: 4000, world: { cell_size: 0.1, robot_radius: 0.07, robot_speed: 2 } };
+
+/* A new world. */
+export const blank = (width, height) => emptyWorld(width, height, GIVEN.world);

@@ -3,15 +3,16 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
-import { Model, emptyWorld } from "#studio/draw/model.js";
+import { Model } from "#studio/draw/model.js";
 import { withSelection } from "#studio/draw/selection.js";
 import { KEEP, STAMPS, brushBox, flipped, floodCells, lineCells, mirrored, patternIn, rectangleBoxes, rectangleOf, turned } from "#studio/draw/shapes.js";
+import { blank } from "./samples.mjs";
 
 const L = { width: 2, height: 3, cells: Uint8Array.from([1, 1, 1, 0, 1, 0]) }; // as the letter, seen from above: rows go up
 
 function kitOf(selection) {
   const said = [];
-  const model = new Model(emptyWorld(12, 12), () => {});
+  const model = new Model(blank(12, 12), () => {});
   return { model, board: { selection, draw() {} }, clipboard: null, turns: [], said: (words) => said.push(words) };
 }
 
@@ -49,7 +50,7 @@ test("a brush is around its cell", () => {
 });
 
 test("a flood fills all that hangs together by sides, and nothing by corners", () => {
-  const { cells, width, height } = emptyWorld(8, 8);
+  const { cells, width, height } = blank(8, 8);
   for (let k = 1; k < 7; k += 1) cells[k * 8 + k] = 1; // a diagonal: the halves touch by corners only
   assert.equal(floodCells({ cells, width, height }, [5, 1]).length, 15);
   assert.equal(floodCells({ cells, width, height }, [0, 0]).length, 30); // the border, and of the diagonal its two ends alone

@@ -42,11 +42,25 @@ function bitsOf(text, count) {
   return Uint8Array.from({ length: count }, (_, k) => (bytes[k >> 3] >> (k & 7)) & 1);
 }
 
-export const UNIT = 1024; // lattice units a cell
-const TURN = 65536; // heading units a turn
-const SHARE = 256; // parts of a step
-export const SOLID = 1,
-  BURNING = 2; // 0: free
+/** States of a cell, as in worldgen/timeline.py. */
+export const FREE = 0,
+  SOLID = 1,
+  BURNING = 2;
+
+/**
+ * Returns a witness with its times in ms and its places in cells.
+ * @param {PackedWitness | null | undefined} witness
+ * @returns {OpenWorld["witness"]}
+ */
+export function openWitness(witness) {
+  if (!witness) return null;
+  const { per_cell: perCell } = witness;
+  return {
+    ms: numbersOf(witness.ms),
+    x: numbersOf(witness.x).map((value) => value / perCell),
+    y: numbersOf(witness.y).map((value) => value / perCell),
+  };
+}
 
 export function opened(thing, open) {
   if (!thing.open) Object.defineProperty(thing, "open", { value: open(thing) });
@@ -59,12 +73,6 @@ export function opened(thing, open) {
  */
 export function openWorld(world) {
   return opened(world, () => {
-    const path = (witness) =>
-      witness && {
-        ms: numbersOf(witness.ms),
-        x: numbersOf(witness.x).map((value) => value / UNIT),
-        y: numbersOf(witness.y).map((value) => value / UNIT),
-      };
     return {
       cells: bitsOf(world.cells ?? "", world.width * world.height),
       events: world.events && {
@@ -73,8 +81,8 @@ export function openWorld(world) {
         iy: numbersOf(world.events.iy),
         state: numbersOf(world.events.state),
       },
-      witness: path(world.witness),
-      others: (world.others ?? []).map((other) => path(other.witness)), // witnesses of the other robots
+      witness: openWitness(world.witness),
+      others: (world.others ?? []).map((other) => openWitness(other.witness)), // witnesses of the other robots
       now: null, // cells at some time, and how many events are in them
       done: 0,
     };
@@ -87,12 +95,13 @@ export function openWorld(world) {
  */
 export function openRun(run) {
   return opened(run, () => {
-    const at = numbersOf(run.at).map((value) => value / SHARE);
+    const { step, cell, turn } = run.per;
+    const at = numbersOf(run.at).map((value) => value / step);
     return {
       at, // time of each row, in steps
-      x: numbersOf(run.x).map((value) => value / UNIT),
-      y: numbersOf(run.y).map((value) => value / UNIT),
-      heading: numbersOf(run.heading).map((value) => (value / TURN) * 2 * Math.PI),
+      x: numbersOf(run.x).map((value) => value / cell),
+      y: numbersOf(run.y).map((value) => value / cell),
+      heading: numbersOf(run.heading).map((value) => (value / turn) * 2 * Math.PI),
       bump: bitsOf(run.bump, at.length),
       active: run.active && numbersOf(run.active),
     };

@@ -3,13 +3,14 @@
 import { BURNING, SOLID, openWorld } from "#player/decode.js";
 import { el } from "#player/dom.js";
 import { hasMap } from "#player/picture/memory.js";
+import { robotColour } from "#player/picture/pen.js";
 
 /**
  * Returns the marks of what is drawn, as pairs of a class and words.
  * @param {Drawn} drawn
  * @returns {[string, string][]}
  */
-function marksOf({ world, run, others, colour }) {
+function marksOf({ world, run, others, number }) {
   const { events } = openWorld(world),
     happens = new Set(events?.state ?? []);
   const several = (others ?? []).length > 0;
@@ -20,7 +21,7 @@ function marksOf({ world, run, others, colour }) {
     several && ["chip-mark", "each robot has its number and colour"],
     !several && run !== null && run.loop !== null && ["way", "the path into the loop"],
     !several && run !== null && ["loop", run.loop ? "the period, repeated forever" : "the robot's path"],
-    several && run !== null && run.loop !== null && [`${colour} thick`, "its period, repeated forever"],
+    several && run !== null && run.loop !== null && [`${robotColour(number ?? 1)} thick`, "its period, repeated forever"],
     several && [{ run }, ...(others ?? [])].some((one) => one.run?.blocked_by?.length) && ["blocked", "is blocked by"],
     run !== null && [ "ahead", "still to be driven"],
     run !== null && ["square touched", "wall touched"],

@@ -16,15 +16,14 @@ export function sceneOf(world, robots, number) {
   const front = robots[number];
   // In a world of several robots, each entry has all of them.
   if (front.others?.length)
-    return { world, run: front.run, sensors: front.sensors, colour: robotColour(0), number: 1, others: front.others };
+    return { world, run: front.run, sensors: front.sensors, number: 1, others: front.others };
   const alone = robots.filter((one) => one.run).length === 1;
   return {
     world,
     run: front.run,
     sensors: front.sensors,
-    colour: alone ? null : robotColour(number),
     number: alone ? null : number + 1,
-    others: robots.flatMap(({ run }, k) => (run && k !== number ? [{ run, colour: robotColour(k), number: k + 1 }] : [])),
+    others: robots.flatMap(({ run }, k) => (run && k !== number ? [{ run, number: k + 1 }] : [])),
   };
 }
 
@@ -56,7 +55,7 @@ export function framesPart(frames = []) {
  */
 export function showRobots(list, robots, looked, look, note = "") {
   const row = (one, number) => {
-    const chip = robots.length > 1 ? el("span", { class: `chip robot-${number % 6}` }, String(number + 1)) : null;
+    const chip = robots.length > 1 ? el("span", { class: `chip ${robotColour(number + 1)}` }, String(number + 1)) : null;
     if (one.error)
       return el("li", { class: "failed" }, el("span", { class: "who", title: one.name }, chip, " ", el("b", {}, breakable(shortName(one.name))), " ", el("span", { class: "bad" }, "did not run")), el("p", { class: "bad" }, one.error), framesPart(one.frames));
     const facts = [`${grouped(one.steps)} steps, `, el("span", { class: "time" }, `${one.time.toFixed(3)} s, `), `${one.path.toFixed(2)} m, ${one.collisions} collisions`];

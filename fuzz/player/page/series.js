@@ -1,6 +1,6 @@
 // What a run's plots show: speed, distance to the target and clearance, one value for each row of the run.
 
-import { cellsAt, openRun, stateAt } from "#player/decode.js";
+import { FREE, cellsAt, openRun, stateAt } from "#player/decode.js";
 
 const FAR = 4; // cells of clearance that are looked for; what is farther away counts as that far
 
@@ -50,7 +50,7 @@ function clearanceAt(world, cells, x, y) {
   let least = world.radius + FAR;
   for (let iy = Math.floor(y) - reach; iy <= Math.floor(y) + reach; iy += 1) {
     for (let ix = Math.floor(x) - reach; ix <= Math.floor(x) + reach; ix += 1) {
-      if (stateAt(cells, world, ix, iy) === 0) continue;
+      if (stateAt(cells, world, ix, iy) === FREE) continue;
       const dx = Math.max(ix - x, 0, x - ix - 1),
         dy = Math.max(iy - y, 0, y - iy - 1);
       least = Math.min(least, Math.hypot(dx, dy));

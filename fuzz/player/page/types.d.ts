@@ -42,7 +42,7 @@ interface DrawnWorld {
   /** x, y and radius in cells. */
   target: Triple;
   events: { ms: Packed; ix: Packed; iy: Packed; state: Packed } | null;
-  witness?: { ms: Packed; x: Packed; y: Packed } | null;
+  witness?: PackedWitness | null;
   cut?: CellPlace[] | null;
   /** The robots after the first. */
   others?: OtherEnds[];
@@ -50,12 +50,20 @@ interface DrawnWorld {
   open?: OpenWorld;
 }
 
+/** Times in ms; places in parts, `per_cell` to a cell. */
+interface PackedWitness {
+  ms: Packed;
+  x: Packed;
+  y: Packed;
+  per_cell: number;
+}
+
 interface OtherEnds {
   start: Triple;
   target: Triple;
   /** In cells. */
   radius: number;
-  witness: { ms: Packed; x: Packed; y: Packed } | null;
+  witness: PackedWitness | null;
 }
 
 interface OpenWorld {
@@ -89,6 +97,8 @@ interface DrawnRun {
   steps: number;
   /** Time step, s. */
   dt: number;
+  /** Units of the columns: parts of a step in `at`, of a cell in `x` and `y`, of a turn in `heading`. */
+  per: { step: number; cell: number; turn: number };
   at: Packed;
   x: Packed;
   y: Packed;
@@ -97,7 +107,8 @@ interface DrawnRun {
   active?: Packed | null;
   behaviours?: string[];
   memory: DrawnMemory | null;
-  breached: boolean;
+  /** If the robot has entered a wall: the depth in cells beyond which its motion model reports that; else null. */
+  tolerance: number | null;
   /** One in this many steps is included, at the coarsest. */
   thinned: number;
   /** Entry and period. */
@@ -124,12 +135,25 @@ interface OpenRun {
 
 interface DrawnMemory {
   fields: { name: string; words: string[]; least: number; values: Packed }[];
-  map: (Record<"kind" | "x0" | "y0" | "x1" | "y1" | "since" | "until", Packed> & { names: string[] }) | null;
+  /** Value of a field that stands for 1. */
+  one: number;
+  /** Value of a field without a number. */
+  missing: number;
+  map: MemoryMap | null;
   fault: string;
   open?: {
     fields: Float64Array[];
     map: Record<string, Float64Array> | null;
   };
+}
+
+/** Shapes with the steps between which they exist: fuzz/player/memory.py. */
+interface MemoryMap extends Record<"kind" | "x0" | "y0" | "x1" | "y1" | "since" | "until", Packed> {
+  /** Names of the kinds by number; the numbers after them are rectangles by degree, the worst first. */
+  kinds: string[];
+  degrees: number;
+  /** Names of the places. */
+  names: string[];
 }
 
 interface Sensors {
@@ -190,7 +214,6 @@ interface DrawnFailure {
   run: DrawnRun | null;
   sensors: Sensors | null;
   /** Of the first robot and of the others, if there are several. */
-  colour?: string | null;
   number?: number | null;
   others?: OtherRobot[];
 }
@@ -354,7 +377,6 @@ type Shown = Partial<Record<Layer | "grid", boolean>>;
 
 interface OtherRobot {
   run: DrawnRun;
-  colour: string;
   number: number;
 }
 
@@ -367,8 +389,6 @@ interface Scene {
   ms?: number;
   show: Shown;
   sensors?: Sensors | null;
-  /** The colour of this robot in the palette, if there are several robots. */
-  colour?: string | null;
   /** The number next to this robot, if there are several robots. */
   number?: number | null;
   others?: OtherRobot[];
@@ -384,7 +404,6 @@ interface Drawn {
   world: DrawnWorld;
   run: DrawnRun | null;
   sensors?: Sensors | null;
-  colour?: string | null;
   number?: number | null;
   others?: OtherRobot[];
   name?: string;

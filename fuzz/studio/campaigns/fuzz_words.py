@@ -20,6 +20,7 @@ from fuzz.search.registry import OWN_STRATEGIES
 from fuzz.studio.folder import KNOWN, Folder
 from fuzz.studio.limits import MOST_SECONDS, MOST_UNITS, MOST_WORKERS
 from fuzz.studio.messages import field as part_of
+from fuzz.studio.messages import seed_of
 from fuzz.studio.pasted import from_anywhere
 from fuzz.studio.running import check_named, check_registered
 from sim.controllers import CONTROLLERS
@@ -76,7 +77,7 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
         )
         if value is not None:
             words += _words(option, option.accept(value, "campaign"))
-    return [*words, f"--seed={_seed(message)}"] if message.get("seed") is not None else words
+    return [*words, f"--seed={seed_of(message)}"] if message.get("seed") is not None else words
 
 
 def _words(option: Parameter, value: Any) -> list[str]:
@@ -253,19 +254,6 @@ def _texts(message: Message, name: str) -> list[str]:
         if name in message
         else []
     )
-
-
-def _seed(message: Message) -> str:
-    """Return a seed as digits, because a browser's numbers cannot hold all seeds."""
-    seed: str = part_of(message, "seed", str)
-    if not (seed.isascii() and seed.isdigit() and int(seed[:40]) < 1 << 64):
-        raise InvalidParameter(
-            "not-a-seed",
-            "seed={seed!r} is not an integer from 0 to 2**64 - 1",
-            "choose a seed in that range",
-            seed=seed[:40],
-        )
-    return seed
 
 
 def _whole(message: Message, name: str, most: int) -> int:

@@ -21,14 +21,17 @@ import { Refused, refusalWords } from "#studio/shared/refusals.js";
 import { makeTour } from "#studio/shared/tour.js";
 
 const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"], campaign: ["Campaign", "3"], compare: ["Compare", "4"] };
+/** @type {Given} */
+const given = JSON.parse(byId("given").textContent);
 const SIDE = 40; // cells of the initial world
 const SLOW = 2000; // ms after which the page explains the delay
 
 /** @type {Studio} */
 const studio = {
-  model: new Model(emptyWorld(SIDE, SIDE), () => changed()),
+  model: new Model(emptyWorld(SIDE, SIDE, given.world), () => changed()),
   connection: /** @type {any} */ (null), // made when the page begins
   folder: "", // the server's opened folder
+  usual: given.world,
   limits: null,
   offered: null, // the choices that the server offers
   widest: null,
@@ -366,7 +369,7 @@ function begin() {
     if (!keepDraft(studio.model)) event.preventDefault(); // too large to be kept, so the browser asks the user
   });
   // Find the draft first: after sharing the token, other tabs may connect.
-  studio.connection = makeConnection(begun, lost, goOn().finally(shareToken));
+  studio.connection = makeConnection(given, begun, lost, goOn().finally(shareToken));
   route();
 }
 

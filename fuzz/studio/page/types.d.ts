@@ -16,6 +16,23 @@ interface Refusal {
   source: string | null;
 }
 
+/** What the server writes into the page: fuzz/studio/app.py. */
+interface Given {
+  /** The version of this page. */
+  protocol: number;
+  subprotocol: string;
+  /** WebSocket code for too many connections; the reason is a sentence. */
+  full: number;
+  world: UsualWorld;
+}
+
+/** Cells and robot of a new world: m, m, m/s. */
+interface UsualWorld {
+  cell_size: number;
+  robot_radius: number;
+  robot_speed: number;
+}
+
 /** The first message of a connection: fuzz/studio/app.py. */
 interface Begins {
   protocol: number;
@@ -50,6 +67,8 @@ interface Limits {
   workers: number;
   examples: number;
   epoch: number;
+  /** Digits, because JavaScript's numbers cannot hold it. */
+  seed: string;
 }
 
 /** The choices that the server offers, the answer to `hello`: fuzz/studio/catalogue.py. */
@@ -58,6 +77,8 @@ interface Offered {
   controllers: OfferedController[];
   motions: Motion[];
   formats: Format[];
+  /** The defaults. */
+  motion: string;
   time_step: number;
   strategies: string[];
   oracles: string[];
@@ -285,6 +306,7 @@ interface Studio {
   model: import("#studio/draw/model.js").Model;
   connection: Connection;
   folder: string;
+  usual: UsualWorld;
   /** Null until the server has sent them. */
   limits: Limits | null;
   offered: Offered | null;

@@ -1,7 +1,7 @@
 // The robot at a time, and the other robots next to it.
 
 import { poseAt, rowAt, stepWithin } from "#player/decode.js";
-import { ring, stroke } from "#player/picture/pen.js";
+import { ring, robotColour, stroke } from "#player/picture/pen.js";
 import { drawOtherTrail } from "#player/picture/trail.js";
 
 /**
@@ -42,10 +42,10 @@ export function drawRobot(pen, world, pose, scene) {
  * @param {RunScene} scene
  * @param {OtherRobot} other
  */
-export function drawOther(pen, scene, { run, colour, number }) {
+export function drawOther(pen, scene, { run, number }) {
   const step = (scene.step * scene.run.dt) / run.dt;
   const pose = poseAt(run, stepWithin(run, step)),
-    strong = pen.colours[colour],
+    strong = pen.colours[robotColour(number)],
     radius = Math.max(scene.world.others?.[number - 2]?.radius ?? scene.world.radius, 3 / pen.scale);
   if (scene.show.trail) {
     drawOtherTrail(pen, run, strong, rowAt(run, Math.min(step, run.steps)) + 1, step <= run.steps ? pose : null);

@@ -35,8 +35,8 @@ export function drawCertificate(pen, world, ms) {
   const { context, px, py, colours } = pen;
   const { witness, others = [] } = openWorld(world);
   context.save();
-  if (witness) drawWitness(pen, witness, ms, others.length ? robotColour(0) : "start");
-  others.forEach((path, k) => path && drawWitness(pen, path, ms, robotColour(k + 1)));
+  if (witness) drawWitness(pen, witness, ms, others.length ? robotColour(1) : "start");
+  others.forEach((path, k) => path && drawWitness(pen, path, ms, robotColour(k + 2)));
   if (world.cut) {
     context.beginPath();
     for (const [ix, iy] of [...world.cut, world.cut[0]]) context.lineTo(px(ix + 0.5), py(iy + 0.5));

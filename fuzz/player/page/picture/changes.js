@@ -1,11 +1,12 @@
 // Changes of cells over time: what happens next to each cell, and which floor has burnt. Hatching shows what is to come.
 
-import { BURNING, SOLID } from "#player/decode.js";
+import { BURNING, FREE, SOLID } from "#player/decode.js";
 import { rimOf } from "#player/picture/pen.js";
 
-const OPENS = 1,
-  CLOSES = 2,
-  BURNS = 3; // what happens next to a cell, as the state after it plus one
+// What happens next to a cell: the state after it plus one, because 0 means nothing.
+const OPENS = FREE + 1,
+  CLOSES = SOLID + 1,
+  BURNS = BURNING + 1;
 const HATCHED = 3; // pixels per cell from which hatching can be told from a plain colour
 const APART = 6; // pixels between two lines of hatching
 const MOST_LABELS = 6; // of the places where a timed path waits for a wall to open
@@ -42,7 +43,7 @@ export function drawBurnt(pen, world, cells) {
   const { context } = pen;
   context.fillStyle = pen.colours.burnt;
   context.beginPath();
-  if (pathOf(pen, world, (k) => burnt[k] === 1 && cells[k] === 0)) context.fill();
+  if (pathOf(pen, world, (k) => burnt[k] === 1 && cells[k] === FREE)) context.fill();
 }
 
 /**
@@ -56,8 +57,8 @@ export function drawComing(pen, world, cells) {
   if (!open?.events) return;
   const { next } = comingIn(open, world.width);
   const { colours } = pen;
-  hatch(pen, world, (k) => next[k] === BURNS && cells[k] === 0, colours.fire, 1);
-  hatch(pen, world, (k) => next[k] === CLOSES && cells[k] === 0, colours.wall, 1);
+  hatch(pen, world, (k) => next[k] === BURNS && cells[k] === FREE, colours.fire, 1);
+  hatch(pen, world, (k) => next[k] === CLOSES && cells[k] === FREE, colours.wall, 1);
   const opens = (k) => next[k] === OPENS && cells[k] === SOLID;
   wash(pen, world, opens, colours.floor); // so that the hatching stands out from walls
   hatch(pen, world, opens, colours.start, -1);
@@ -157,7 +158,7 @@ function openingsOn(world, cells) {
   /** @type {Map<number, number>} */
   const opens = new Map();
   for (let k = events.ms.length - 1; k >= done; k -= 1)
-    if (events.state[k] === 0) opens.set(events.iy[k] * world.width + events.ix[k], events.ms[k]);
+    if (events.state[k] === FREE) opens.set(events.iy[k] * world.width + events.ix[k], events.ms[k]);
   let within = false;
   for (let k = 0; k + 1 < witness.x.length; k += 1) {
     const dx = witness.x[k + 1] - witness.x[k],

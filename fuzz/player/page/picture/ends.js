@@ -8,24 +8,24 @@ import { disc, ring, robotColour, stroke } from "#player/picture/pen.js";
  * @param {SceneWorld} world
  */
 export function drawTarget(pen, world) {
-  for (const { target, colour, number } of endsOf(world)) {
+  for (const { target, number } of endsOf(world)) {
     const [x, y, radius] = target;
     const shown = Math.max(radius, 4 / pen.scale),
-      strong = pen.colours[colour ?? "target"];
+      strong = pen.colours[number ? robotColour(number) : "target"];
     disc(pen, x, y, shown, strong);
     ring(pen, x, y, shown + 2.5 / pen.scale, strong, 1.5);
-    if (number) drawNumber(pen, { number, colour }, pen.px(x + shown) + 5, pen.py(y + shown));
+    if (number) drawNumber(pen, number, pen.px(x + shown) + 5, pen.py(y + shown));
   }
 }
 
 /**
- * Returns start and target of each robot, with its colour and number if there are several.
+ * Returns start and target of each robot, with its number if there are several.
  * @param {SceneWorld} world
  */
 function endsOf(world) {
   const { start, target, radius, others } = world;
-  if (!others?.length) return [{ start, target, radius, colour: null, number: null }];
-  return [{ start, target, radius }, ...others].map((ends, k) => ({ ...ends, colour: robotColour(k), number: k + 1 }));
+  if (!others?.length) return [{ start, target, radius, number: null }];
+  return [{ start, target, radius }, ...others].map((ends, k) => ({ ...ends, number: k + 1 }));
 }
 
 /**
@@ -34,10 +34,10 @@ function endsOf(world) {
  */
 export function drawStart(pen, world) {
   const { context, px, py, colours } = pen;
-  for (const { start, radius, colour } of endsOf(world)) {
+  for (const { start, radius, number } of endsOf(world)) {
     const [x, y, heading] = start;
     const shown = Math.max(radius * 0.35, 4 / pen.scale),
-      strong = colours[colour ?? "start"];
+      strong = colours[number ? robotColour(number) : "start"];
     ring(pen, x, y, shown, strong, 2);
     context.beginPath();
     context.moveTo(px(x), py(y));

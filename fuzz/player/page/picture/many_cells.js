@@ -1,6 +1,6 @@
 // Cells of a large world, many of which share a pixel: a picture with one pixel per cell, drawn in a single call.
 
-import { BURNING, SOLID } from "#player/decode.js";
+import { BURNING, FREE, SOLID } from "#player/decode.js";
 
 const MANY = 100_000; // visible cells; fewer are drawn individually, with sharp edges
 const pictures = new WeakMap(); // by the array of cells
@@ -102,7 +102,7 @@ function drawChanges(known, world, cells, done, { wall, fire }) {
     const state = cells[iy[k] * world.width + ix[k]],
       row = world.height - 1 - iy[k];
     context.clearRect(ix[k], row, 1, 1);
-    if (state === 0) continue;
+    if (state === FREE) continue;
     context.globalAlpha = state === BURNING ? FLAMES / 255 : 1;
     context.fillStyle = state === BURNING ? fire : wall;
     context.fillRect(ix[k], row, 1, 1);

@@ -68,15 +68,15 @@ function drawRun(pen, scene, cells) {
 /**
  * Draws a small picture: the whole path, and the robot where the run ends.
  * @param {HTMLCanvasElement} canvas
- * @param {Pick<DrawnFailure, "world" | "run" | "sensors" | "colour" | "number" | "others">} drawn
+ * @param {Pick<DrawnFailure, "world" | "run" | "sensors" | "number" | "others">} drawn
  */
 export function drawSmall(canvas, drawn) {
   const { world } = drawn;
   if (!world) return;
   const show = { trail: true, signal: true, touched: false, sensors: false, witness: false };
-  const { run, sensors, colour, number, others } = drawn;
+  const { run, sensors, number, others } = drawn;
   const last = Math.max(...[run, ...(others ?? []).map((other) => other.run)].map((one) => one?.steps ?? 0));
-  drawScene(canvas, { world, run, sensors, colour, number, others, show, whole: true, step: last });
+  drawScene(canvas, { world, run, sensors, number, others, show, whole: true, step: last });
 }
 
 /**

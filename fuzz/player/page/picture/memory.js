@@ -1,17 +1,7 @@
 // A controller's memory: named numbers, and its map at the displayed time.
 
-import { UNIT, numbersOf, opened, rowAt } from "#player/decode.js";
+import { numbersOf, opened, rowAt } from "#player/decode.js";
 import { stroke } from "#player/picture/pen.js";
-
-const BLOCKED_LINE = 0,
-  HELD_CELL = 1,
-  PLAN_PIECE = 2,
-  PLACE_POINT = 3,
-  GRAPH_NODE = 4,
-  GRAPH_EDGE = 5,
-  WORST_DEGREE = 6, // as in fuzz/player/memory.py
-  BEST_DEGREE = 9;
-const NO_NUMBER = 2 ** 50;
 
 function openMemory(memory) {
   return opened(memory, () => ({
@@ -41,27 +31,30 @@ export function memoryFacts(run, step) {
   if (!memory) return [];
   if (memory.fault) return [["memory", memory.fault]];
   const row = rowAt(run, step),
-    columns = openMemory(memory).fields;
+    columns = openMemory(memory).fields,
+    { one, missing } = memory;
   return memory.fields.map(({ name, words, least }, k) => {
-    const thousandths = columns[k][row];
-    if (thousandths >= NO_NUMBER) return [name, "none"];
-    const value = thousandths / 1000;
+    const parts = columns[k][row];
+    if (parts >= missing) return [name, "none"];
+    const value = parts / one;
     return [name, words[value - least] || String(value)];
   });
 }
 
-// Returns the shapes that exist at a step, by kind.
+// Returns the shapes that exist at a step by the name of their kind, and those with a degree by that, the worst first.
 function shapesAt(run, step) {
+  const { kinds, degrees, names } = run.memory.map,
+    { cell } = run.per;
   /** @type {any[][]} */
-  const found = Array.from({ length: BEST_DEGREE + 1 }, () => []);
-  if (!hasMap(run)) return found;
+  const found = Array.from({ length: kinds.length + degrees }, () => []);
   const { kind, x0, y0, x1, y1, since, until } = openMemory(run.memory).map;
   for (let k = 0; k < kind.length && since[k] <= step; k += 1) {
     if (step >= until[k]) continue;
-    const ends = [x0[k] / UNIT, y0[k] / UNIT];
-    found[kind[k]].push(kind[k] === PLACE_POINT ? [...ends, run.memory.map.names[x1[k]]] : [...ends, x1[k] / UNIT, y1[k] / UNIT]);
+    const ends = [x0[k] / cell, y0[k] / cell];
+    found[kind[k]].push(kinds[kind[k]] === "place" ? [...ends, names[x1[k]]] : [...ends, x1[k] / cell, y1[k] / cell]);
   }
-  return found;
+  const named = Object.fromEntries(kinds.map((/** @type {string} */ name, k) => [name, found[k]]));
+  return { named, degrees: found.slice(kinds.length) };
 }
 
 /**
@@ -72,13 +65,14 @@ function shapesAt(run, step) {
  * @param {number} step
  */
 export function drawMemory(pen, run, step) {
+  if (!hasMap(run)) return;
   const { context, px, py, colours } = pen,
-    shapes = shapesAt(run, step);
+    { named: shapes, degrees } = shapesAt(run, step);
   context.save();
   context.fillStyle = colours.memory;
   context.globalAlpha = 0.3;
-  for (const [x0, y0, x1, y1] of shapes[HELD_CELL]) context.fillRect(px(x0), py(y0), px(x1) - px(x0), py(y1) - py(y0));
-  drawDegrees(pen, shapes);
+  for (const [x0, y0, x1, y1] of shapes.cell) context.fillRect(px(x0), py(y0), px(x1) - px(x0), py(y1) - py(y0));
+  drawDegrees(pen, degrees);
   context.globalAlpha = 1;
   const lines = (kind) => {
     context.beginPath();
@@ -87,22 +81,22 @@ export function drawMemory(pen, run, step) {
       context.lineTo(px(x1), py(y1));
     }
   };
-  lines(BLOCKED_LINE);
+  lines("blocked");
   stroke(pen, colours.memory, 1.25);
-  lines(PLAN_PIECE);
+  lines("plan");
   stroke(pen, colours.memory, 2.5, [2, 5]);
-  lines(GRAPH_EDGE);
+  lines("edge");
   stroke(pen, colours.memory, 1.5);
-  for (const [x, y] of shapes[GRAPH_NODE]) drawNode(pen, x, y);
-  for (const [x, y, name] of shapes[PLACE_POINT]) drawPlace(pen, x, y, name);
+  for (const [x, y] of shapes.node) drawNode(pen, x, y);
+  for (const [x, y, name] of shapes.place) drawPlace(pen, x, y, name);
   context.restore();
 }
 
 // Tints rectangles: the worse they are to drive on, the stronger.
-function drawDegrees({ context, px, py }, shapes) {
-  for (let kind = WORST_DEGREE; kind <= BEST_DEGREE; kind += 1) {
-    context.globalAlpha = 0.08 + (0.5 * (BEST_DEGREE - kind)) / (BEST_DEGREE - WORST_DEGREE);
-    for (const [x0, y0, x1, y1] of shapes[kind]) context.fillRect(px(x0), py(y0), px(x1) - px(x0), py(y1) - py(y0));
+function drawDegrees({ context, px, py }, degrees) {
+  for (const [degree, shapes] of degrees.entries()) {
+    context.globalAlpha = 0.58 - (0.5 * degree) / (degrees.length - 1);
+    for (const [x0, y0, x1, y1] of shapes) context.fillRect(px(x0), py(y0), px(x1) - px(x0), py(y1) - py(y0));
   }
 }
 

@@ -2,6 +2,7 @@
 
 import { bodyRadius } from "#player/picture/body.js";
 import { openRun, poseAt, rowAt, stepWithin } from "#player/decode.js";
+import { robotColour } from "#player/picture/pen.js";
 
 const FIRST = 6; // cells before the first number on a path; the next ones are at twice that distance, and so on
 const APART = 18; // least distance in pixels between two numbers, or a number and a robot
@@ -33,9 +34,9 @@ function numberedRows(run, number) {
  * @param {Pen} pen
  * @param {RunScene} scene - As for drawScene; without a number there is only one robot
  */
-export function drawNumbers(pen, { run, step, world, show, number, colour, others }) {
+export function drawNumbers(pen, { run, step, world, show, number, others }) {
   if (!number) return;
-  const all = [...(others || []), { run, number, colour }].map((one) => ({ ...one, step: (step * run.dt) / one.run.dt }));
+  const all = [...(others || []), { run, number }].map((one) => ({ ...one, step: (step * run.dt) / one.run.dt }));
   const places = [];
   for (const one of all) {
     const pose = poseAt(one.run, stepWithin(one.run, one.step)),
@@ -43,7 +44,7 @@ export function drawNumbers(pen, { run, step, world, show, number, colour, other
     const x = pen.px(pose.x) + aside + 3,
       y = pen.py(pose.y) - aside - 1;
     places.push([x + 4, y - 5]);
-    drawNumber(pen, one, x, y);
+    drawNumber(pen, one.number, x, y);
   }
   if (!show.trail) return;
   for (const one of all) drawAlong(pen, one, places);
@@ -60,7 +61,7 @@ function drawAlong(pen, one, places) {
     const place = [pen.px(x[row]), pen.py(y[row])];
     if (places.some(([left, top]) => Math.hypot(left - place[0], top - place[1]) < APART)) continue;
     places.push(place);
-    drawNumber(pen, one, place[0], place[1] + 5);
+    drawNumber(pen, one.number, place[0], place[1] + 5);
   }
   pen.context.restore();
 }
@@ -68,16 +69,16 @@ function drawAlong(pen, one, places) {
 /**
  * Draws a robot's number at a place in pixels.
  * @param {Pen} pen
- * @param {{number?: number | null, colour?: string | null}} robot
+ * @param {number} number
  * @param {number} across
  * @param {number} down
  */
-export function drawNumber(pen, { number, colour }, across, down) {
+export function drawNumber(pen, number, across, down) {
   const { context, colours } = pen;
   context.font = "700 13px system-ui, sans-serif";
   context.lineWidth = 4;
   context.strokeStyle = colours.floor;
-  context.fillStyle = colours[colour ?? "robot-0"];
+  context.fillStyle = colours[robotColour(number)];
   context.strokeText(String(number), across, down);
   context.fillText(String(number), across, down);
 }

@@ -174,8 +174,8 @@ export function ring(pen, x, y, radius, colour, width) {
 }
 
 /**
- * Returns the colour of a robot in the palette, by its index.
- * @param {number} index
+ * Returns the colour of a robot in the palette, by its number; more robots than colours begin again with the first.
+ * @param {number} number
  * @returns {string}
  */
-export const robotColour = (index) => `robot-${index % 6}`;
+export const robotColour = (number) => `robot-${(number - 1) % 6}`;

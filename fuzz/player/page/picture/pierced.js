@@ -4,7 +4,6 @@
 import { SOLID, cellsAt, openRun, poseAt, stateAt } from "#player/decode.js";
 import { stroke } from "#player/picture/pen.js";
 
-const TOLERANCE = 0.1; // cells: no motion model reports a shallower cut of the disc
 const FURTHEST = 6; // cells: for a larger robot, only the cells that its centre enters are found
 const FINENESS = 0.125; // cells between two places of a path that are examined
 
@@ -22,10 +21,10 @@ function piercedCells(world, run) {
     if (!known) pierced.set(key, { ix, iy, step, named });
     else if (named) Object.assign(known, { named, step });
   };
-  if (run.breached) {
+  if (run.tolerance !== null) {
     for (let row = 0; row < open.at.length; row += 1) {
       const cells = cellsAt(world, open.at[row] * run.dt * 1000);
-      for (const [ix, iy] of cutAt(cells, world, open.x[row], open.y[row])) note(ix, iy, open.at[row]);
+      for (const [ix, iy] of cutAt(cells, world, run.tolerance, open.x[row], open.y[row])) note(ix, iy, open.at[row]);
       if (row > 0 && open.at[row] - open.at[row - 1] <= 1)
         for (const [ix, iy] of crossed(cells, world, open, row)) note(ix, iy, open.at[row]);
     }
@@ -34,10 +33,10 @@ function piercedCells(world, run) {
   return pierced;
 }
 
-// Returns the walls that the disc cuts into by more than the tolerance.
-function cutAt(cells, world, x, y) {
+// Returns the walls that the disc cuts into by more than the tolerance, in cells.
+function cutAt(cells, world, tolerance, x, y) {
   const reach = world.radius > FURTHEST ? 0 : Math.ceil(world.radius),
-    most = Math.max(0, world.radius - TOLERANCE),
+    most = Math.max(0, world.radius - tolerance),
     found = [];
   for (let iy = Math.floor(y) - reach; iy <= Math.floor(y) + reach; iy += 1) {
     for (let ix = Math.floor(x) - reach; ix <= Math.floor(x) + reach; ix += 1) {

@@ -3,7 +3,7 @@
 import { drawHeads } from "#player/picture/arrows.js";
 import { openRun, poseAt, rowAt } from "#player/decode.js";
 import { drawLine } from "#player/picture/long_line.js";
-import { line, stroke } from "#player/picture/pen.js";
+import { line, robotColour, stroke } from "#player/picture/pen.js";
 
 const RECENT = 300; // rows of a long path that are drawn strongest
 const FADES = 5; // steps in which the recent path becomes fainter with its age
@@ -22,15 +22,15 @@ export function drawTrail(pen, scene) {
   const entry = run.loop ? rowAt(run, run.loop[0]) : rows;
   const end = scene.whole ? rows : here + 1,
     pose = scene.whole || scene.step > run.steps ? null : poseAt(run, scene.step);
-  const own = scene.colour ? colours[scene.colour] : colours.loop;
-  const before = run.loop && !scene.colour ? colours.way : own,
+  const own = scene.number ? colours[robotColour(scene.number)] : colours.loop;
+  const before = run.loop && !scene.number ? colours.way : own,
     last = Math.min(end, entry + 1);
   const recent = Math.max(0, last - RECENT),
     part = (name, look) => drawLine(pen, open, name, { alpha: 1, once: scene.whole, ...look });
   // From the lowest layer to the highest: ahead, driven long ago, driven recently, the loop.
   if (!scene.whole) part("ahead", { from: 0, to: rows, colour: colours.ahead, width: 1.25, alpha: 0.45 });
   part("before", { from: 0, to: recent + 1, colour: before, width: 1.75, alpha: 0.4 });
-  const strong = run.loop && scene.colour ? 0.5 : 1;
+  const strong = run.loop && scene.number ? 0.5 : 1;
   for (let part = 0; part < FADES; part += 1) {
     const [from, to] = [part, part + 1].map((k) => recent + Math.round(((last - recent) * k) / FADES));
     context.globalAlpha = scene.whole ? strong : strong * (0.4 + (0.6 * (part + 1)) / FADES);
@@ -39,7 +39,7 @@ export function drawTrail(pen, scene) {
   }
   context.globalAlpha = 1;
   if (end > entry) {
-    const width = scene.colour ? 3.5 : 2.75;
+    const width = scene.number ? 3.5 : 2.75;
     part("loop", { from: entry, to: end, colour: own, width });
     line(pen, open.x, open.y, end - 1, end, pose);
     stroke(pen, own, width);

@@ -12,14 +12,14 @@ import { Refused } from "#studio/shared/refusals.js";
 const KEPT = "campaign-form"; // key for the choices, in the browser's storage
 const SLOW = 4000; // ms after which the page explains the delay
 const FIRST = "The first campaign of a new installation prepares the simulator, which can take a minute.";
-const USUAL = { motion: "swept", controller: "turn-right", worlds: "search", budget: "seconds", units: 50, seconds: 30, named: false };
+const USUAL = { controller: "turn-right", worlds: "search", budget: "seconds", units: 50, seconds: 30, named: false };
 
 /**
  * @param {any} campaign
  * @returns {{element: HTMLElement, refresh: () => void, workers: () => number | null}}
  */
 export function makeForm(campaign) {
-  const state = { ...USUAL, strategies: new Set(), chosen: false };
+  const state = { ...USUAL, motion: "", strategies: new Set(), chosen: false };
   const parts = { fields: el("div", {}, el("h2", {}, "New campaign"), el("p", { class: "quiet" }, "Loading the choices …")) };
   const sent = (event) => {
     event.preventDefault();
@@ -53,7 +53,7 @@ function build(form) {
   const { offered, folder, limits } = campaign.studio;
   form.folder = folder;
   const kept = keptFor(folder, offered);
-  Object.assign(state, USUAL, firstOf(offered), kept.state, { strategies: new Set(kept.strategies) });
+  Object.assign(state, USUAL, { motion: offered.motion }, firstOf(offered), kept.state, { strategies: new Set(kept.strategies) });
   parts.motion = motionField(offered.motions, state.motion, (name) => {
     state.chosen = true;
     setMotion(form, name);

@@ -12,7 +12,7 @@ import { joinNames, splitNames } from "#studio/shared/links.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 const KEPT = "compare"; // key for the choices, in the browser's storage
-const USUAL = { motion: "swept", chosen: ["turn-right", "bug2", "vfh"], sources: ["examples"], seeds: 20 };
+const USUAL = { chosen: ["turn-right", "bug2", "vfh"], sources: ["examples"], seeds: 20 };
 
 /**
  * Makes the page.
@@ -22,7 +22,7 @@ const USUAL = { motion: "swept", chosen: ["turn-right", "bug2", "vfh"], sources:
  */
 export function makeCompare(section, studio) {
   /** @type {any} */
-  const compare = { studio, state: { ...USUAL }, folder: null, offered: null, files: [], running: null, asked: null, wanted: null };
+  const compare = { studio, state: { ...USUAL, motion: "" }, folder: null, offered: null, files: [], running: null, asked: null, wanted: null };
   const parts = {
     said: el("p", { class: "said quiet", role: "status", id: "compare-said" }, "Choose robots and worlds, then press Compare."),
     form: el("form", { id: "compare-form", class: "panel", novalidate: true, onsubmit: (event) => (event.preventDefault(), run(compare)) }, el("p", { class: "quiet" }, "Loading the choices …")),
@@ -82,17 +82,17 @@ async function list(compare) {
 function refresh(compare) {
   const { studio, state } = compare;
   if (!studio.offered || compare.offered === studio.offered) return;
-  if (compare.folder !== studio.folder) Object.assign(state, USUAL, firstOf(studio.offered), keptOf(studio.folder, KEPT));
+  if (compare.folder !== studio.folder) Object.assign(state, USUAL, { motion: studio.offered.motion }, firstOf(studio.offered), keptOf(studio.folder, KEPT));
   Object.assign(compare, { offered: studio.offered, folder: studio.folder });
   build(compare);
 }
 
 // Returns the robots to begin with: those that were named when the studio was started come first.
-function firstOf({ controllers }) {
+function firstOf({ controllers, motion: usual }) {
   const own = controllers.filter(({ named, fault }) => named && !fault);
   if (own.length === 0) return {};
   const [{ motion }] = own;
-  return { motion, chosen: [...own.map(({ name }) => name), ...(motion === USUAL.motion ? USUAL.chosen : [])].slice(0, 6) };
+  return { motion, chosen: [...own.map(({ name }) => name), ...(motion === usual ? USUAL.chosen : [])].slice(0, 6) };
 }
 
 // Builds the form from the choices.

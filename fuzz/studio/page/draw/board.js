@@ -1,6 +1,6 @@
 // The drawing board: a canvas that shows the world, the current edit, and the world's proof.
 
-import { UNIT, numbersOf } from "#player/decode.js";
+import { openWitness } from "#player/decode.js";
 import { drawScene } from "#player/picture/map.js";
 import { line, penFor, ring, stroke } from "#player/picture/pen.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
@@ -110,7 +110,8 @@ function openChanging(model) {
  */
 function sceneWorld(model, proof) {
   const { world, version } = model;
-  const witness = proof && proof.witness ? openWitness(proof) : null;
+  if (proof) proof.opened ??= openWitness(proof.witness);
+  const witness = proof?.opened;
   const side = world.cell_size;
   const [startX, startY, heading] = world.start;
   const [targetX, targetY, radius] = world.target;
@@ -126,15 +127,6 @@ function sceneWorld(model, proof) {
       ? Object.assign(openChanging(model), { witness })
       : { cells: world.cells, events: null, done: version, boxSince: (then) => model.boxSince(then), witness },
   };
-}
-
-function openWitness(proof) {
-  proof.opened ||= {
-    ms: numbersOf(proof.witness.ms),
-    x: numbersOf(proof.witness.x).map((value) => value / UNIT),
-    y: numbersOf(proof.witness.y).map((value) => value / UNIT),
-  };
-  return proof.opened;
 }
 
 /** @param {Board} board */

@@ -6,8 +6,6 @@ import { Ended } from "#studio/shared/connection.js";
 import { faultOf, firstFault, isField, labelled, parameterField, rangeWords, words } from "#studio/shared/fields.js";
 import { Refused } from "#studio/shared/refusals.js";
 
-const OF_THE_ROBOT = ["cell_size", "robot_radius", "robot_speed"];
-
 /**
  * @param {Studio} studio
  * @returns {{element: HTMLElement, redraw: () => void, refresh: () => void}}
@@ -53,7 +51,7 @@ function seedPart(studio, state, parts) {
   const make = () => generate(studio, state, parts);
   parts.make = el("button", { type: "button", class: "main", onclick: make }, "Generate");
   const roll = () => {
-    parts.seed.value = String(BigInt.asUintN(64, BigInt(parts.seed.value.replace(/\D/g, "") || "0") + 1n));
+    parts.seed.value = String((BigInt(parts.seed.value.replace(/\D/g, "") || "0") + 1n) % (BigInt(studio.limits.seed) + 1n));
     make();
   };
   return el(
@@ -97,8 +95,9 @@ function chooseFamily(studio, state, parts, name) {
     return element;
   };
   parts.made = new Map();
-  const own = state.family.parameters.filter((parameter) => !OF_THE_ROBOT.includes(parameter.name));
-  const robot = state.family.parameters.filter((parameter) => OF_THE_ROBOT.includes(parameter.name));
+  const isOfRobot = (parameter) => Object.hasOwn(studio.usual, parameter.name);
+  const own = state.family.parameters.filter((parameter) => !isOfRobot(parameter));
+  const robot = state.family.parameters.filter((parameter) => isOfRobot(parameter));
   parts.fields.replaceChildren(
     ...own.map(field),
     robot.length > 0 ? el("details", {}, el("summary", {}, "Cells and robot"), robot.map(field)) : "",
@@ -119,19 +118,20 @@ function showEffective(state, parts) {
 }
 
 // Returns the first invalid field and what is wrong with it; null if all are valid.
-function wrongIn(parts) {
+function wrongIn(studio, parts) {
   const bad = firstFault(parts.fields);
   if (bad) return [bad, faultOf(bad)];
   const seed = parts.seed.value.trim();
-  if (!/^[0-9]{1,20}$/.test(seed) || BigInt(seed) >= 1n << 64n)
-    return [parts.seed, "The seed must be a whole number from 0 to 2^64 - 1."];
+  const most = BigInt(studio.limits.seed);
+  if (!/^[0-9]{1,40}$/.test(seed) || BigInt(seed) > most)
+    return [parts.seed, `The seed must be a whole number from 0 to ${most}.`];
   if (!parts.difficulty.validity.valid && !parts.difficulty.validity.stepMismatch)
     return [parts.difficulty, "The difficulty must be a number from 0 to 1; leave it empty for any."];
   return null;
 }
 
 async function generate(studio, state, parts) {
-  const fault = wrongIn(parts);
+  const fault = wrongIn(studio, parts);
   if (fault) {
     parts.said.className = "bad";
     parts.said.textContent = fault[1];

@@ -5,15 +5,14 @@ import { KEEP } from "#studio/draw/shapes.js";
 const MOST_BOXES = 64; // most recent boxes of painted cells that are remembered
 
 /**
- * Returns an empty world with the thesis's dimensions: a border of walls if there is space for one, and start and target
+ * Returns an empty world: a border of walls if there is space for one, and start and target
  * in opposite corners.
  * @param {number} width
  * @param {number} height
- * @param {Partial<EditedWorld>} [usual]
+ * @param {UsualWorld} usual - Cells and robot
  * @returns {EditedWorld}
  */
-export function emptyWorld(width, height, usual = {}) {
-  const cell = usual.cell_size || 0.1;
+export function emptyWorld(width, height, { cell_size: cell, robot_radius, robot_speed }) {
   const cells = bordered(width, height);
   const near = (side) => round((side < 3 ? 0.5 : side < 6 ? 1.5 : 2.5) * cell),
     far = (side) => round(side * cell - near(side));
@@ -22,8 +21,8 @@ export function emptyWorld(width, height, usual = {}) {
     height,
     cells,
     cell_size: cell,
-    robot_radius: usual.robot_radius || 0.07,
-    robot_speed: usual.robot_speed || 2,
+    robot_radius,
+    robot_speed,
     start: [near(width), near(height), 0],
     target: [far(width), far(height), round(0.5 * cell)],
     events: null,

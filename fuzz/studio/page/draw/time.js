@@ -1,5 +1,6 @@
 // Time on the board: which moment of a world that changes is shown, and what the hatching means.
 
+import { BURNING, FREE, SOLID } from "#player/decode.js";
 import { el } from "#player/dom.js";
 
 const STEPS = 400; // of the slider
@@ -17,9 +18,9 @@ function lastMoment(events, arrival = 0) {
 // Returns which kinds of changes a world has, by the name of their mark.
 function kindsIn({ events, cells, width }) {
   const { state, ix, iy } = events ?? { state: [], ix: [], iy: [] };
-  const burns = state.includes(2),
-    closes = state.includes(1);
-  const opens = state.some((now, k) => now === 0 && (closes || cells[iy[k] * width + ix[k]] === 1));
+  const burns = state.includes(BURNING),
+    closes = state.includes(SOLID);
+  const opens = state.some((now, k) => now === FREE && (closes || cells[iy[k] * width + ix[k]] === SOLID));
   return { burns, fire: burns, burnt: burns, shuts: closes, frees: opens };
 }
 

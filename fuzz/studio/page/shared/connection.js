@@ -4,8 +4,6 @@ import { Refused } from "#studio/shared/refusals.js";
 
 const FIRST_WAIT = 300; // ms before the first attempt to reconnect
 const LONGEST_WAIT = 3000;
-const PROTOCOL = 2; // the version of this page
-const FULL = 4000; // WebSocket code for too many connections; the reason is a sentence
 const TOO_LARGE = 1009;
 const TOKEN = "worldgen-studio-token"; // stored for pages of this port only, unlike a cookie
 let token = "";
@@ -50,25 +48,26 @@ export class Ended extends Error {}
 
 /**
  * Makes a connection.
+ * @param {Given} given - By the server with the page
  * @param {(begins: Begins) => void} begun - Called whenever the connection is established
  * @param {(forbidden: boolean, why: string) => void} lost - Called when it is lost;
  *     forbidden: the server runs but no longer accepts this page; why: a sentence from the server, or empty
  * @param {Promise<any>} ready - The connection opens after this promise
  * @returns {Connection}
  */
-export function makeConnection(begun, lost, ready) {
+export function makeConnection(given, begun, lost, ready) {
   /** @type {State} */
   const state = { socket: null, number: 0, largest: Infinity, waiting: new Map(), wait: FIRST_WAIT, opened: false };
   const open = () => {
     state.opened = false;
-    const socket = new WebSocket(`ws://${location.host}/socket`, ["worldgen-studio", newestToken()].filter(Boolean));
+    const socket = new WebSocket(`ws://${location.host}/socket`, [given.subprotocol, newestToken()].filter(Boolean));
     state.socket = socket;
-    socket.addEventListener("message", (event) => hear(state, JSON.parse(event.data), begun));
+    socket.addEventListener("message", (event) => hear(state, JSON.parse(event.data), begun, given));
     socket.addEventListener("close", async ({ code, reason }) => {
       const error = code === TOO_LARGE ? new Refused(tooLarge(state)) : new Ended("The connection was lost.");
       for (const { fail } of state.waiting.values()) fail(error);
       state.waiting.clear();
-      if (code === FULL) lost(false, reason);
+      if (code === given.full) lost(false, reason);
       else lost(!state.opened && (await isForbidden()), "");
       setTimeout(open, state.wait);
       state.wait = Math.min(LONGEST_WAIT, state.wait * 1.6);
@@ -82,10 +81,11 @@ export function makeConnection(begun, lost, ready) {
  * @param {State} state
  * @param {any} said
  * @param {(begins: Begins) => void} begun
+ * @param {Given} given
  */
-function hear(state, said, begun) {
+function hear(state, said, begun, given) {
   if (!("id" in said)) {
-    if (said.protocol !== PROTOCOL) {
+    if (said.protocol !== given.protocol) {
       location.reload(); // load the page of the server that runs now; the drawing is kept
       return;
     }

@@ -6,7 +6,7 @@ const STOPS = [
   ["draw", "#board", "Draw walls on the board with the mouse, a finger or the arrow keys and Space. The right button erases."],
   ["draw", "#proof", "Here you read whether your robot can get through. The dashed line is a path for its disc; a ring is the cut that blocks it."],
   ["draw", "#tab-maker", "Generate makes mazes, caves, fires and other worlds, each with a proof that the target can be reached."],
-  ["play", "#run", "Play runs robots in your drawing. Choose one to six controllers, and press Run or Ctrl+Enter."],
+  ["play", "#run", "Play runs robots in your drawing. Choose one or more controllers, and press Run or Ctrl+Enter."],
   ["play", ".results", "A result says how each run ended. Space plays it, the slider moves through time."],
   ["campaign", "#campaign-form", "A campaign searches for worlds in which a controller fails, and makes each as small as it can."],
   ["compare", "#compare-form", "Compare puts several robots into several worlds, in one table. A click on a result plays it."],
