@@ -20,7 +20,7 @@ from worldgen.family import FAMILIES
 
 __all__ = ["tries_of"]
 
-WISHES = (
+CASES = (
     ("maze", "detour > 3 and bottleneck < 1.2r"),
     ("maze", "detour > 4"),
     ("trap", "concavity > 2.5 and decisions <= 1"),
@@ -52,7 +52,7 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "--seeds", type=int, default=SEEDS, help=f"searches for each wish (default {SEEDS})"
+        "--seeds", type=int, default=SEEDS, help=f"searches for each constraint (default {SEEDS})"
     )
     parser.add_argument(
         "--tries", type=int, default=TRIES, help=f"worlds made at most (default {TRIES})"
@@ -60,7 +60,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()
     rows: list[dict[str, Any]] = []
-    for family, where in WISHES:
+    for family, where in CASES:
         row: dict[str, Any] = {"family": family, "where": where}
         for kind, how in KINDS.items():
             # The median over seeds, because a lucky first try decides a single search.
@@ -83,7 +83,7 @@ def main() -> None:
             ]
             click.echo(f"| `{family}` | `{where}` | {' | '.join(cells)} |")
     if given.json:
-        click.echo(json.dumps({"seeds": given.seeds, "tries": given.tries, "wishes": rows}))
+        click.echo(json.dumps({"seeds": given.seeds, "tries": given.tries, "constraints": rows}))
 
 
 if __name__ == "__main__":

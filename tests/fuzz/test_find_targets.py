@@ -1,4 +1,4 @@
-"""Wishes: what is read from their text, what fulfils them, how far off the rest is."""
+"""Targets: what is read from their text, what fulfils them, how far off the rest is."""
 
 import math
 from pathlib import Path
@@ -38,7 +38,7 @@ ROOM = (
 )
 
 
-def target(text, **options):
+def target_of(text, **options):
     (one,) = parse_targets(text, **options)
     return one
 
@@ -65,13 +65,13 @@ def room(tmp_path):
     ],
 )
 def test_numbers_behind_an_outcome_are_a_range(outcome, low, high):
-    one = target(f"turn-left={outcome}")
+    one = target_of(f"turn-left={outcome}")
     assert (one.low, one.high, one.text) == (low, high, outcome)
 
 
 def test_seconds_count_in_the_time_step_of_the_controller():
-    assert target("turn-left+time_step=0.03=reached@3s").low == 100
-    assert target("turn-left=reached@3s", time_step=0.1).low == 30
+    assert target_of("turn-left+time_step=0.03=reached@3s").low == 100
+    assert target_of("turn-left=reached@3s", time_step=0.1).low == 30
 
 
 def test_a_controller_may_name_its_own_motion_and_switches():
@@ -134,7 +134,9 @@ def test_any_text_is_a_target_or_refused(text):
     ],
 )
 def test_an_outcome_without_number_is_fulfilled_by_any(outcome, verdict, steps):
-    result = target(outcome, motion="stepped").look(read_world(CONFIGURATIONS / "config-05.grid"))
+    result = target_of(outcome, motion="stepped").look(
+        read_world(CONFIGURATIONS / "config-05.grid")
+    )
     assert (result.verdict, result.steps, result.distance) == (verdict, steps, 0.0)
 
 
@@ -156,18 +158,20 @@ def test_an_outcome_without_number_is_fulfilled_by_any(outcome, verdict, steps):
     ],
 )
 def test_how_near_a_run_is_to_what_is_wanted(outcome, distance):
-    result = target(outcome, motion="stepped").look(read_world(CONFIGURATIONS / "config-05.grid"))
+    result = target_of(outcome, motion="stepped").look(
+        read_world(CONFIGURATIONS / "config-05.grid")
+    )
     assert result.distance == pytest.approx(distance, abs=1e-12)
 
 
 def test_never_without_chance_is_a_loop_or_a_stall_and_no_timeout(room):
     world, mine = room
-    result = target(f"{mine}:Creeps=never").look(world)
+    result = target_of(f"{mine}:Creeps=never").look(world)
     assert result.verdict == "timeout" and result.distance == 2.0
 
 
 def test_never_with_chance_is_not_to_arrive_in_the_budget():
-    result = target("thesis-3=never", motion="stepped").look(
+    result = target_of("thesis-3=never", motion="stepped").look(
         read_world(CONFIGURATIONS / "config-05.grid")
     )
     assert (result.verdict, result.share, result.seeds, result.distance) == (
@@ -179,7 +183,7 @@ def test_never_with_chance_is_not_to_arrive_in_the_budget():
 
 
 def test_a_loop_of_a_controller_with_chance_is_not_fulfilled_by_a_timeout():
-    result = target("thesis-3=loop", motion="stepped").look(
+    result = target_of("thesis-3=loop", motion="stepped").look(
         read_world(CONFIGURATIONS / "config-05.grid")
     )
     assert result.verdict == "timeout" and result.distance > 1.0
@@ -187,25 +191,25 @@ def test_a_loop_of_a_controller_with_chance_is_not_fulfilled_by_a_timeout():
 
 def test_never_with_chance_is_further_off_the_more_seeds_arrive():
     world = read_world(CONFIGURATIONS / "config-09.grid")
-    result = target("thesis-3=never", motion="stepped").look(world)
+    result = target_of("thesis-3=never", motion="stepped").look(world)
     assert result.share == 1.0 and result.distance == pytest.approx(1.9)
 
 
 def test_to_go_through_a_wall_is_no_never(room):
     world, mine = room
-    result = target(f"{mine}:Coin+motion=endpoint+time_step=0.33=never").look(world)
+    result = target_of(f"{mine}:Coin+motion=endpoint+time_step=0.33=never").look(world)
     assert result.verdict == "tunnel" and result.distance > 2.0
 
 
 def test_a_python_controller_that_uses_chance_is_judged_by_twenty_seeds(room):
     world, mine = room
-    result = target(f"{mine}:Coin+motion=endpoint+time_step=0.33=tunnel").look(world)
+    result = target_of(f"{mine}:Coin+motion=endpoint+time_step=0.33=tunnel").look(world)
     assert (result.seeds, result.distance) == (20, 0.0)
 
 
 def test_the_time_of_a_controller_with_chance_is_the_median_over_the_seeds():
     world = read_world(CONFIGURATIONS / "config-09.grid")
-    one = target("thesis-3=reached@900..1700", motion="stepped")
+    one = target_of("thesis-3=reached@900..1700", motion="stepped")
     steps = sorted(int(arrival(world, seed)) for seed in range(20))
     assert one.look(world).steps == (steps[9] + steps[10]) / 2 and one.look(world).distance == 0.0
 

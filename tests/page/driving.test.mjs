@@ -4,10 +4,10 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import "./stand_in.mjs";
-import { addSteps, commandOf, wishOf } from "#studio/play/commands.js";
+import { addSteps, commandOf, directionOf } from "#studio/play/commands.js";
 
 test("arrow keys and letters steer, whether or not Shift or Caps Lock is on", () => {
-  assert.deepEqual(["ArrowUp", "w", "W", "ArrowLeft", "d", "q", "Enter"].map(wishOf), ["forward", "forward", "forward", "left", "right", undefined, undefined]);
+  assert.deepEqual(["ArrowUp", "w", "W", "ArrowLeft", "d", "q", "Enter"].map(directionOf), ["forward", "forward", "forward", "left", "right", undefined, undefined]);
 });
 
 test("keys held together combine, and opposite ones cancel out", () => {

@@ -41,8 +41,8 @@ def test_a_world_of_a_given_difficulty():
 
 
 def test_guided_search_finds_what_drawing_does_not():
-    wish, maze = constraint_for("detour > 3 and bottleneck < 1.2r"), FAMILIES.get("maze")
-    guided, drawing = Search(maze, wish, 2, {}), Search(maze, wish, 2, {}, guided=False)
+    constraint, maze = constraint_for("detour > 3 and bottleneck < 1.2r"), FAMILIES.get("maze")
+    guided, drawing = Search(maze, constraint, 2, {}), Search(maze, constraint, 2, {}, guided=False)
     while guided.tried < 200 and not (guided.nearest and guided.nearest.violation == 0.0):
         guided.step()
     while drawing.tried < guided.tried:
@@ -67,14 +67,16 @@ def test_a_difficulty_of_worlds_that_change_is_refused_at_once(family):
 
 
 def test_when_nothing_fits_the_nearest_is_told():
-    with raises(GenerationFailed, "no-world-found", tries=5, wish="detour > 900"):
+    with raises(GenerationFailed, "no-world-found", tries=5, constraint="detour > 900"):
         search_world("trap", "detour > 900", tries=5)
 
 
-@pytest.mark.parametrize(("wish", "code"), [({}, "missing"), ({"difficulty": 2.0}, "out-of-range")])
-def test_a_wish_that_is_none_is_refused(wish, code):
+@pytest.mark.parametrize(
+    ("constraint", "code"), [({}, "missing"), ({"difficulty": 2.0}, "out-of-range")]
+)
+def test_a_constraint_that_is_none_is_refused(constraint, code):
     with raises(InvalidParameter, code):
-        search_world("trap", **wish)
+        search_world("trap", **constraint)
 
 
 def test_a_parameter_that_the_family_never_takes_is_refused_at_once():
@@ -107,12 +109,12 @@ def test_count_gives_different_worlds_that_all_fit(tmp_path):
     assert all(world.provenance.metrics["detour"] > 1.5 for world in worlds)
 
 
-def test_a_wish_with_a_fault_is_one_line_with_a_mark():
+def test_a_constraint_with_a_fault_is_one_line_with_a_mark():
     result = run("maze", "--where", "detuor > 3", "--seed", 1)
     assert result.code == 2 and result.error_code == "unknown-name" and result.err.endswith("  ^\n")
 
 
-def test_tries_without_a_wish_are_refused():
+def test_tries_without_a_constraint_are_refused():
     assert "give --where or --difficulty" in run("maze", "--tries", 3).err
 
 

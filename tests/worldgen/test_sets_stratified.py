@@ -169,4 +169,4 @@ def test_a_set_that_is_not_found_is_an_error_even_if_quiet_and_one_object_of_jso
         "--out", tmp_path / "set", "-q", "--json",
     )  # fmt: skip
     assert done.code == 1 and "only 0 of 2 worlds were found" in done.err
-    assert json.loads(done.out)["wish"] == "0.99 <= difficulty <= 1"
+    assert json.loads(done.out)["constraint"] == "0.99 <= difficulty <= 1"

@@ -17,7 +17,12 @@ from worldgen.cli.output import (
     note,
     seed_option,
 )
-from worldgen.commands.wanted_worlds import WISH_OPTIONS, flag_of, given_parameters, make_wanted
+from worldgen.commands.wanted_worlds import (
+    CONSTRAINT_OPTIONS,
+    flag_of,
+    given_parameters,
+    make_wanted,
+)
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -84,7 +89,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
     for decorate in (
         json_option,
         force_option,
-        *reversed((*_SET_OPTIONS, *WISH_OPTIONS)),
+        *reversed((*_SET_OPTIONS, *CONSTRAINT_OPTIONS)),
         seed_option,
     ):
         command = decorate(command)

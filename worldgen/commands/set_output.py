@@ -54,7 +54,11 @@ def make_many(
     last = (header.seed + count - 1) & MASK64
     note(
         f"{out}: {count} worlds of {header.family}, "
-        + (f"found for {header.wish!r}" if header.wish else f"seeds {header.seed} to {last}")
+        + (
+            f"found for {header.constraint!r}"
+            if header.constraint
+            else f"seeds {header.seed} to {last}"
+        )
     )
     if as_json:
         asked = {
@@ -63,7 +67,7 @@ def make_many(
             "seed": header.seed,
             "params": header.params,
         }
-        asked |= {"wish": header.wish} if header.wish else {}
+        asked |= {"constraint": header.constraint} if header.constraint else {}
         entries = [entry.as_dict() for entry in manifest_of(out).entries]
         files = [{**entry, "file": str(out / entry["file"])} for entry in entries]
         emit_json(

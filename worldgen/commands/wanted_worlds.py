@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from worldgen.family import Family
     from worldgen.world import Value
 
-__all__ = ["WISH_OPTIONS", "flag_of", "given_parameters", "make_wanted"]
+__all__ = ["CONSTRAINT_OPTIONS", "flag_of", "given_parameters", "make_wanted"]
 
 _TRIES = 500
 _ROBOT = {"robot_radius": "radius", "robot_speed": "speed"}
@@ -50,7 +50,7 @@ class Difficulty(click.ParamType[tuple[float, ...]]):
         return numbers
 
 
-WISH_OPTIONS = (
+CONSTRAINT_OPTIONS = (
     click.option(
         "--where",
         metavar="CONDITION",
@@ -110,14 +110,14 @@ def make_wanted(
             )  # fmt: skip
             return
         where = _within(difficulty[0], difficulty[1], where)
-    wish = constraint_for(
+    constraint = constraint_for(
         where, difficulty[0] if difficulty is not None and len(difficulty) == 1 else None
     )
     search: Search | None = None
     results: list[dict[str, Any]] = []
     # Search for a set, or for one world.
     try:
-        with working(f"searching for {wish.text}") as work:
+        with working(f"searching for {constraint.text}") as work:
 
             def progress(now: Search) -> None:
                 nonlocal search
@@ -130,14 +130,14 @@ def make_wanted(
                     0,
                     count,
                     params,
-                    where=wish.text,
+                    where=constraint.text,
                     tries=tries or _TRIES,
                     metrics=metrics,
                     tell=progress,
                 )
                 make_many(plan, seed, out, workers=1, force=force, as_json=as_json)
                 return
-            search = Search(made_by, wish, draw_seed(seed), params)
+            search = Search(made_by, constraint, draw_seed(seed), params)
             for one in found(search, 1, tries or _TRIES, progress):
                 results.append(
                     _write(
@@ -157,14 +157,14 @@ def make_wanted(
         if as_json:
             emit_json(
                 {
-                    "wish": wish.text,
+                    "constraint": constraint.text,
                     "tried": search.tried if search else 0,
                     "nearest": _nearest(search),
                 }
             )
         raise click.exceptions.Exit(1) from failure
     if as_json:
-        emit_json({"wish": wish.text, "tried": search.tried, **results[0]})
+        emit_json({"constraint": constraint.text, "tried": search.tried, **results[0]})
 
 
 def _within(low: float, high: float, where: str | None) -> str:
@@ -212,7 +212,12 @@ def _make_stratified(
         note(f"worldgen: {failure}", always=True)
         if as_json:
             emit_json(
-                {"wish": plan.header.wish, "count": count, "out": str(out), "error": str(failure)}
+                {
+                    "constraint": plan.header.constraint,
+                    "count": count,
+                    "out": str(out),
+                    "error": str(failure),
+                }
             )
         raise click.exceptions.Exit(1) from failure
     # Then report each stratum, and why any of its worlds is missing.

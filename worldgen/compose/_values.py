@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import math
-import operator
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
+from worldgen.support.expressions import Language, Node, evaluate, parse_number, variables_in
 
 __all__ = [
     "Choice",
@@ -20,25 +19,31 @@ __all__ = [
     "Spec",
     "compute",
     "is_drawn",
-    "parse_formula",
     "spec_of",
     "value_of",
 ]
 
 Scalar: TypeAlias = bool | int | float | str
 
-_LONGEST = 200  # characters of a formula
 # Above this limit a float cannot represent every whole number.
 _LARGEST = 2**53
-_BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.FloorDiv: operator.floordiv,
-    ast.Mod: operator.mod,
-}
-_CALLS: dict[str, Callable[..., Any]] = {"min": min, "max": max}
+
+
+def _least(*values: float) -> float:
+    return min(values)
+
+
+def _largest(*values: float) -> float:
+    return max(values)
+
+
+_FORMULAS = Language(
+    variables=(),
+    noun="parameter",
+    longest=200,
+    example="size // 2 - 3",
+    functions={"min": _least, "max": _largest},
+)
 
 
 @dataclass(frozen=True)
@@ -46,7 +51,7 @@ class Formula:
     """Compute a number from parameters, as in ``= size // 2 - 3``."""
 
     text: str
-    tree: ast.expr
+    number: Node
 
 
 @dataclass(frozen=True)
@@ -82,7 +87,8 @@ def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
     if depth > 4:
         raise InvalidParameter("nested-too-deep", "values are nested too deep", "flatten them")
     if isinstance(raw, str) and raw.lstrip().startswith("="):
-        return parse_formula(raw.strip()[1:].strip(), names)
+        text = raw.strip()[1:].strip()
+        return Formula(text, parse_number(text, replace(_FORMULAS, variables=tuple(names))))
     if isinstance(raw, bool | int | float | str):
         return raw
     if isinstance(raw, list):
@@ -109,65 +115,6 @@ def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
     )
 
 
-def parse_formula(text: str, names: Sequence[str]) -> Formula:
-    """Parse a formula of numbers, parameters, + - * / // %, brackets, min() and max().
-
-    Raises:
-        InvalidParameter: If the text contains anything else, or is too long.
-    """
-    if len(text) > _LONGEST:
-        raise InvalidParameter(
-            "too-large",
-            "a formula of {count} characters; the limit is {most}",
-            "make it shorter",
-            count=len(text),
-            most=_LONGEST,
-        )
-    try:
-        tree = ast.parse(text, mode="eval").body
-    except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise InvalidParameter(
-            "not-a-formula", "{text!r} is not a formula", "write one like size // 2 - 3", text=text
-        ) from None
-    _check(tree, names, text)
-    return Formula(text, tree)
-
-
-def _check(node: ast.expr, names: Sequence[str], text: str) -> None:
-    if isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
-        _check(node.left, names, text)
-        _check(node.right, names, text)
-    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-        _check(node.operand, names, text)
-    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _CALLS:
-        if not node.args or node.keywords:
-            raise InvalidParameter(
-                "not-a-formula",
-                "{text!r}: {function}() takes numbers between commas",
-                "give some",
-                text=text,
-                function=node.func.id,
-            )
-        for item in node.args:
-            _check(item, names, text)
-    elif isinstance(node, ast.Name):
-        if node.id not in names:
-            raise InvalidParameter(
-                "unknown-name",
-                "{text!r}: no parameter is called {name!r}",
-                "the recipe has {known!l}",
-                text=text,
-                name=node.id,
-                known=list(names),
-            )
-    elif not (isinstance(node, ast.Constant) and type(node.value) in (int, float)):
-        raise InvalidParameter(
-            "not-a-formula",
-            "{text!r}: a formula has numbers, parameters, + - * / // %, brackets, min and max",
-            text=text,
-        )
-
-
 def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
     """Evaluate a formula.
 
@@ -175,39 +122,20 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
         InvalidParameter: If it divides by zero, exceeds ``_LARGEST``, or uses a parameter that is
             not a number.
     """
-
-    def at(node: ast.expr) -> int | float:
-        if isinstance(node, ast.BinOp):
-            value = _BINARY[type(node.op)](at(node.left), at(node.right))
-        elif isinstance(node, ast.UnaryOp):
-            value = -at(node.operand)
-        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            value = _CALLS[node.func.id]([at(item) for item in node.args])
-        elif isinstance(node, ast.Name):
-            value = params[node.id]
-            if isinstance(value, str | bool):
-                raise InvalidParameter(
-                    "not-a-number",
-                    "{text!r}: {name} is {value!r}, no number",
-                    "leave it out",
-                    text=formula.text,
-                    name=node.id,
-                    value=value,
-                )
-        else:
-            value = node.value  # type: ignore[attr-defined]  # _check admits only constants here
-        if not abs(value) < _LARGEST:
+    for name in variables_in(formula.number):
+        value = params[name]
+        if isinstance(value, str | bool):
             raise InvalidParameter(
-                "too-large",
-                "{text!r} grows beyond {most}",
-                "give smaller numbers",
+                "not-a-number",
+                "{text!r}: {name} is {value!r}, no number",
+                "leave it out",
                 text=formula.text,
-                most=_LARGEST,
+                name=name,
+                value=value,
             )
-        return value  # type: ignore[no-any-return]  # _check admits only numbers
-
+    found: int | float = math.inf
     try:
-        return at(formula.tree)
+        found = evaluate(formula.number, params)
     except ZeroDivisionError:
         raise InvalidParameter(
             "division-by-zero",
@@ -215,6 +143,17 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
             "change it or its parameters",
             text=formula.text,
         ) from None
+    except OverflowError:
+        pass  # too large even for a float, and refused below
+    if not abs(found) < _LARGEST:
+        raise InvalidParameter(
+            "too-large",
+            "{text!r} grows beyond {most}",
+            "give smaller numbers",
+            text=formula.text,
+            most=_LARGEST,
+        )
+    return found
 
 
 def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any:

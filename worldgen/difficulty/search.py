@@ -86,7 +86,7 @@ def constraint_for(where: str | None, difficulty: float | None = None) -> Expres
         parse(where)
         parts.append(f"({where})" if parts else where)
     if not parts:
-        raise InvalidParameter("missing", "nothing is wished for", "give where or difficulty")
+        raise InvalidParameter("missing", "no constraint is given", "give where or difficulty")
     return parse(" and ".join(parts))
 
 
@@ -100,7 +100,7 @@ class Search:
 
     Args:
         family: The family.
-        wish: The constraint on the metrics.
+        constraint: The constraint on the metrics.
         seed: Source of all randomness; the first world tried has this seed and the given
             parameters.
         given: Parameters that keep their values.
@@ -115,7 +115,7 @@ class Search:
     def __init__(
         self,
         family: Family,
-        wish: Expression,
+        constraint: Expression,
         seed: int,
         given: Mapping[str, Value],
         *,
@@ -123,16 +123,16 @@ class Search:
         learns: bool = True,
     ) -> None:
         self.family = family
-        self.wish = wish
+        self.constraint = constraint
         self.seed = seed
         self.given = dict(given)
         # Refuse immediately what would be refused every time.
         family.complete(given)
-        if family.changes and "difficulty" in wish.names:
+        if family.changes and "difficulty" in constraint.names:
             raise InvalidParameter(
                 "world-changes",
                 "{name}: its worlds change, and those have no difficulty",
-                "wish for another metric, say detour",
+                "constrain another metric, such as detour",
                 name=family.name,
             )
         self._free = free_parameters(family, given) if guided else ()
@@ -165,10 +165,10 @@ class Search:
         self.tried += 1
         metrics = {
             k: v
-            for k, v in measure(world, only=self.wish.names).as_dict().items()
-            if k in self.wish.names
+            for k, v in measure(world, only=self.constraint.names).as_dict().items()
+            if k in self.constraint.names
         }
-        violation = self.wish.violation(metrics, world.robot_radius)
+        violation = self.constraint.violation(metrics, world.robot_radius)
         found = Nearest(violation, seed, values, metrics, self.tried, world)
         if self.nearest is None or violation < self.nearest.violation:
             self.nearest = found
@@ -272,12 +272,12 @@ def found(
 def _nothing(search: Search, tries: int, before: int) -> GenerationFailed:
     near = search.nearest
     after = "after {before} that do, " if before else ""
-    problem = f"{{family}}: {after}none of {{tries}} worlds fits {{wish!r}}"
+    problem = f"{{family}}: {after}none of {{tries}} worlds fits {{constraint!r}}"
     facts: dict[str, Any] = {
         "family": search.family.name,
         "before": before,
         "tries": tries,
-        "wish": search.wish.text,
+        "constraint": search.constraint.text,
     }
     if near is None:
         return GenerationFailed(
@@ -294,12 +294,12 @@ def _nothing(search: Search, tries: int, before: int) -> GenerationFailed:
             **facts,
         )
     metrics = {
-        name: near.metrics[name] for name in sorted(search.wish.names) if name in near.metrics
+        name: near.metrics[name] for name in sorted(search.constraint.names) if name in near.metrics
     }
     return GenerationFailed(
         "no-world-found",
         problem + "; the nearest has {metrics!l:none of these metrics} ({settings!l})",
-        "give more tries, fix fewer parameters, or wish for less",
+        "give more tries, fix fewer parameters, or relax the constraint",
         **facts,
         metrics=[f"{name} {value:g}" for name, value in metrics.items()],
         settings=[f"seed {near.seed}", *(f"{name}={value}" for name, value in near.params.items())],

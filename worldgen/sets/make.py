@@ -259,7 +259,7 @@ def _other(old: Manifest, wanted: ManifestHeader, out: Path) -> OutputError:
     return OutputError(
         "other-set",
         "{out} holds {made} of {count} worlds of another set: {family} from seed {seed}"
-        + (" where {wish}" if held.wish else "")
+        + (" where {constraint}" if held.constraint else "")
         + (", by worldgen {worldgen}" if held.worldgen != wanted.worldgen else ""),
         "name another place, or give --force to replace it",
         at_terminal=True,
@@ -268,6 +268,6 @@ def _other(old: Manifest, wanted: ManifestHeader, out: Path) -> OutputError:
         count=held.count,
         family=held.family,
         seed=held.seed,
-        wish=held.wish,
+        constraint=held.constraint,
         worldgen=held.worldgen,
     )

@@ -44,7 +44,7 @@ class ManifestHeader:
         count: Worlds in the finished set.
         metrics: True if each world is measured.
         worldgen: Version of worldgen that made the set.
-        wish: The constraint that the worlds satisfy; empty if their seeds are consecutive.
+        constraint: The constraint that the worlds satisfy; empty if their seeds are consecutive.
         strata: Edges of the strata of difficulty that the worlds are spread over, ascending; empty
             if there are none.
     """
@@ -56,7 +56,7 @@ class ManifestHeader:
     count: int
     metrics: bool
     worldgen: str
-    wish: str = ""
+    constraint: str = ""
     strata: tuple[float, ...] = ()
 
     def line(self) -> bytes:
@@ -73,7 +73,7 @@ class ManifestHeader:
             "params": _sorted(self.params),
             "metrics": self.metrics,
         }
-        searched = {"wish": self.wish} if self.wish else {}
+        searched = {"constraint": self.constraint} if self.constraint else {}
         strata = {"strata": list(self.strata)} if self.strata else {}
         return _line({**head, **asked, **searched, **strata})
 
@@ -278,7 +278,9 @@ class _Fields:
         params = self._table("params")
         seed = self._whole("seed", 0, 2**64 - 1)
         count = self._whole("count", 1, 2**63)
-        wish = self._text("wish") if "wish" in self.found else ""
+        # Older sets call it a wish.
+        key = next((key for key in ("constraint", "wish") if key in self.found), "")
+        constraint = self._text(key) if key else ""
         return ManifestHeader(
             family,
             version,
@@ -287,7 +289,7 @@ class _Fields:
             count,
             metrics,
             self._text("worldgen"),
-            wish,
+            constraint,
             self._numbers("strata"),
         )
 

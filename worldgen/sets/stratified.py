@@ -90,9 +90,9 @@ def plan_stratified_set(
     fixed = {**given, **made_by.constants}
     low, high = difficulty
     edges = edges_of(low, high, count)
-    wish = f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
+    constraint = f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
     header = replace(
-        header_of(made_by, fixed, seed, count, metrics=metrics), wish=wish, strata=edges
+        header_of(made_by, fixed, seed, count, metrics=metrics), constraint=constraint, strata=edges
     )
     return StratifiedPlan(family=made_by, header=header, where=where, tries=tries)
 

@@ -31,7 +31,7 @@ class WantedPlan(SearchedPlan):
         The search repeats what it found before, because later finds depend on it.
         """
         header = self.header
-        search = Search(self.family, constraint_for(header.wish), header.seed, self.given)
+        search = Search(self.family, constraint_for(header.constraint), header.seed, self.given)
         for k, one in enumerate(found(search, header.count, self.tries, self.tell)):
             if k >= first and isinstance(provenance := one.world.provenance, Provenance):
                 metrics = measure(one.world).as_dict() if header.metrics else {}
@@ -69,6 +69,6 @@ def plan_wanted_set(
     made_by = family if isinstance(family, Family) else FAMILIES.get(family)
     made_by.complete(given)
     fixed = {**given, **made_by.constants}
-    wish = constraint_for(where, difficulty).text
-    header = replace(header_of(made_by, fixed, seed, count, metrics=metrics), wish=wish)
+    constraint = constraint_for(where, difficulty).text
+    header = replace(header_of(made_by, fixed, seed, count, metrics=metrics), constraint=constraint)
     return WantedPlan(family=made_by, header=header, tries=tries, tell=tell)

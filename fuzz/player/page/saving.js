@@ -17,27 +17,27 @@ const REST = 800; // ms for which a film shows its last picture
  */
 export function saveMenu(player) {
   const { drawn } = player;
-  const wish = { stop: false }; // set when the user stops saving
+  const request = { stop: false }; // set when the user stops saving
   const summary = el("summary", { class: "button" }, "Save");
   const menu = el("details", { class: "save", onkeydown: (event) => close(event, menu) }, summary);
-  const one = ([words, act]) => el("button", { type: "button", onclick: () => save(menu, words, act, wish) }, words);
+  const one = ([words, act]) => el("button", { type: "button", onclick: () => save(menu, words, act, request) }, words);
   summary.addEventListener("click", (event) => {
     if (!menu.dataset.saving) return;
     event.preventDefault(); // a click during saving stops it
-    wish.stop = true;
+    request.stop = true;
     player.play(false);
     if (drawn.stopSaving) drawn.stopSaving();
   });
   /** @type {Drawn["saves"]} */
-  const film = drawn.run && filmKind() ? [[`Film, ${ending(filmKind()) === "mp4" ? "MP4" : "WebM"}`, () => keepFilm(player, wish)]] : [];
+  const film = drawn.run && filmKind() ? [[`Film, ${ending(filmKind()) === "mp4" ? "MP4" : "WebM"}`, () => keepFilm(player, request)]] : [];
   /** @type {NonNullable<Drawn["saves"]>} */
   const items = [["Picture, PNG", () => keepPicture(player)], ...film, ...(drawn.saves || [])];
   menu.append(el("div", { class: "menu" }, items.map(one)));
   return menu;
 }
 
-async function save(menu, words, act, wish) {
-  wish.stop = false;
+async function save(menu, words, act, request) {
+  request.stop = false;
   const summary = menu.querySelector("summary");
   menu.open = false;
   summary.textContent = "Stop saving";
@@ -120,7 +120,7 @@ function ending(kind) {
 }
 
 /* Plays the run from start to end, or a loop once, at the chosen speed, and records the canvas. Pause ends the film. */
-async function keepFilm(player, wish) {
+async function keepFilm(player, request) {
   const recorder = new MediaRecorder((await together(player)).captureStream(FILM_RATE), {
     mimeType: filmKind(),
     videoBitsPerSecond: FILM_BITS,
@@ -135,7 +135,7 @@ async function keepFilm(player, wish) {
   const begun = new Promise((done) => recorder.addEventListener("start", done));
   recorder.start();
   await begun; // on a busy machine the run could otherwise end before the recording begins
-  player.play(!wish.stop);
+  player.play(!request.stop);
   await untilItEnds(player);
   for (let rest = 0; rest < REST; rest += REST / 8) {
     await new Promise((done) => setTimeout(done, REST / 8));

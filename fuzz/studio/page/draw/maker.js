@@ -26,7 +26,7 @@ export function makeMaker(studio) {
     parts.about,
     seedPart(studio, state, parts),
     parts.said,
-    wishPart(parts),
+    constraintPart(parts),
     parts.fields,
   );
   element.addEventListener("keydown", (event) => {
@@ -64,7 +64,7 @@ function seedPart(studio, state, parts) {
 }
 
 // The part for worlds that are searched for.
-function wishPart(parts) {
+function constraintPart(parts) {
   parts.difficulty = el("input", { type: "number", min: 0, max: 1, step: 0.05, placeholder: "any" });
   parts.where = el("input", { type: "text", placeholder: "detour > 3 and bottleneck < 1.2r", spellcheck: "false" });
   return el(

@@ -10,7 +10,7 @@ const KEYS = { ArrowUp: "forward", w: "forward", ArrowDown: "back", s: "back", A
  * @param {string} key
  * @returns {string | undefined}
  */
-export const wishOf = (key) => KEYS[key.length === 1 ? key.toLowerCase() : key];
+export const directionOf = (key) => KEYS[key.length === 1 ? key.toLowerCase() : key];
 
 /**
  * Returns the command for the keys that are held down: a share of the top speed, and a turn rate, rad/s.
@@ -18,8 +18,8 @@ export const wishOf = (key) => KEYS[key.length === 1 ? key.toLowerCase() : key];
  * @returns {[number, number]}
  */
 export function commandOf(held) {
-  const wishes = [...held].map(wishOf);
-  const count = (wish) => Number(wishes.includes(wish));
+  const directions = [...held].map(directionOf);
+  const count = (direction) => Number(directions.includes(direction));
   return [(count("forward") - count("back")) * SPEED, (count("left") - count("right")) * TURN_RATE];
 }
 

@@ -2,7 +2,7 @@
 
 import { el } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
-import { addSteps, commandOf, wishOf } from "#studio/play/commands.js";
+import { addSteps, commandOf, directionOf } from "#studio/play/commands.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 const EVERY = 100; // ms between two requests
@@ -49,11 +49,11 @@ export function makeDriving(uses) {
 
   // While driving, the keys of the page and of its fields do not act.
   function press(event) {
-    const wish = wishOf(event.key);
-    if (event.ctrlKey || event.metaKey || event.altKey || !(wish || event.key === "Escape")) return;
+    const direction = directionOf(event.key);
+    if (event.ctrlKey || event.metaKey || event.altKey || !(direction || event.key === "Escape")) return;
     event.preventDefault();
     event.stopImmediatePropagation();
-    if (wish) state.drive.held.add(event.key);
+    if (direction) state.drive.held.add(event.key);
     else end();
   }
 
