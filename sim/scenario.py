@@ -20,7 +20,7 @@ from sim.options.run import (
 )
 from sim.thesis.options import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import parameters_of_fields, split_options
+from worldgen.parameters import parameters_of_fields, split_options, with_options
 from worldgen.world import Value, World
 
 __all__ = ["Scenario", "read_settings"]
@@ -81,21 +81,21 @@ class Scenario:
         # A command line may contain anything, so the options come before it.
         if _has_options_first(name):
             name, colon, command = name.partition(":")
-        words = [name]
+        options: dict[str, str | None] = {}
         # Name only what differs from the defaults, so that labels stay short.
         if motion is not None and self.run.motion != motion:
-            words.append(f"motion={self.run.motion}")
+            options["motion"] = self.run.motion
         if time_step is not None and self.run.time_step != time_step:
-            words.append(f"time_step={self.run.time_step!r}")
+            options["time_step"] = repr(self.run.time_step)
         if self.run.task != TARGET:
-            words.append(f"task={self.run.task}")
+            options["task"] = str(self.run.task)
         if self.run.thesis.repaired:
-            words.append("repaired")
-            changed = {name: value for name, value in changed.items() if name not in REPAIRS}
-        for name, value in changed.items():
-            text = ":".join(map(repr, value)) if isinstance(value, list) else value
-            words.append(name if value is True else f"{name}={text}")
-        return "+".join(words) + colon + command
+            options["repaired"] = None
+            changed = {key: value for key, value in changed.items() if key not in REPAIRS}
+        for key, value in changed.items():
+            text = ":".join(map(repr, value)) if isinstance(value, list) else str(value)
+            options[key] = None if value is True else text
+        return with_options(name, options) + colon + command
 
     def options(self, world: World, steps: int | None = None) -> RunOptions:
         """Return the options of a run in a world.
@@ -173,11 +173,8 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
     if is_composition_name(text):
         own |= {*ThesisOptions.names(), *ThesisOptions.TOGETHER}
     of_the_run = {option: value for option, value in options.items() if option in own}
-    words = [name]
-    for option, value in options.items():
-        if option not in own:
-            words.append(option if value is None else f"{option}={value}")
-    return "+".join(words) + colon + command, of_the_run
+    others = {option: value for option, value in options.items() if option not in own}
+    return with_options(name, others) + colon + command, of_the_run
 
 
 def _with_own(name: str, options: dict[str, str | None]) -> tuple[str, dict[str, str | None]]:
@@ -187,11 +184,8 @@ def _with_own(name: str, options: dict[str, str | None]) -> tuple[str, dict[str,
     if of_runs.issuperset(options):
         return name, options
     own = CONTROLLERS.option_names(name)
-    words = [name]
-    for option in [one for one in options if one in own]:
-        value = options.pop(option)
-        words.append(option if value is None else f"{option}={value}")
-    return "+".join(words), options
+    of_its_own = {option: options.pop(option) for option in [*options] if option in own}
+    return with_options(name, of_its_own), options
 
 
 def _has_options_first(name: str) -> bool:
@@ -221,4 +215,5 @@ def _parsed(motion: str, name: str, text: str | None, controller: str) -> dict[s
         raise option_without_effect(motion, name)
     if name in (*own.names(), *own.TOGETHER) or _has_options_first(controller):
         return own.parse(name, text)
-    return own.parse(name, text, also=CONTROLLERS.option_names(controller.partition("+")[0]))
+    plain, _ = split_options(controller)
+    return own.parse(name, text, also=CONTROLLERS.option_names(plain))

@@ -35,7 +35,10 @@ __all__ = [
     "parameters_of",
     "parameters_of_fields",
     "parse_options",
+    "split_headed",
     "split_options",
+    "with_options",
+    "without_class_options",
 ]
 
 # Files hold no larger integer.
@@ -352,6 +355,31 @@ def split_options(
             )
         options[option] = value.strip() if equals else None
     return parts["name"], options
+
+
+def with_options(name: str, options: Mapping[str, str | None]) -> str:
+    """Return a name with options, which :func:`split_options` splits again."""
+    words = [option if value is None else f"{option}={value}" for option, value in options.items()]
+    return "+".join([name, *words])
+
+
+def split_headed(text: str, word: str) -> tuple[str, str] | None:
+    """Split ``cmd+deadline=1:./mine`` at its first colon.
+
+    The options of such a name precede the colon, because a ``+`` after it belongs to the rest.
+
+    Returns:
+        The word with its options, for :func:`split_options`, and the rest; None if the text does
+        not begin with the word.
+    """
+    head, colon, rest = text.partition(":")
+    return (head, rest) if colon and head.partition("+")[0] == word else None
+
+
+def without_class_options(text: str) -> str:
+    """Return the name of a class in a file without its options, and any other text unchanged."""
+    parts = _CLASS_IN_FILE.fullmatch(text)
+    return text if parts is None else parts["name"]
 
 
 def find_parameter(

@@ -126,12 +126,12 @@ def _first_name(name: str) -> str:
     """Return the name of the controller that first learned, if this one continues from a file."""
     from sim.controllers.catalogue import own_words
     from sim.controllers.learning import LEARNED, is_learned_name, learned_file, read_learned
+    from worldgen.parameters import with_options
 
     if is_learned_name(name):
         return read_learned(learned_file(name)).controller
     base, words = own_words(name)
-    kept = [f"{key}={value}" for key, value in words.items() if key != LEARNED]
-    return "+".join((base, *kept))
+    return with_options(base, {key: value for key, value in words.items() if key != LEARNED})
 
 
 def _say(learned: Learned) -> None:

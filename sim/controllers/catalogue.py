@@ -35,7 +35,7 @@ from worldgen.plugins.registry import Registry, check_code, user_code
 
 __all__ = ["CONTROLLERS", "called", "controller_of", "in_plain_place", "names_in", "own_words"]
 
-_NAMES_CODE = re.compile(r"[\w./~-]+:[A-Za-z_]\w*(\+.*)?", re.DOTALL)
+_NAMES_CODE = re.compile(r"[\w./~-]+:[A-Za-z_]\w*")
 _IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)
 
 
@@ -313,9 +313,13 @@ def names_in(text: str) -> list[str]:
 
 
 def _begins_a_controller(text: str) -> bool:
-    registered = text.partition("+")[0] in CONTROLLERS.names()
-    lists = is_process_name(text) or is_composition_name(text)
-    return registered or lists or _NAMES_CODE.fullmatch(text) is not None
+    if is_process_name(text) or is_composition_name(text):
+        return True
+    try:
+        name, _ = split_options(text)
+    except InvalidParameter:
+        return False
+    return name in CONTROLLERS.names() or _NAMES_CODE.fullmatch(name) is not None
 
 
 def called(given: object) -> str:

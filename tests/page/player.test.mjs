@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { frame } from "./stand_in.mjs";
 import { rangeOf, rounded, short } from "#player/archive.js";
 import { buildPlayer } from "#player/controls.js";
-import { breakable, grouped, plural } from "#player/dom.js";
+import { breakable, grouped, plainName, plural } from "#player/dom.js";
 import { cameraKeys, clockKeys, keepsKey, layerKeys } from "#player/keys.js";
 import { usualSpeed } from "#player/player.js";
 import { sceneOf, showInstruments, showRobots } from "#player/robots.js";
@@ -213,6 +213,11 @@ test("numbers and counts have the words of one and of many", () => {
   assert.deepEqual([grouped(1234567.6), short(1234567), short(12345), short(0.12345), rounded(1 / 3)], ["1,234,568", "1.23 M", "12.3 k", "0.123", "0.3333"]);
   assert.deepEqual([0, 1, 2].map((k) => rangeOf([1.5, 2], k)), ["below 1.5", "1.5 to 2", "2 and above"]);
   assert.equal(rangeOf([], 0), "any");
+});
+
+test("a name without its options is that of a registered robot or of a class, also in a folder with a plus", () => {
+  const names = ["vfh+radius=2+noise", "./a+b/mine.py:Robot+learned=taught/x.json", "mine.robots:Robot+noise", "./a+b/mine.py:Robot", "cmd:./run +x"];
+  assert.deepEqual(names.map(plainName), ["vfh", "./a+b/mine.py:Robot", "mine.robots:Robot", "./a+b/mine.py:Robot", "cmd:./run +x"]);
 });
 
 test("a name with options may go on in another line at each of them", () => {

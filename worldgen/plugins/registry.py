@@ -8,7 +8,6 @@ import importlib
 import importlib.util
 import json
 import os
-import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from importlib.metadata import EntryPoint
@@ -17,6 +16,7 @@ from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
+from worldgen.parameters import without_class_options
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_import, check_not_ours
 from worldgen.plugins.user_modules import (
@@ -31,7 +31,6 @@ __all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_
 
 T = TypeVar("T")
 
-_IN_A_FILE = re.compile(r"(.+\.py:[A-Za-z_]\w*)\+.*", re.DOTALL)
 _LENT: dict[str, Path] = {}
 # Default time limit for loading a module, s: ten times as long as the largest frameworks take.
 _LOADS_IN = 60.0
@@ -55,7 +54,9 @@ def only_code(names: Iterable[str]) -> None:
     Args:
         names: ``module:name``, ``./file.py:name``, or ``cmd:PROGRAM``.
     """
-    os.environ[ONLY_CODE] = json.dumps(sorted({_identity(_alone(name)) for name in names}))
+    os.environ[ONLY_CODE] = json.dumps(
+        sorted({_identity(without_class_options(name)) for name in names})
+    )
 
 
 def check_code(name: str) -> None:
@@ -65,7 +66,7 @@ def check_code(name: str) -> None:
         InvalidParameter: If :func:`only_code` was called without this name.
     """
     said = os.environ.get(ONLY_CODE)
-    if said is not None and _identity(_alone(name)) not in json.loads(said):
+    if said is not None and _identity(without_class_options(name)) not in json.loads(said):
         raise InvalidParameter(
             "code-not-allowed",
             "{name!r} is code that was not named at the start and is not run",
@@ -311,11 +312,6 @@ def _identity(name: str) -> str:
     return (
         f"{expanded(_file(place)).resolve()}{colon}{attribute}" if place.endswith(".py") else name
     )
-
-
-def _alone(name: str) -> str:
-    """Return the name of code in a file without the options that follow it."""
-    return _IN_A_FILE.sub(r"\1", name, count=1)
 
 
 def _load_file(path: Path) -> Any:

@@ -89,6 +89,15 @@ export function choice(pairs, chosen, change) {
 }
 
 /**
+ * Returns a robot's name without its options, as split_options in worldgen/parameters.py does.
+ * @param {string} name
+ * @returns {string}
+ */
+export function plainName(name) {
+  return name.match(/^([\w-]+|.+\.py:[A-Za-z_]\w*|[\w.]+:[A-Za-z_]\w*)(?=\+|$)/s)?.[0] ?? name;
+}
+
+/**
  * Returns a robot's name with its options; a line may break before each option.
  * @param {string} name
  * @returns {Content[]}

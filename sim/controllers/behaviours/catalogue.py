@@ -7,14 +7,19 @@ part follows its name. A part of your own is ``./mine.py:name``.
 from __future__ import annotations
 
 import dataclasses
-import re
 from typing import Annotated, Any
 
 from sim.controllers.base import DEFAULT_SENSES
 from sim.controllers.behaviours.base import Behaviour, Layer
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import Parameter, parameters_of_fields, parse_options, split_options
+from worldgen.parameters import (
+    Parameter,
+    parameters_of_fields,
+    parse_options,
+    split_headed,
+    split_options,
+)
 from worldgen.plugins.registry import Registry, user_code
 from worldgen.support.bounds import Bounds
 
@@ -32,7 +37,6 @@ __all__ = [
 PREFIX = "behaviours"
 ARBITERS = ("priority", "vote", "learning")
 """Ways to arbitrate in a composition; their indices are the values of ``WgComposition.arbiter``."""
-_NAME = re.compile(rf"{PREFIX}(?:\+[^:+]*)*:(?P<parts>.*)", re.DOTALL)
 _EXAMPLE = f"{PREFIX}:avoid,follow,wander or {PREFIX}+by=vote:avoid+priority=3,approach"
 _FIELDS = ("duration", "interruptible", "restarts", "memory", "senses", "needs")
 
@@ -55,7 +59,7 @@ class PartOptions:
 
 def is_composition_name(name: str) -> bool:
     """Return True if a controller's name lists behaviours."""
-    return _NAME.fullmatch(name) is not None
+    return split_headed(name, PREFIX) is not None
 
 
 def listed_names(name: str) -> list[str]:

@@ -32,7 +32,7 @@ from sim.controllers.programs.batch import (
 from sim.controllers.programs.program import Program, ProgramLimits, find_program, shown
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
-from worldgen.parameters import split_options
+from worldgen.parameters import split_headed, split_options
 
 __all__ = [
     "PROGRAM_OPTIONS",
@@ -51,7 +51,6 @@ PROTOCOL_VERSION = 1
 PROGRAM_OPTIONS = ("deadline", "start", "memory")
 """Options that only a program has."""
 
-_NAME = re.compile(r"cmd(?:\+[^:+]*)*:(?P<command>.*)", re.DOTALL)
 _SIZE = re.compile(r"(?P<number>\d+)(?P<unit>[kMGT]?)")
 _UNITS = {"": 1, "k": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
 # Bytes of a memory limit.
@@ -142,7 +141,7 @@ class ProcessController:
         Raises:
             InvalidParameter: If the name is not in this form, or the program does not exist.
         """
-        parts = _NAME.fullmatch(name)
+        parts = split_headed(name, "cmd")
         if parts is None:
             raise InvalidParameter(
                 "not-a-command",
@@ -152,7 +151,8 @@ class ProcessController:
                 example=_EXAMPLE,
             )
         settings: dict[str, Any] = {}
-        _, options = split_options(name.partition(":")[0], "cmd+deadline=0.2:./mine")
+        head, command = parts
+        _, options = split_options(head, "cmd+deadline=0.2:./mine")
         for key, value in options.items():
             if key in ("deadline", "start"):
                 settings["deadline" if key == "deadline" else "start_deadline"] = _seconds(
@@ -171,7 +171,7 @@ class ProcessController:
                     known=known,
                     example=_EXAMPLE,
                 )
-        return cls(_words(name, parts["command"]), **settings)
+        return cls(_words(name, command), **settings)
 
     def __repr__(self) -> str:
         return f"ProcessController({list(self.command)!r})"

@@ -1,6 +1,6 @@
 // The page that compares several controllers over several worlds, as `worldgen compare` does.
 
-import { breakable, el, grouped, plural, say, shortName } from "#player/dom.js";
+import { breakable, el, grouped, plainName, plural, say, shortName } from "#player/dom.js";
 import { makeTable } from "#studio/compare/table.js";
 import { sourcesOf, worldsOf } from "#studio/compare/worlds.js";
 import { messageOf } from "#studio/draw/model.js";
@@ -127,7 +127,7 @@ function offeredTo({ offered, state }) {
 function showRobots(compare) {
   const { parts, state } = compare;
   const names = offeredTo(compare).map(({ name }) => name);
-  state.chosen = state.chosen.filter((one) => names.includes(one) || names.includes(one.split("+")[0]) || one.startsWith("behaviours"));
+  state.chosen = state.chosen.filter((one) => names.includes(one) || names.includes(plainName(one)) || one.startsWith("behaviours"));
   if (state.chosen.length === 0) state.chosen = names.slice(0, 3);
   const own = [...new Set([...compare.studio.play.own(), ...state.chosen])].filter((one) => !names.includes(one));
   const box = (name) =>

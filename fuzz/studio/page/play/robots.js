@@ -1,6 +1,6 @@
 // The panel for choosing robots and their settings.
 
-import { breakable, el, plural, shortName } from "#player/dom.js";
+import { breakable, el, plainName, plural, shortName } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { isField, isGood, labelled, motionField, number } from "#studio/shared/fields.js";
 import { messageOf } from "#studio/draw/model.js";
@@ -401,7 +401,7 @@ function follow(robots, { robots: names, motion, seed }, more) {
   forget(robots);
   if (motion !== state.motion && studio.offered.motions.some(({ name }) => name === motion)) setMotion(robots, motion);
   const offered = new Set(offeredTo(robots).map(({ name }) => name));
-  const known = names.filter((name) => offered.has(name) || offered.has(name.split("+")[0]) || name.startsWith("behaviours")).slice(0, studio.limits.robots);
+  const known = names.filter((name) => offered.has(name) || offered.has(plainName(name)) || name.startsWith("behaviours")).slice(0, studio.limits.robots);
   if (known.length > 0) state.chosen = known;
   for (const name of known) if (!offered.has(name) && !state.own.includes(name)) state.own.push(name);
   if (Number.isSafeInteger(seed) && seed >= 0) state.seed = seed;

@@ -1,5 +1,6 @@
 // Notices that a file of a controller's code has been edited, from the server's report on the files.
 
+import { plainName } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
 
@@ -22,8 +23,7 @@ function editedIn(known, files) {
  * @returns {boolean}
  */
 export function runsOneOf(robot, controllers) {
-  const plain = (label) => label.split("+")[0];
-  return controllers.some((controller) => plain(controller) === plain(robot));
+  return controllers.some((controller) => plainName(controller) === plainName(robot));
 }
 
 /**
