@@ -309,7 +309,9 @@ def _jumps(world: World, trajectory: Trajectory, slack: float) -> list[Finding]:
     excess: Floats = steps[rows] - world.robot_speed * np.diff(trajectory.times)[rows]
     # Treat each move as a stretch of the path, so that consecutive ones merge into one finding.
     nowhere = np.zeros(len(rows), np.int64)
-    found = merged(Hits.at(rows, 0.0, 1.0, excess, 1.0, nowhere, nowhere), grain=LEAST_TOLERANCE)
+    ones = np.ones(len(rows))
+    moves = Hits(0.0 * ones, ones, excess, ones, nowhere, nowhere).of_moves(rows)
+    found = merged(moves, grain=LEAST_TOLERANCE)
     jumps = []
     for begin, end, worst, depth in zip(
         found.begin, found.end, found.worst, found.depth, strict=True

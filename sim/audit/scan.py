@@ -66,27 +66,10 @@ class Hits:
     ix: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     iy: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
 
-    @classmethod
-    def at(
-        cls,
-        row: npt.NDArray[np.intp],
-        begin: npt.ArrayLike,
-        end: npt.ArrayLike,
-        depth: Floats,
-        worst: npt.ArrayLike,
-        ix: Ints,
-        iy: Ints,
-    ) -> Hits:
-        """Return stretches of moves; ``begin``, ``end`` and ``worst`` are fractions of the move."""
-        start = row.astype(np.float64)
-        return cls(
-            start + np.asarray(begin),
-            start + np.asarray(end),
-            depth,
-            start + np.asarray(worst),
-            ix,
-            iy,
-        )
+    def of_moves(self, rows: npt.NDArray[np.intp]) -> Hits:
+        """Return the stretches on the path, if the places are fractions of these moves."""
+        begin, end, worst = (rows + place for place in (self.begin, self.end, self.worst))
+        return replace(self, begin=begin, end=end, worst=worst)
 
     @classmethod
     def of(cls, many: Sequence[Hits]) -> Hits:
@@ -341,7 +324,11 @@ def _outside(way: AuditPath) -> Hits:
         sample = rows[own] + share
         ix = np.clip(np.floor(way.x[sample]), -1, width).astype(np.int64)
         iy = np.clip(np.floor(way.y[sample]), -1, height).astype(np.int64)
-        found.append(Hits.at(rows[own], begin[own], end[own], depth[sample], float(share), ix, iy))
+        found.append(
+            Hits(
+                begin[own], end[own], depth[sample], np.full(len(ix), float(share)), ix, iy
+            ).of_moves(rows[own])
+        )
     return merged(Hits.of(found))
 
 
@@ -366,7 +353,8 @@ def _overlaps(
     at = measured.nearest[hit]
     begin = np.minimum(np.maximum(enter, measured.low[hit]), at)
     end = np.maximum(np.minimum(leave, measured.high[hit]), at)
-    hits = Hits.at(row, begin, end, radius - measured.distance[hit], at, pairs.ix, pairs.iy)
+    depth = radius - measured.distance[hit]
+    hits = Hits(begin, end, depth, at, pairs.ix, pairs.iy).of_moves(row)
     burning = measured.burning[hit]
     return {"overlap": _some(hits, ~burning), "burned": _some(hits, burning)}
 
@@ -441,7 +429,7 @@ def _tunnels(measured: _Measured, way: AuditPath, around: Surroundings) -> Hits:
     at = low + (high - low) * share
     begin = np.minimum(np.maximum(enter, low), at)
     end = np.maximum(np.minimum(leave, high), at)
-    return Hits.at(row, begin, end, np.maximum(depth, 0.0), at, own.ix, own.iy)
+    return Hits(begin, end, np.maximum(depth, 0.0), at, own.ix, own.iy).of_moves(row)
 
 
 def _doubt(measured: _Measured, way: AuditPath, around: Surroundings) -> Floats:

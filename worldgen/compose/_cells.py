@@ -149,37 +149,39 @@ def state_of_two(host: Bools, host_mask: Bools, piece: Bools, how: How) -> Bools
     return np.asarray(HOW[how][said, piece.astype(np.uint8)] == _SOLID)
 
 
-def put_together(
-    host: Events,
-    piece: Events,
-    solid: Bools,
-    mask: Bools,
-    piece_solid: Bools,
-    says: Bools,
-    how: How,
-) -> Events:
+class PlacedCells(NamedTuple):
+    """What a piece says about the cells of its host's frame.
+
+    Args:
+        events: Its events.
+        solid: (height, width) bool, its solid cells at time 0.
+        mask: (height, width) bool, the cells that it has a say in.
+    """
+
+    events: Events
+    solid: Bools
+    mask: Bools
+
+
+def put_together(host: PlacedCells, piece: PlacedCells, how: How) -> Events:
     """Return the events of a host with a piece placed on it, sorted by time.
 
     Args:
-        host: The host's events.
-        piece: The piece's events, in the host's frame.
-        solid: (height, width) bool, the host's solid cells at time 0.
-        mask: (height, width) bool, the host's mask.
-        piece_solid: (height, width) bool, the piece's solid cells in the host's frame.
-        says: (height, width) bool, the cells that the piece has a say in.
+        host: The host.
+        piece: The piece, in the host's frame.
         how: How the two are combined.
     """
     # Outside the piece, the host's events stay as they are.
-    covered = says.ravel()
-    piece = piece.only(covered[piece.cells])
-    own = host.only(~covered[host.cells])
-    under = host.only(covered[host.cells])
+    covered = piece.mask.ravel()
+    above = piece.events.only(covered[piece.events.cells])
+    own = host.events.only(~covered[host.events.cells])
+    under = host.events.only(covered[host.events.cells])
 
     # "over" replaces the host, so its events under the piece are simply dropped.
-    if how != "over" and len(under.cells) + len(piece.cells):
-        host_says = np.where(mask, solid.astype(np.uint8), np.uint8(SILENT)).ravel()
-        piece = _merged(under, piece, host_says, piece_solid.ravel().astype(np.uint8), how)
-    both = own.with_(piece)
+    if how != "over" and len(under.cells) + len(above.cells):
+        host_says = np.where(host.mask, host.solid.astype(np.uint8), np.uint8(SILENT)).ravel()
+        above = _merged(under, above, host_says, piece.solid.ravel().astype(np.uint8), how)
+    both = own.with_(above)
     return both.only(np.argsort(both.times, kind="stable"))
 
 

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from worldgen.compose._cells import Events, How, put_together, state_of_two, timeline_of
+from worldgen.compose._cells import (
+    Events,
+    How,
+    PlacedCells,
+    put_together,
+    state_of_two,
+    timeline_of,
+)
 from worldgen.compose._marks import HALF, START, TARGET, Mark, mark_at, marks_of, moved
 from worldgen.compose._sizes import whole
 from worldgen.compose._where import DRAWN, NAMED, draw_corner, named_corner
@@ -87,10 +94,11 @@ def corner_of(
     world = host.layout() if at == "way" else None
     way = witness_path_of(world) if world is not None else None
     size = usual(host.cell_size, DEFAULT_CELL_SIZE)
+    points = None if way is None else np.stack([way.x, way.y], axis=1) / size
     radius = usual(host.robot_radius, DEFAULT_ROBOT_RADIUS)
     marks = marks_of(world) if world is not None else host.marks
     free = [(marks[name], in_cells(radius, size)) for name in (START, TARGET) if name in marks]
-    return draw_corner(rng, *sizes, margin, free, way, size)
+    return draw_corner(rng, *sizes, margin, free, points)
 
 
 def _anchored(piece: Piece, place: Mark, anchor: str) -> tuple[int, int]:
@@ -207,9 +215,8 @@ def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
     # The events' flat indices already use the host's width, so a constant shift moves them.
     events = Events.of(part.timeline, host.width)
     events = events._replace(cells=events.cells + low_y * host.width + low_x)
-    both = put_together(
-        Events.of(host.timeline, host.width), events, host.solid, host.mask, solid, says, how
-    )
+    below = PlacedCells(Events.of(host.timeline, host.width), host.solid, host.mask)
+    both = put_together(below, PlacedCells(events, solid, says), how)
     solid = np.where(says, state_of_two(host.solid, host.mask, solid, how), host.solid)
     return replace(agreed, solid=solid, mask=mask, timeline=timeline_of(both, host.width))
 

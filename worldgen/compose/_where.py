@@ -12,7 +12,6 @@ import numpy.typing as npt
 from worldgen.compose._marks import Mark
 from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
-from worldgen.world import Witness
 
 __all__ = ["DRAWN", "NAMED", "draw_corner", "named_corner"]
 
@@ -60,8 +59,7 @@ def draw_corner(
     piece: tuple[int, int],
     margin: int,
     keep_free: Sequence[tuple[Mark, Fraction]],
-    way: Witness | None = None,
-    cell_size: float = 1.0,
+    way: npt.NDArray[np.float64] | None = None,
 ) -> Corner:
     """Draw the first cell of a piece so that it is inside the host and avoids some discs.
 
@@ -72,9 +70,8 @@ def draw_corner(
         margin: Least cells between the piece and the host's sides.
         keep_free: Discs that the piece must not touch, usually around start and target: centres,
             and radii in cells.
-        way: Path to centre the piece on, as closely as the sides allow; if omitted, the piece may
-            go anywhere.
-        cell_size: Side of a cell, m; converts the path's metres to cells.
+        way: (n, 2) points, in cells, of a path to centre the piece on, as closely as the sides
+            allow; if omitted, the piece may go anywhere.
 
     Raises:
         InvalidParameter: If there is no such place.
@@ -89,7 +86,7 @@ def draw_corner(
     corners = np.zeros((0, 2), np.int64)
     if min(most) >= margin and way is not None:
         # Near a side the piece cannot be centred, but the path still crosses it.
-        along = _along(way, cell_size, piece).clip(margin, most)
+        along = _along(way, piece).clip(margin, most)
         corners = clear(np.array(list(dict.fromkeys(map(tuple, along.tolist()))), np.int64))
     elif min(most) >= margin:
         # Nearly every place is suitable, and a large host has millions of them: draw a few blindly
@@ -119,11 +116,10 @@ def draw_corner(
     return int(drawn[0]), int(drawn[1])
 
 
-def _along(way: Witness, cell_size: float, piece: tuple[int, int]) -> npt.NDArray[np.int64]:
+def _along(way: npt.NDArray[np.float64], piece: tuple[int, int]) -> npt.NDArray[np.int64]:
     """Return the first cells that centre a piece on a path, in the path's order."""
     found: list[npt.NDArray[np.float64]] = []
-    points = np.stack([way.x, way.y], axis=1) / cell_size
-    for begin, end in pairwise(points):
+    for begin, end in pairwise(way):
         # Two samples per cell, so that no cell along the path is skipped.
         steps = max(1, int(np.ceil(2 * np.abs(end - begin).max())))
         for k in range(steps + 1):

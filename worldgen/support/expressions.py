@@ -205,6 +205,7 @@ class _Reader:
             if kind == "wrong":
                 self._fail(self._misplaced(repr(word), "{came} has no meaning here"), at)
 
+            # Check that it fits after the previous word.
             if word in self._language.functions and _CALLED.match(self._text, token.end()):
                 kind = "call"
             elif kind == "word" and word in ("and", "or", "not"):

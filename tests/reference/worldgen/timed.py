@@ -95,30 +95,31 @@ def _safe_intervals(
             first[p + 1] = found
 
 
-def search(
-    nodes: Any, middles: Any, stride: int, begun: Any, goal: Any, lean: Any, ticks: Any
-) -> tuple[Any, ...]:
+def search(graph: Any, begun: Any, goal: Any, lean: Any) -> tuple[Any, ...]:
     """Return the final state, and of the states their node, cost, predecessor and departure.
 
     As the package's does.
     """
+    nodes = graph.nodes
     count = len(nodes.begin)
     node_of = np.repeat(np.arange(len(nodes.first) - 1), np.diff(nodes.first)).tolist()
     cost = [FOREVER] * count
     came = [-1] * count
     depart = [0] * count
     lists = [
-        array.tolist() for part in (nodes, middles) for array in (part.first, part.begin, part.end)
+        array.tolist()
+        for part in (nodes, graph.middles)
+        for array in (part.first, part.begin, part.end)
     ]
     final = _safe_search(
         *lists,
         node_of,
-        stride,
-        *neighbour_shifts(stride),
+        graph.stride,
+        *neighbour_shifts(graph.stride),
         begun.tolist(),
         goal.tolist(),
         lean,
-        ticks,
+        graph.ticks,
         cost,
         came,
         depart,

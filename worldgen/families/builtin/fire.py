@@ -10,6 +10,7 @@ import numpy as np
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.blaze import (
     FIREBREAK,
+    FireDelay,
     Plan,
     Times,
     burn_over,
@@ -139,17 +140,8 @@ def fire(
         embers = in_turn(rng.child("apart"), _cells(ignite_cells, plan), apart, scatter)
     else:
         embers = ignite(rng.child("ignite"), plan, ignitions, ignite_at, apart, scatter)
-    floor = _spread(
-        rng,
-        plan,
-        embers,
-        spread,
-        scatter,
-        wind,
-        wind_to,
-        spread_cells,
-        margin if monotone else None,
-    )
+    pace = FireDelay(spread, scatter, _wind_factors(rng.child("wind"), wind, wind_to))
+    floor = _spread(rng, plan, embers, pace, spread_cells, margin if monotone else None)
 
     # Burn through some walls, and draw what debris closes. A monotone fire opens nothing, and
     # everything it reaches stays closed.
@@ -209,16 +201,28 @@ def _cells(text: str, plan: Plan) -> list[int]:
     return cells
 
 
+def _wind_factors(
+    rng: RandomStream, wind: float, wind_to: int
+) -> tuple[float, float, float, float]:
+    """Return the factors of the delay of fire that moves to +x, +y, -x and -y.
+
+    Wind makes fire faster in its direction and slower against it.
+
+    Args:
+        rng: The only source of randomness.
+        wind: Fraction by which the wind shortens and lengthens delays.
+        wind_to: Direction of the wind, quarter turns, or ``CHOSEN``.
+    """
+    factors = [1.0, 1.0, 1.0, 1.0]
+    if wind > 0.0:
+        to = rng.below(4) if wind_to == CHOSEN else wind_to
+        factors[to] = 1.0 - wind
+        factors[(to + 2) % 4] = 1.0 + wind
+    return factors[0], factors[1], factors[2], factors[3]
+
+
 def _spread(
-    rng: RandomStream,
-    plan: Plan,
-    embers: Times,
-    spread: float,
-    scatter: float,
-    wind: float,
-    wind_to: int,
-    limit: int,
-    race: float | None,
+    rng: RandomStream, plan: Plan, embers: Times, pace: FireDelay, limit: int, race: float | None
 ) -> Times:
     """Return when each cell of floor catches, ms.
 
@@ -226,35 +230,14 @@ def _spread(
         rng: The only source of randomness.
         plan: The ground.
         embers: Where and when fire breaks out, ms.
-        spread: Mean delay from cell to cell, s.
-        scatter: Largest difference of a delay from the mean, as a fraction of it.
-        wind: Fraction by which the wind shortens and lengthens delays.
-        wind_to: Direction of the wind, quarter turns, or ``CHOSEN``.
+        pace: How long fire takes from cell to cell.
         limit: Limit on the cells that catch.
         race: If nothing ever opens: seconds by which a robot may start late and must still get
             through. Otherwise ``None``.
     """
-    # Wind makes fire faster in its direction and slower against it.
-    factors = [1.0, 1.0, 1.0, 1.0]
-    if wind > 0.0:
-        to = rng.child("wind").below(4) if wind_to == CHOSEN else wind_to
-        factors[to] = 1.0 - wind
-        factors[(to + 2) % 4] = 1.0 + wind
-    given = (factors[0], factors[1], factors[2], factors[3])
 
     def spread_over(held: Times | None) -> Times:
-        stream = rng.child("floor")
-        return burn_over(
-            stream,
-            plan,
-            embers,
-            plan.burns,
-            spread,
-            limit,
-            scatter=scatter,
-            factors=given,
-            held=held,
-        )
+        return burn_over(rng.child("floor"), plan, embers, plan.burns, pace, limit, held)
 
     # Let the fire spread freely. If the robot cannot outrun it, run the same fire again and hold it
     # back along one path.

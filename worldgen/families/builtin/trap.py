@@ -114,7 +114,9 @@ def trap(
     )
     angle = rng.child("angle").below(90) if angle == CHOSEN else angle
     if angle or shape in _LATER:
-        return _slanted(rng, arena, request, turn, angle, faces, inside=inside)
+        draw = rng.child("slanted")
+        degrees = 90 * (draw.below(4) if turn == CHOSEN else turn) + angle
+        return _slanted(draw, arena, request, degrees, faces, inside=inside)
 
     obstacle = _obstacle(*_draw_to_fit(rng.child("obstacle"), arena, request, faces))
     corner = _place(rng.child("place"), arena, obstacle)
@@ -179,8 +181,7 @@ def _slanted(
     rng: RandomStream,
     arena: Arena,
     request: _Request,
-    turn: int,
-    angle: int,
+    degrees: int,
     faces: Faces,
     *,
     inside: bool,
@@ -190,10 +191,8 @@ def _slanted(
     Space between slanted walls is planned two cells wider than requested. Rasterising and
     thickening take up to that much, so the clear space is never less than requested.
     """
-    draw = rng.child("slanted")
-    degrees = 90 * (draw.below(4) if turn == CHOSEN else turn) + angle
-    figure = _draw_figure(draw.child("obstacle"), arena, request, degrees, inside=inside)
-    scene = place_turned(draw.child("place"), arena, figure, degrees, faces, inside=inside)
+    figure = _draw_figure(rng.child("obstacle"), arena, request, degrees, inside=inside)
+    scene = place_turned(rng.child("place"), arena, figure, degrees, faces, inside=inside)
     return arena.world(scene.walls, scene.start, scene.target, scene.quarter)
 
 

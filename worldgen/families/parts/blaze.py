@@ -253,18 +253,29 @@ def _rim(plan: Plan, cells: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
     return cells[depth <= int(depth.min()) + RIM] if len(cells) else cells
 
 
+@dataclass(frozen=True)
+class FireDelay:
+    """How long fire takes from a cell to the next.
+
+    Args:
+        mean: Mean delay, s.
+        scatter: Largest difference of a delay from the mean, as a fraction of it.
+        factors: Factors of the delay of fire that moves to +x, +y, -x and -y.
+    """
+
+    mean: float
+    scatter: float = 0.5
+    factors: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+
+
 def burn_over(
     rng: RandomStream,
     plan: Plan,
     embers: Times,
     can_burn: Callable[[int], bool],
-    mean: float,
+    pace: FireDelay,
     limit: int,
-    *,
-    scatter: float = 0.5,
-    factors: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0),
     held: Mapping[int, int] | None = None,
-    settled: bool = False,
 ) -> Times:
     """Return when each cell catches, for the first ``limit`` cells that do.
 
@@ -275,13 +286,10 @@ def burn_over(
         rng: The only source of randomness.
         plan: The ground.
         embers: Where and when fire breaks out, ms.
-        can_burn: Returns True for a cell that can burn.
-        mean: Mean delay, s.
+        can_burn: Returns True for a cell that fire can spread to.
+        pace: How long fire takes from cell to cell.
         limit: Limit on the cells that catch.
-        scatter: Largest difference of a delay from the mean, as a fraction of it.
-        factors: Factors of the delay of fire that moves to +x, +y, -x and -y.
         held: Earliest times at which some cells may catch, ms.
-        settled: If True, embers catch at their own time even if fire reaches them earlier.
 
     Source: Dijkstra, "A note on two problems in connexion with graphs", 1959; over random delays.
     """
@@ -300,13 +308,13 @@ def burn_over(
         burning[cell] = time
 
         # Try to spread to each neighbour.
-        for there, factor in zip(plan.neighbours(cell), factors, strict=True):
+        for there, factor in zip(plan.neighbours(cell), pace.factors, strict=True):
             known = best.get(there, NEVER)
-            if known <= time or (settled and there in embers) or not can_burn(there):
+            if known <= time or not can_burn(there):
                 continue
             # Draw a cell's delay only when fire first reaches it.
             if there not in own:
-                own[there] = delay(rng, mean, scatter)
+                own[there] = delay(rng, pace.mean, pace.scatter)
             takes = own[there] if factor == 1.0 else max(1, round(own[there] * factor))
             catches = max(time + takes, held.get(there, 0))
             if catches < known:
@@ -395,7 +403,9 @@ def burn_walls(rng: RandomStream, plan: Plan, floor: Times, slots: set[int], mea
         for cell in sorted(slots)
         if any(there in floor for there in plan.neighbours(cell))
     }
-    return burn_over(rng, plan, embers, slots.__contains__, mean, len(slots), settled=True)
+    # Embers catch at their own time, even if fire reaches them earlier.
+    others = slots - embers.keys()
+    return burn_over(rng, plan, embers, others.__contains__, FireDelay(mean), len(slots))
 
 
 def leaves_a_way(plan: Plan, floor: Times, margin: float) -> bool:

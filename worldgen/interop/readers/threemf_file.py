@@ -13,7 +13,7 @@ import io
 import tomllib
 import zipfile
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -47,11 +47,14 @@ Mesh = tuple[Floats, Ints]
 
 
 @dataclass
-class _Left:
-    """The number of parts and triangles that a file may still place."""
+class _Model:
+    """The objects of a file, and how many parts and triangles it may still place."""
 
-    parts: int
-    faces: int
+    source: str
+    objects: dict[str, XmlElement]
+    meshes: dict[str, list[Mesh]] = field(default_factory=dict)
+    parts: int = _MOST_PARTS
+    faces: int = MOST_FACES
 
 
 def read_threemf(data: bytes, source: str) -> tuple[Floats, Ints, dict[str, Any], float]:
@@ -72,12 +75,11 @@ def read_threemf(data: bytes, source: str) -> tuple[Floats, Ints, dict[str, Any]
         if element.attributes.get("type", "model") != "other"
     }
     found: list[Mesh] = []
-    left = _Left(_MOST_PARTS, MOST_FACES)
-    meshes: dict[str, list[Mesh]] = {}
+    model = _Model(source, objects)
     try:
         for item in _children(root, "build", "item"):
             name = item.attributes.get("objectid", "")
-            found += _placed(objects, meshes, name, _transform(item), source, _MOST_DEPTH, left)
+            found += _placed(model, name, _transform(item), _MOST_DEPTH)
     except (ValueError, KeyError, IndexError, OverflowError) as error:
         if isinstance(error, FormatError):
             raise
@@ -148,36 +150,28 @@ def _transform(element: XmlElement) -> Floats:
     return np.array(words.split(), np.float64).reshape(4, 3)
 
 
-def _placed(
-    objects: dict[str, XmlElement],
-    meshes: dict[str, list[Mesh]],
-    name: str,
-    transform: Floats,
-    source: str,
-    depth: int,
-    left: _Left,
-) -> list[Mesh]:
+def _placed(model: _Model, name: str, transform: Floats, depth: int) -> list[Mesh]:
     """Return the meshes of an object and of its components, each in its place."""
     if depth == 0:
         raise FormatError(
-            "too-deep", "its components nest too deep", "export it flat", source=source
+            "too-deep", "its components nest too deep", "export it flat", source=model.source
         )
-    left.parts -= 1
-    if left.parts < 0 or left.faces < 0:
+    model.parts -= 1
+    if model.parts < 0 or model.faces < 0:
         raise FormatError(
             "too-large",
             "has more than {parts} parts or {faces} triangles",
             "simplify it",
             parts=_MOST_PARTS,
             faces=MOST_FACES,
-            source=source,
+            source=model.source,
         )
-    element = objects[name]
-    if name not in meshes:
-        meshes[name] = [_mesh(mesh) for mesh in _children(element, "mesh")]
+    element = model.objects[name]
+    if name not in model.meshes:
+        model.meshes[name] = [_mesh(mesh) for mesh in _children(element, "mesh")]
     found: list[Mesh] = []
-    for vertices, faces in meshes[name]:
-        left.faces -= len(faces)
+    for vertices, faces in model.meshes[name]:
+        model.faces -= len(faces)
         moved = sum(vertices[:, [axis]] * transform[axis] for axis in range(3)) + transform[3]
         mirrored = np.linalg.det(transform[:3]) < 0
         found.append((np.asarray(moved), faces[:, ::-1] if mirrored else faces))
@@ -186,9 +180,7 @@ def _placed(
         whole = np.concatenate(
             [inner[:3] @ transform[:3], inner[3:] @ transform[:3] + transform[3]]
         )
-        found += _placed(
-            objects, meshes, component.attributes["objectid"], whole, source, depth - 1, left
-        )
+        found += _placed(model, component.attributes["objectid"], whole, depth - 1)
     return found
 
 

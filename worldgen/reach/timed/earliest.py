@@ -30,6 +30,7 @@ from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import Witness, World
 
 __all__ = [
+    "TimedGraph",
     "TimedPath",
     "find_timed_path",
     "make_timed_witness",
@@ -88,7 +89,8 @@ def find_timed_path(
     nodes = safe_intervals(graph.clear, spans, touching(walls.radius, k, 0))
     middles = safe_intervals(graph.middle, spans, touching(walls.radius, k, 1))
     toward = (round(disc.x / unit), round(disc.y / unit))
-    states = _search_states(nodes, middles, graph.stride, sources, ends, (axis, diagonal), toward)
+    timed = TimedGraph(nodes, middles, graph.stride, (axis, diagonal))
+    states = _search_states(timed, sources, ends, toward)
     return _with_waits(start, states, graph.stride, unit) if states else None
 
 
@@ -184,22 +186,39 @@ def nodes_round(
     return found
 
 
+@dataclass(frozen=True)
+class TimedGraph:
+    """The nodes that a robot can be at, with their safe intervals.
+
+    Args:
+        nodes: Safe intervals of the nodes.
+        middles: Safe intervals of the middles of their squares.
+        stride: Nodes per row.
+        ticks: Ticks of an axis step and of a diagonal one.
+    """
+
+    nodes: Intervals
+    middles: Intervals
+    stride: int
+    ticks: tuple[int, int]
+
+
 def _search_states(
-    nodes: Intervals, middles: Intervals, stride: int, sources: Sequence[tuple[int, int]],
-    ends: Ints, ticks: tuple[int, int], toward: tuple[int, int],
-) -> list[tuple[int, int, int]]:  # fmt: skip
+    graph: TimedGraph, sources: Sequence[tuple[int, int]], ends: Ints, toward: tuple[int, int]
+) -> list[tuple[int, int, int]]:
     """Return (node, departure from the previous one, arrival) along the earliest path.
 
     It is empty if there is none.
     """
-    goal = np.zeros(len(nodes.first) - 1, np.uint8)
+    goal = np.zeros(len(graph.nodes.first) - 1, np.uint8)
     goal[ends] = 1
     x, y = toward
-    spread = int(np.maximum(np.abs(ends % stride - x), np.abs(ends // stride - y)).max())
+    rows, columns = np.divmod(ends, graph.stride)
+    spread = int(np.maximum(np.abs(columns - x), np.abs(rows - y)).max())
     # An end is closer than ``toward`` by at most this much.
-    lean = (x, y, spread * ticks[1])
-    begun = _first_states(nodes, sources)
-    final, node_of, cost, came, depart = _search(nodes, middles, stride, begun, goal, lean, ticks)
+    lean = (x, y, spread * graph.ticks[1])
+    begun = _first_states(graph.nodes, sources)
+    final, node_of, cost, came, depart = _search(graph, begun, goal, lean)
     path = []
     while final >= 0:
         path.append((int(node_of[final]), int(depart[final]), int(cost[final])))
@@ -207,30 +226,26 @@ def _search_states(
     return path[::-1]
 
 
-def search_costs(
-    nodes: Intervals, middles: Intervals, stride: int, begun: Ints, ticks: tuple[int, int]
-) -> Any:
+def search_costs(graph: TimedGraph, begun: Ints) -> Any:
     """Return the earliest tick at which each state is reached from any of the initial ones.
 
     It is ``FOREVER`` for states that are not reached.
 
     Args:
-        nodes: Safe intervals of the nodes.
-        middles: Safe intervals of the middles of their squares.
-        stride: Nodes per row.
+        graph: The nodes.
         begun: (n, 2) states and ticks.
-        ticks: Ticks of an axis step and of a diagonal one.
     """
-    nowhere = np.zeros(len(nodes.first) - 1, np.uint8)
-    return _search(nodes, middles, stride, begun, nowhere, (0, 0, FOREVER), ticks)[2]
+    nowhere = np.zeros(len(graph.nodes.first) - 1, np.uint8)
+    return _search(graph, begun, nowhere, (0, 0, FOREVER))[2]
 
 
 def _search(
-    nodes: Intervals, middles: Intervals, stride: int, begun: Ints, goal: Any,
-    lean: tuple[int, int, int], ticks: tuple[int, int],
-) -> tuple[int, Any, Any, Any, Any]:  # fmt: skip
+    graph: TimedGraph, begun: Ints, goal: Any, lean: tuple[int, int, int]
+) -> tuple[int, Any, Any, Any, Any]:
     """Run the search; return its final state, and all states' node, cost, predecessor, departure."""
     # Describe the search to C.
+    nodes = graph.nodes
+    middles = graph.middles
     size = len(nodes.first) - 1
     count = len(nodes.begin)
     node_of = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))
@@ -242,7 +257,7 @@ def _search(
     fields = {
         **{name: pointer(ffi, array, np.int64) for name, array in zip(names, lists, strict=True)},
         "nodes": size,
-        "stride": stride,
+        "stride": graph.stride,
         "states": count,
         "node_of": pointer(ffi, node_of, np.int32),
         "goal": pointer(ffi, goal, np.uint8),
@@ -250,8 +265,8 @@ def _search(
         "toward_y": lean[1],
         "slack": min(lean[2], 2 * FOREVER),
         # A step that takes longer than any interval is never taken.
-        "axis_ticks": min(ticks[0], FOREVER),
-        "diagonal_ticks": min(ticks[1], FOREVER),
+        "axis_ticks": min(graph.ticks[0], FOREVER),
+        "diagonal_ticks": min(graph.ticks[1], FOREVER),
         "cost": writable(ffi, cost, np.int64),
         "came": writable(ffi, came, np.int32),
         "depart": writable(ffi, depart, np.int64),

@@ -17,7 +17,7 @@ from worldgen.reach.still.disc import Disc
 from worldgen.reach.still.lattice_graph import build_graph, nodes_within
 from worldgen.reach.still.path import travel_ticks
 from worldgen.reach.still.walls import ExactPoint, Point
-from worldgen.reach.timed.earliest import nodes_round, search_costs
+from worldgen.reach.timed.earliest import TimedGraph, nodes_round, search_costs
 from worldgen.reach.timed.intervals import CellSpans, safe_intervals, touching
 from worldgen.reach.timed.spans import FOREVER, ChangingWalls
 from worldgen.world import World
@@ -70,7 +70,7 @@ def find_latest_start(
     pace = (world.cell_size, world.robot_speed, spans.ticks)
     ticks = (travel_ticks((0, 0), (unit, 0), *pace), travel_ticks((0, 0), (unit, unit), *pace))
     begun_at = np.array(begun, np.int64).reshape(-1, 2)
-    cost = search_costs(nodes, middles, graph.stride, begun_at, ticks)
+    cost = search_costs(TimedGraph(nodes, middles, graph.stride, ticks), begun_at)
     # Link the start to the nodes around it.
     latest = -1
     for node, point in nodes_round(start, graph.clear, unit):
