@@ -17,8 +17,10 @@ from worldgen.cli.output import (
     note,
     seed_option,
 )
+from worldgen.commands.set_output import Output, make_many
 from worldgen.commands.wanted_worlds import (
     CONSTRAINT_OPTIONS,
+    WorldQuery,
     flag_of,
     given_parameters,
     make_wanted,
@@ -63,22 +65,17 @@ def command_of(made_by: Family, name: str) -> click.Command:
     ) -> None:
         # Search for a world with the requested properties, or make one, or a set of them.
         place = _set_place(count, out)
+        to = Output(out, None if place is None else count, metrics, force, as_json)
         if where is not None or difficulty is not None:
-            make_wanted(
-                made_by, name, seed, given_parameters(params),
-                where=where, difficulty=difficulty, tries=tries, count=None if place is None else count,
-                out=out, metrics=metrics is not False, force=force, as_json=as_json,
-            )  # fmt: skip
+            query = WorldQuery(where, difficulty, tries)
+            make_wanted(made_by, name, seed, given_parameters(params), query, to)
         elif tries is not None:
             raise click.UsageError(
                 "--tries is for a search; give --where or --difficulty to say what to search for"
             )
         elif place is None:
-            _make_one(
-                made_by, draw_seed(seed), params, out, metrics=metrics, force=force, as_json=as_json
-            )
+            _make_one(made_by, draw_seed(seed), params, to)
         else:
-            from worldgen.commands.set_output import make_many
             from worldgen.sets import plan_set
 
             plan = plan_set(name, 0, count or 1, params, metrics=metrics is not False)
@@ -173,20 +170,17 @@ def _make_one(
     made_by: Family,
     seed: int,
     params: dict[str, Value],
-    out: Path | None,
-    *,
-    metrics: bool | None,
-    force: bool,
-    as_json: bool,
+    to: Output,
 ) -> None:
     from worldgen.files.grid import dumps, write_world
 
+    out = to.path
     with working(f"making a world of {made_by.name}") as work:
-        world = _made(made_by, seed, params, work, metrics=metrics)
+        world = _made(made_by, seed, params, work, metrics=to.metrics)
         if out is not None:
             work.say(f"writing {out}")
-            write_world(world, out, force=force)
-        text = "" if as_json or out is not None else dumps(world).decode()
+            write_world(world, out, force=to.force)
+        text = "" if to.as_json or out is not None else dumps(world).decode()
         result = _result(world, out)
     click.echo(text, nl=False)
     note(
@@ -195,7 +189,7 @@ def _make_one(
         + (f"{len(world.robots)} robots, joint " if world.others else "")
         + f"witness {result['witness_length']:.4g} m in {result['witness_time']:.4g} s, seed {seed}"
     )
-    if as_json:
+    if to.as_json:
         emit_json({**_identity(made_by, seed, params), **result})
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -69,29 +70,52 @@ def regenerate(
 
     manifest = manifest_of(path)
     place = out or (path.parent if path.is_file() and path.suffix == ".jsonl" else path)
+    known = _KnownSet(path, place, manifest)
     if check:
-        _check(path, place, manifest, as_json=as_json)
+        _check(known, as_json=as_json)
     else:
-        _make(
-            path,
-            place,
-            manifest,
-            families,
-            workers,
-            elsewhere=out is not None,
-            force=force,
-            as_json=as_json,
+        elsewhere = out is not None
+        _make(known, families, workers, elsewhere=elsewhere, force=force, as_json=as_json)
+
+
+@dataclass(frozen=True)
+class _KnownSet:
+    """A set's manifest.
+
+    Args:
+        path: Where the manifest is.
+        place: Folder or archive of the worlds.
+        manifest: Its contents.
+    """
+
+    path: Path
+    place: Path
+    manifest: Manifest
+
+    def emit(self, *, made: int, ok: bool, differences: list[dict[str, str]]) -> None:
+        """Print the result as one JSON object."""
+        emit_json(
+            {
+                "manifest": str(self.path),
+                "out": str(self.place),
+                "worlds": len(self.manifest.entries),
+                "made": made,
+                "ok": ok,
+                "differences": differences,
+            }
         )
 
 
-def _check(path: Path, place: Path, manifest: Manifest, *, as_json: bool) -> None:
+def _check(known: _KnownSet, *, as_json: bool) -> None:
     from worldgen.sets import check_set
 
+    place = known.place
+    manifest = known.manifest
     with working(f"checking {place} against its manifest"):
         differences = check_set(place, manifest)
     if as_json:
         found = [{"kind": difference.kind, "file": difference.file} for difference in differences]
-        _emit(path, place, manifest, made=0, ok=not found, differences=found)
+        known.emit(made=0, ok=not found, differences=found)
     for difference in differences[:SHOWN] if not as_json else ():
         click.echo(f"{place / difference.file}: {difference.kind}")
     more = f"{len(differences)} differences" if len(differences) != 1 else "1 difference"
@@ -104,9 +128,7 @@ def _check(path: Path, place: Path, manifest: Manifest, *, as_json: bool) -> Non
 
 
 def _make(
-    path: Path,
-    place: Path,
-    manifest: Manifest,
+    known: _KnownSet,
     families: tuple[str, ...],
     workers: int | None,
     *,
@@ -117,6 +139,8 @@ def _make(
     from worldgen.commands.set_output import told, workers_for
     from worldgen.sets import SetDiffers, regenerate_set, restore_set
 
+    place = known.place
+    manifest = known.manifest
     count = len(manifest.entries)
     # An unfinished set is continued with its first command, not made again.
     if not manifest.finished:
@@ -124,7 +148,7 @@ def _make(
             "set-unfinished",
             "{path} is unfinished, with {count} of {planned} worlds",
             "run the command that started it to continue it",
-            path=path,
+            path=known.path,
             count=count,
             planned=manifest.header.count,
         )
@@ -134,8 +158,9 @@ def _make(
             "{path} is one file",
             "give --out to make the set somewhere else, or --check to compare",
             at_terminal=True,
-            path=path,
+            path=known.path,
         )
+    # Make all its worlds elsewhere, or those that are missing in its own place.
     try:
         with told(place, count, force=force and elsewhere) as progress:
             work = regenerate_set if elsewhere else restore_set
@@ -151,36 +176,9 @@ def _make(
     except SetDiffers as error:
         note(f"worldgen: {error}", always=True)
         if as_json:
-            _emit(
-                path,
-                place,
-                manifest,
-                made=0,
-                ok=False,
-                differences=[{"kind": "changed", "file": error.facts["file"]}],
-            )
+            changed = {"kind": "changed", "file": error.facts["file"]}
+            known.emit(made=0, ok=False, differences=[changed])
         raise click.exceptions.Exit(1) from error
     note(f"{place}: {count - done.resumed} worlds made, {done.resumed} were there already")
     if as_json:
-        _emit(path, place, manifest, made=count - done.resumed, ok=True, differences=[])
-
-
-def _emit(
-    path: Path,
-    place: Path,
-    manifest: Manifest,
-    *,
-    made: int,
-    ok: bool,
-    differences: list[dict[str, str]],
-) -> None:
-    where = {"manifest": str(path), "out": str(place)}
-    emit_json(
-        {
-            **where,
-            "worlds": len(manifest.entries),
-            "made": made,
-            "ok": ok,
-            "differences": differences,
-        }
-    )
+        known.emit(made=count - done.resumed, ok=True, differences=[])

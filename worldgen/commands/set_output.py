@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,10 +16,29 @@ from worldgen.support.progress import working
 if TYPE_CHECKING:
     from worldgen.sets import SetPlan
 
-__all__ = ["make_many", "told", "workers_for"]
+__all__ = ["Output", "make_many", "told", "workers_for"]
 
 # Number of worlds; below it, starting processes takes longer than it saves.
 _LARGE = 200
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a command writes, and where.
+
+    Args:
+        path: File of one world, or folder or archive of a set; None for stdout.
+        count: Worlds of a set; None for one world.
+        metrics: True to measure each world; None to decide by its size.
+        force: True to replace what exists.
+        as_json: True to print one JSON object.
+    """
+
+    path: Path | None
+    count: int | None
+    metrics: bool | None
+    force: bool
+    as_json: bool
 
 
 def make_many(

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from worldgen.cli.output import draw_seed, emit_json, note, say
-from worldgen.commands.set_output import make_many
+from worldgen.commands.set_output import Output, make_many
 from worldgen.errors import GenerationFailed
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from worldgen.difficulty.search import Nearest, Search
     from worldgen.family import Family
+    from worldgen.sets import SetPlan
     from worldgen.world import Value
 
-__all__ = ["CONSTRAINT_OPTIONS", "flag_of", "given_parameters", "make_wanted"]
+__all__ = ["CONSTRAINT_OPTIONS", "WorldQuery", "flag_of", "given_parameters", "make_wanted"]
 
 _TRIES = 500
 _ROBOT = {"robot_radius": "radius", "robot_speed": "speed"}
@@ -78,20 +80,28 @@ def given_parameters(params: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in params.items() if source(name) is not default}
 
 
+@dataclass(frozen=True)
+class WorldQuery:
+    """Which worlds to search for.
+
+    Args:
+        where: A constraint on their metrics.
+        difficulty: Their difficulty, or the two ends of its range.
+        tries: Worlds to try per world found.
+    """
+
+    where: str | None
+    difficulty: tuple[float, ...] | None
+    tries: int | None
+
+
 def make_wanted(
     made_by: Family,
     name: str,
     seed: int | None,
     params: Mapping[str, Value],
-    *,
-    where: str | None,
-    difficulty: tuple[float, ...] | None,
-    tries: int | None,
-    count: int | None,
-    out: Path | None,
-    metrics: bool,
-    force: bool,
-    as_json: bool,
+    query: WorldQuery,
+    to: Output,
 ) -> None:
     """Search and write the results: one world, or a set.
 
@@ -99,20 +109,28 @@ def make_wanted(
         Exit: With code 1 if no fitting world was found; those found before are kept.
     """
     from worldgen.difficulty.search import Search, constraint_for, found
-    from worldgen.sets import plan_wanted_set
+    from worldgen.sets import plan_stratified_set, plan_wanted_set
 
     # A range of difficulty asks for a stratified set, or for one world anywhere in it.
-    if difficulty is not None and len(difficulty) == 2:
-        if count is not None and out is not None:
-            _make_stratified(
-                made_by, seed, params, where=where, ends=(difficulty[0], difficulty[1]), tries=tries, count=count,
-                out=out, metrics=metrics, force=force, as_json=as_json,
-            )  # fmt: skip
+    where = query.where
+    difficulty = query.difficulty or ()
+    tries = query.tries or _TRIES
+    if len(difficulty) == 2:
+        if to.count is not None and to.path is not None:
+            stratified = plan_stratified_set(
+                made_by,
+                0,
+                to.count,
+                params,
+                difficulty=(difficulty[0], difficulty[1]),
+                where=where,
+                tries=tries,
+                metrics=to.metrics is not False,
+            )
+            _make_stratified(stratified, seed, to.path, to)
             return
         where = _within(difficulty[0], difficulty[1], where)
-    constraint = constraint_for(
-        where, difficulty[0] if difficulty is not None and len(difficulty) == 1 else None
-    )
+    constraint = constraint_for(where, difficulty[0] if len(difficulty) == 1 else None)
     search: Search | None = None
     results: list[dict[str, Any]] = []
     # Search for a set, or for one world.
@@ -124,37 +142,27 @@ def make_wanted(
                 search = now
                 work.say(lambda: _how_near(now))
 
-            if count is not None and out is not None:
+            if to.count is not None and to.path is not None:
                 plan = plan_wanted_set(
                     made_by,
                     0,
-                    count,
+                    to.count,
                     params,
                     where=constraint.text,
-                    tries=tries or _TRIES,
-                    metrics=metrics,
+                    tries=tries,
+                    metrics=to.metrics is not False,
                     tell=progress,
                 )
-                make_many(plan, seed, out, workers=1, force=force, as_json=as_json)
+                make_many(plan, seed, to.path, workers=1, force=to.force, as_json=to.as_json)
                 return
             search = Search(made_by, constraint, draw_seed(seed), params)
-            for one in found(search, 1, tries or _TRIES, progress):
-                results.append(
-                    _write(
-                        one,
-                        out,
-                        made_by,
-                        name,
-                        params,
-                        metrics=metrics,
-                        force=force,
-                        as_json=as_json,
-                    )
-                )
+            for one in found(search, 1, tries, progress):
+                again = _command(made_by, name, one.seed, {**params, **one.params})
+                results.append(_write(one, again, to))
     # Report the nearest world if none fits.
     except GenerationFailed as failure:
         note(f"worldgen: {failure}", always=True)
-        if as_json:
+        if to.as_json:
             emit_json(
                 {
                     "constraint": constraint.text,
@@ -163,7 +171,7 @@ def make_wanted(
                 }
             )
         raise click.exceptions.Exit(1) from failure
-    if as_json:
+    if to.as_json:
         emit_json({"constraint": constraint.text, "tried": search.tried, **results[0]})
 
 
@@ -179,42 +187,19 @@ def _within(low: float, high: float, where: str | None) -> str:
     return f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
 
 
-def _make_stratified(
-    made_by: Family,
-    seed: int | None,
-    params: Mapping[str, Value],
-    *,
-    where: str | None,
-    ends: tuple[float, float],
-    tries: int | None,
-    count: int,
-    out: Path,
-    metrics: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
+def _make_stratified(plan: SetPlan, seed: int | None, out: Path, to: Output) -> None:
     """Make a set spread over a range of difficulty, and print how many worlds each stratum has."""
-    from worldgen.sets import manifest_of, plan_stratified_set, strata_of
+    from worldgen.sets import manifest_of, strata_of
 
-    plan = plan_stratified_set(
-        made_by,
-        0,
-        count,
-        params,
-        difficulty=ends,
-        where=where,
-        tries=tries or _TRIES,
-        metrics=metrics,
-    )
     try:
-        make_many(plan, seed, out, workers=1, force=force, as_json=as_json)
+        make_many(plan, seed, out, workers=1, force=to.force, as_json=to.as_json)
     except GenerationFailed as failure:
         note(f"worldgen: {failure}", always=True)
-        if as_json:
+        if to.as_json:
             emit_json(
                 {
                     "constraint": plan.header.constraint,
-                    "count": count,
+                    "count": to.count,
                     "out": str(out),
                     "error": str(failure),
                 }
@@ -231,27 +216,19 @@ def _make_stratified(
         note(f"  difficulty {stratum.low:g} to {stratum.high:g}: {stratum.worlds}{why}")
 
 
-def _write(
-    one: Nearest,
-    file: Path | None,
-    made_by: Family,
-    name: str,
-    params: Mapping[str, Value],
-    *,
-    metrics: bool,
-    force: bool,
-    as_json: bool,
-) -> dict[str, Any]:
+def _write(one: Nearest, again: str, to: Output) -> dict[str, Any]:
+    """Write a world that was found, with the command that makes it again; return its facts."""
     from worldgen.difficulty import with_metrics
     from worldgen.files.grid import dumps, world_digest, write_world
 
+    file = to.path
+    metrics = to.metrics is not False
     world = with_metrics(one.world) if metrics else one.world
     if file is not None:
-        write_world(world, file, force=force)
-    elif not as_json:
+        write_world(world, file, force=to.force)
+    elif not to.as_json:
         say(dumps(world).decode(), nl=False)
     values = ", ".join(f"{metric} {value:g}" for metric, value in one.metrics.items())
-    again = _command(made_by, name, one.seed, {**params, **one.params})
     note(
         (f"{file}: " if file is not None else "")
         + f"fits at try {one.number}: {values}\n  made again by: {again}"
