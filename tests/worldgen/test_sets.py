@@ -19,10 +19,10 @@ from tests.helpers.command_line import worldgen as run
 from tests.helpers.raising import raises
 from tests.helpers.set_contents import contents
 from worldgen.difficulty import with_metrics
-from worldgen.errors import FormatError, InvalidParameter, OutputError
+from worldgen.errors import FormatError, OutputError
 from worldgen.files.archives import members
 from worldgen.files.grid import dumps, read_world, world_digest
-from worldgen.generation import generate, stream
+from worldgen.generation import generate
 from worldgen.sets import SetDifference, check_set, make_set, manifest_of, plan_set, regenerate_set
 from worldgen.sets.journal import Journal
 from worldgen.sets.manifest import ManifestEntry, parse_manifest
@@ -524,24 +524,6 @@ def test_a_manifest_from_before_a_parameter_was_added_gives_the_same_bytes(whole
     assert result.code == 0 and b"angle" not in (tmp_path / "again/trap-7.grid").read_bytes()
 
 
-def test_large_sets_are_in_folders_of_a_thousand():
-    plan = plan_set("maze", 0, 10_001, {})
-    assert [plan.file(k) for k in (0, 999, 1000, 10_000)] == [
-        "0000/maze-0.grid", "0000/maze-999.grid", "0001/maze-1000.grid", "0010/maze-10000.grid",
-    ]  # fmt: skip
-    assert plan_set("maze", 0, 10_000, {}).file(9_999) == "maze-9999.grid"
-
-
-def test_a_set_in_subfolders_is_made_and_checked(tmp_path, monkeypatch):
-    monkeypatch.setattr(worldgen.sets.plan, "_FLAT", 3)
-    monkeypatch.setattr(worldgen.sets.plan, "_SHARD", 2)
-    run(*TRAPS, "--out", tmp_path / "set")
-    assert (tmp_path / "set/0002/trap-10.grid").is_file()
-    assert run("regenerate", tmp_path / "set", "--check").code == 0
-    run(*TRAPS, "--out", tmp_path / "set", "--force", "--shape", "V")
-    assert run("regenerate", tmp_path / "set", "--check").code == 0
-
-
 @every_kind
 def test_commands_read_sets_in_every_form(whole, out):
     result = json.loads(run("verify", whole / out, "--json").out)
@@ -567,31 +549,6 @@ def test_an_archive_that_is_cut_off_is_one_sentence(whole, tmp_path, out, end):
         and result.error_code == "damaged-file"
         and "fault of our own" not in result.err
     )
-
-
-def test_a_stream_gives_the_worlds_of_a_set_and_makes_no_file(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    worlds = list(stream("trap", seed=5, count=3, **SMALL))
-    assert worlds == [generate("trap", seed, **SMALL) for seed in (5, 6, 7)] and not list(
-        tmp_path.iterdir()
-    )
-
-
-def test_a_stream_without_a_count_has_no_end_and_goes_on_at_0():
-    worlds = stream("trap", seed=2**64 - 2, **SMALL)
-    assert [next(worlds).provenance.seed for _ in range(4)] == [2**64 - 2, 2**64 - 1, 0, 1]
-
-
-@pytest.mark.parametrize(
-    ("params", "expected"),
-    [
-        ({"sise": 3}, {"code": "unknown-name", "name": "sise"}),
-        ({"count": -1}, {"code": "below-minimum"}),
-    ],
-)
-def test_a_stream_refuses_at_once_what_can_give_no_world(params, expected):
-    with raises(InvalidParameter, **expected):
-        stream("trap", **params)
 
 
 def test_json_tells_of_a_set(tmp_path):

@@ -1,0 +1,178 @@
+"""The command ``audit``: recordings that it reads, its options, and what it prints."""
+
+import io
+import json
+import math
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sim.audit import KINDS, audit
+from sim.audit.file import parse_trajectory
+from tests.helpers.audit_room import ROOM, path, room
+from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
+from worldgen import (
+    FormatError,
+    InvalidParameter,
+    Pose,
+    Target,
+    World,
+    write_world,
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "expected"),
+    [
+        ("", 1, {"code": "columns-missing", "fault": "no column 't'"}),
+        (
+            "time,x,y\n0,1,1\n",
+            1,
+            {"code": "columns-missing", "shown": "time, x, y", "fault": "no column 't'"},
+        ),
+        ("t,x,y,x\n0,1,1,1\n", 1, {"code": "columns-missing", "fault": "two columns 'x'"}),
+        ("t,x,y\n", None, {"code": "too-few-samples"}),
+        ("t,x,y\n0,1,1\n", None, {"code": "too-few-samples", "count": 1}),
+        ("t,x,y\n0,1,1\n\n1,1\n", 4, {"code": "line-too-short", "count": 2}),
+        ("t,x,y\n0,1,1\n1,one,1\n", 3, {"code": "not-a-number", "name": "x", "value": "one"}),
+        ("t;x;y\n0;1;1\n1;1,5;1\n", 3, {"code": "not-a-number", "name": "x"}),
+        ("t,x,y\n0,1,1\n1,1_0,1\n", 3, {"code": "not-a-number", "name": "x", "value": "1_0"}),
+        ('t,x,y\n0,1,1\n1,"1,1\n', 3, {"code": "invalid-csv"}),
+        ("t,x,y\n\n0,1,1\n1,nan,1\n", 4, {"code": "out-of-range", "name": "x"}),
+        ("t,x,y\n0,1,1\ninf,1,1\n", 3, {"code": "out-of-range", "name": "t"}),
+        ("t,x,y\n0,1,1\n1,1,-1e300\n", 3, {"code": "out-of-range", "name": "y"}),
+        ("t,x,y\n0,1,1\n\n2,1,1\n1.5,1,1\n", 5, {"code": "times-fall", "time": 1.5}),
+    ],
+)
+def test_a_recording_that_cannot_be_read_is_named_with_its_line(text, line, expected):
+    with raises(FormatError, **expected) as raised:
+        parse_trajectory(text, "bad.csv")
+    assert raised.value.line == line
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t,x,y,heading\n0,1.5,2,0.1\n0.5,3,4,nan\n",
+        "y;t;note;x\n2;0;a;1.5\n4;0.5;;3\n",
+        "t\tx\ty\n0\t1.5\t2\n0.5\t3\t4\n",
+        "\n# T, X , Y\n\n0, 1.5, 2\n\n  0.5, 3, 4",
+        't,x,y\r\n0,1.5,2\r\n"0.5","3","4"\r\n',
+        "t,x,y\r0,1.5,2\r0.5,3,4\r",
+    ],
+)
+def test_columns_go_by_name_whatever_stands_between(text):
+    read = parse_trajectory(text, "good.csv")
+    assert [list(values) for values in (read.times, read.x, read.y)] == [
+        [0.0, 0.5],
+        [1.5, 3.0],
+        [2.0, 4.0],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"tolerance": 0.0}, {"code": "out-of-range", "name": "tolerance"}),
+        ({"tolerance": math.nan}, {"code": "out-of-range", "name": "tolerance"}),
+        ({"slack": -1.0}, {"code": "out-of-range", "name": "slack"}),
+    ],
+)
+def test_options_out_of_range_are_refused(options, expected):
+    with raises(InvalidParameter, **expected):
+        audit(ROOM, path((0, 1, 1), (1, 1, 1)), **options)
+
+
+def test_places_beyond_all_cells_are_refused():
+    tiny = World(
+        ROOM.walls, Pose(0.0, 0.0), Target(0.0, 0.0, 1e-6), cell_size=1e-6, robot_radius=1e-6
+    )
+    with raises(InvalidParameter, "out-of-range"):
+        audit(tiny, path((0, 1e4, 1), (1, 1e4, 1)))
+
+
+@pytest.fixture
+def files(tmp_path):
+    write_world(room(walls=[(5, 3)]), tmp_path / "w.grid")
+    (tmp_path / "clean.csv").write_bytes(b"\xef\xbb\xbft,x,y\r\n0,3.5,3.5\r\n1,3.5,5.0\r\n")
+    (tmp_path / "bad.csv").write_text("t,x,y\n0,3.5,3.5\n2,7.5,3.5\n3,7.5,3.5\n")
+    return tmp_path
+
+
+def test_the_command_says_possible_and_ends_with_0(files):
+    result = worldgen("audit", files / "w.grid", files / "clean.csv")
+    assert result.code == 0 and result.out.startswith(
+        "possible: 2 samples, 1 s, 1.5 m, target not reached; smallest "
+    )
+
+
+def test_the_command_says_what_was_not_possible_and_ends_with_1(files):
+    result = worldgen("audit", files / "w.grid", files / "bad.csv")
+    assert result.code == 1
+    assert [line.split()[0] for line in result.out.splitlines()] == ["overlap", "tunnel", "not"]
+    assert (
+        "tunnel 0.75 to 1.25 s: the centre is up to 0.5 m deep in cell (5, 3), at t = 1 s, (5.5, "
+        "3.5) m" in result.out
+    )
+    assert "not possible, 1 tunnel, 1 overlap: 3 samples" in result.out
+
+
+def test_json_has_the_promised_keys(files):
+    result = worldgen("audit", files / "w.grid", files / "bad.csv", "--json")
+    found = json.loads(result.out)
+    assert result.code == 1 and found["ok"] is False
+    assert set(found) == {
+        "ok", "findings", "notes", "samples", "reached", "path_length", "duration", "clearance", "nearest", "shaved",
+        "shaved_depth", "tolerance",
+    }  # fmt: skip
+    tunnel = found["findings"][1]
+    assert tunnel == {"kind": "tunnel", "t": 1.0, "x": 5.5, "y": 3.5, "depth": 0.5, "cell": [5, 3], "t_begin": 0.75,
+                      "t_end": 1.25, "sample": 0}  # fmt: skip
+
+
+def test_the_page_names_every_key_and_kind(files):
+    page = (Path(__file__).parents[2] / "docs" / "howto" / "audit.md").read_text(encoding="utf-8")
+    found = json.loads(worldgen("audit", files / "w.grid", files / "bad.csv", "--json").out)
+    assert all(f"`{name}`" in page for name in (*found, *found["findings"][0], *KINDS))
+
+
+def test_a_minus_reads_from_stdin(files, monkeypatch):
+    monkeypatch.setattr(
+        sys, "stdin", SimpleNamespace(buffer=io.BytesIO((files / "bad.csv").read_bytes()))
+    )
+    assert worldgen("audit", files / "w.grid", "-").code == 1
+
+
+@pytest.mark.gate
+def test_the_picture_marks_the_tunnel(files):
+    out = files / "a.png"
+    result = worldgen("audit", files / "w.grid", files / "bad.csv", "--picture", out)
+    drawn_pixels = np.asarray(Image.open(out).convert("RGB")).reshape(-1, 3)
+    clean = worldgen("audit", files / "w.grid", files / "clean.csv", "--picture", files / "b.png")
+    clean_pixels = np.asarray(Image.open(files / "b.png").convert("RGB")).reshape(-1, 3)
+    purple = np.array([0xCC, 0x79, 0xA7])
+    assert (result.code, clean.code) == (1, 0)
+    assert (drawn_pixels == purple).all(axis=1).any() and not (clean_pixels == purple).all(
+        axis=1
+    ).any()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["{}/w.grid", "{}/none.csv"], "none.csv: cannot be read"),
+        (["{}/none.grid", "{}/bad.csv"], "none.grid"),
+        (["{}/w.grid", "{}"], "cannot be read"),
+        (["{}/w.grid", "{}/bad.csv", "--picture", "a.svg"], "name a .png file"),
+        (["{}/w.grid", "{}/bad.csv", "--tolerance", "0"], "at least 1e-09"),
+        (["{}/w.grid", "{}/w.grid"], "no column 't'"),
+    ],
+)
+def test_bad_input_is_one_line(files, arguments, message):
+    result = worldgen("audit", *(text.format(files) for text in arguments))
+    assert result.code == 2 and message in result.err and "Traceback" not in result.err
