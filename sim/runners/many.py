@@ -10,7 +10,7 @@ import numpy.typing as npt
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController
 from sim.controllers.shared.guarded import ControllerDied, call
-from sim.runners.core_calls import REPORT, CoreArena, CoreEpisode, Driver, copy_of
+from sim.runners.core_calls import REPORT, CoreEpisode, Driver, copy_of
 from sim.runners.lattice import LatticeRun
 from worldgen.support.ccall import check, pointer
 
@@ -51,13 +51,13 @@ def run_many(
     settings.steps = run.options.steps
     settings.digest = int(digest)
     settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
-    fresh = run.arena()
     episode = CoreEpisode(run.arena(), settings, Driver(controller, controller.memory))
     reports = np.zeros(len(seeds), REPORT)
     stop = np.zeros(1, np.int64) if stop is None else stop
     if episode.guarded:
-        return _run_many_guarded(run, episode, settings, fresh, starts, seeds, stop)
+        return _run_many_guarded(run, episode, settings, starts, seeds, stop)
 
+    fresh = run.arena()
     # Run in groups; the arrays that a call gets must stay alive until it returns.
     stop_at = pointer(ffi, stop, np.int64)
     for first in range(0, len(seeds), _MANY):
@@ -87,13 +87,13 @@ def _run_many_guarded(
     run: LatticeRun,
     episode: CoreEpisode,
     settings: Any,
-    fresh: CoreArena,
     starts: Ints,
     seeds: npt.NDArray[np.uint64],
     stop: Ints,
 ) -> Reports:
     """Do the same in another process, one run at a time, to notice a request to stop."""
     memory = run.memory
+    fresh = run.arena()
     reports = memory.zeros(len(seeds), REPORT)
     own_starts = memory.own(starts)
     own_seeds = memory.own(seeds)

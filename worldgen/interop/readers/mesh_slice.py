@@ -127,14 +127,15 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     size = held.get("size") if held.get("cell_size") == cell_size else None
     origin, width, height = _frame(vertices, cell_size, held.get("origin"), size, str(path))
     solid = _cells(section, cell_size, origin, width, height)
-    return _map(path, mesh, solid, cell_size, origin, held, _Told(plane, floors, bodies, vertices))
+    return _map(path, mesh, solid, cell_size, origin, _Told(plane, held, floors, bodies, vertices))
 
 
 @dataclass(frozen=True)
 class _Told:
-    """Facts for the notes."""
+    """The plane of a cut, the facts that the file holds, and those for the notes."""
 
     plane: Plane
+    held: dict[str, Any]
     floors: list[float]
     bodies: Bodies
     vertices: npt.NDArray[np.float64]
@@ -268,10 +269,10 @@ def _map(
     solid: npt.NDArray[np.bool_],
     cell_size: float,
     origin: tuple[float, float],
-    held: dict[str, Any],
     told: _Told,
 ) -> ForeignMap:
     plane = told.plane
+    held = told.held
     params: dict[str, Value] = {
         "format": mesh.kind,
         "source": path.name,
