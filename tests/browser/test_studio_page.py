@@ -325,7 +325,7 @@ def test_a_controller_named_at_the_start_that_cannot_be_loaded_is_told_with_its_
 
 
 @pytest.mark.nightly
-def test_no_difficulty_can_be_wished_of_a_family_whose_worlds_change(page):
+def test_no_difficulty_can_be_given_for_a_family_whose_worlds_change(page):
     page.get_by_role("tab", name="Generate").click()
     page.get_by_text("Search for a world with a given difficulty").click()
     difficulty = page.get_by_label("Difficulty, 0 to 1")

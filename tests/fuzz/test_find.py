@@ -126,7 +126,7 @@ def test_the_file_says_what_was_looked_for(found):
     )
 
 
-def test_outcomes_are_told_in_the_order_in_which_they_were_asked_for(tmp_path):
+def test_outcomes_are_told_in_the_order_in_which_they_were_given(tmp_path):
     result = worldgen(
         "find", "--outcome", "turn-random=reached", "--outcome", "turn-left=reached", *QUICK, "--out", tmp_path / "w",
     )  # fmt: skip

@@ -528,7 +528,7 @@ def test_the_signal_is_the_one_that_the_thesis_s_robot_reads(page):
 
 
 @pytest.mark.gate
-def test_a_wished_world_is_searched_for_and_measured(page):
+def test_a_world_that_meets_a_constraint_is_searched_for_and_measured(page):
     said = page.ask(
         "generate", family="trap", seed="1", parameters={"size": 20}, where="detour > 1.2"
     )

@@ -17,7 +17,7 @@ from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 
 
-def test_the_world_found_is_as_wished_and_generate_makes_it_again():
+def test_the_world_found_is_as_constrained_and_generate_makes_it_again():
     world = search_world(
         "maze", "detour > 2.5 and decisions <= 12", seed=1, algorithm="backtracker"
     )

@@ -123,7 +123,7 @@ def test_a_range_that_no_world_lies_in_is_refused_after_the_tries():
         list(search(0.95, 1.0, 4, tries=5).found())
 
 
-def test_what_else_is_wished_holds_for_every_world():
+def test_what_else_is_given_holds_for_every_world():
     found = list(search(0.3, 0.9, 4, where="solid < 0.45").found())
     assert len({world_digest(one.world) for one in found}) == 4
     assert all(measure(one.world).solid < 0.45 for one in found)
