@@ -88,10 +88,6 @@ class NearestWorld:
         """Sum over the targets; 0 if all are fulfilled."""
         return _distance(self.results)
 
-    def rank(self) -> tuple[float, int]:
-        """Return a sort key: nearest first, then fewest solid cells."""
-        return self.distance, self.world.solid_cells
-
 
 def _distance(results: tuple[Result, ...]) -> float:
     return sum(result.distance for result in results)
@@ -121,9 +117,10 @@ class _Candidate:
     results: tuple[Result, ...] = ()
     certificate: Certificate | None = None
 
-    def rank(self) -> tuple[float, int]:
-        """Return the same key as :meth:`NearestWorld.rank`."""
-        return self.distance, self.world.solid_cells
+
+def _rank(one: NearestWorld | _Candidate) -> tuple[float, int]:
+    """Return a sort key: nearest first, then fewest solid cells."""
+    return one.distance, one.world.solid_cells
 
 
 def _never() -> bool:
@@ -166,7 +163,7 @@ class _Unit:
 
     def keep(self, candidate: _Candidate) -> None:
         """Keep a candidate that is nearer than the best, or simpler, if its proofs succeed."""
-        if self.best is not None and candidate.rank() >= self.best.rank():
+        if self.best is not None and _rank(candidate) >= _rank(self.best):
             return
         decision = decide(candidate.world)
         if decision.result != REACHABLE:
@@ -178,7 +175,7 @@ class _Unit:
             results=results,
             certificate=decision.certificate,
         )
-        if self.best is None or proved.rank() < self.best.rank():
+        if self.best is None or _rank(proved) < _rank(self.best):
             self.best = proved
 
     @property
@@ -399,7 +396,7 @@ class OutcomeSearch(UnitSearch[_UnitResult, NearestWorld]):
         found = result.nearest
         self.done += 1
         self.tried += result.tried
-        if found is not None and (self.best is None or found.rank() < self.best.rank()):
+        if found is not None and (self.best is None or _rank(found) < _rank(self.best)):
             self.best = found
             yield found
 
