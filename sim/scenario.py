@@ -6,9 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from sim.controllers.base import CompiledController
+from sim.controllers.behaviours.arbitration import Arbitration
 from sim.controllers.behaviours.catalogue import is_composition_name
 from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
+from sim.controllers.thesis import thesis_arbitration
+from sim.motion import MOTIONS, THESIS
 from sim.options.robot import RobotOptions
 from sim.options.run import (
     TARGET,
@@ -48,6 +52,17 @@ class Scenario:
     def __post_init__(self) -> None:
         # Without this, two scenarios could differ in a budget that no run of theirs has.
         object.__setattr__(self, "run", replace(self.run, steps=RunOptions.steps))
+
+    @property
+    def arbitration(self) -> Arbitration | None:
+        """How its controller arbitrates among behaviours in these runs; ``None`` if it doesn't."""
+        controller = CONTROLLERS.get(self.controller)
+        rule = controller.thesis_rule if isinstance(controller, CompiledController) else 0
+        # Under ``stepped`` the thesis's own program runs its robots, with options for each part.
+        if rule and MOTIONS.get(self.run.motion).kernel == THESIS:
+            return thesis_arbitration(rule, self.run.thesis)
+        found: Arbitration | None = getattr(controller, "arbitration", None)
+        return found
 
     @classmethod
     def parse(cls, text: str, **defaults: Any) -> Scenario:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from fuzz.player.memory import drawn_memory
 from fuzz.player.streams import bits, numbers
 from sim.controllers.base import Controller
+from sim.controllers.behaviours.arbitration import Arbitration, acted_at
 from sim.episode import Episode
 from sim.evidence import (
     BudgetEvidence,
@@ -61,7 +62,7 @@ def drawn_run(
         judged: The run with the evidence, if it is another one: a breach's ends at the wall.
         motion: The motion model; if omitted, the page marks only walls that the evidence names.
         most: Approximate number of steps to include of a longer run.
-        controller: The controller, if its memory should be shown.
+        controller: The controller, if its memory and its behaviours should be shown.
 
     Returns:
         ``steps`` and ``dt`` (s). The columns ``at`` (parts of a step), ``x``, ``y`` (parts of a
@@ -89,6 +90,7 @@ def drawn_run(
         "steps": trace.steps,
         "dt": trace.time_step,
         **columns,
+        **_acted(trace, controller, kept, rows),
         "memory": memory,
         "tolerance": motion.overlap_tolerance if motion is not None and breached else None,
         "thinned": coarsest,
@@ -156,13 +158,22 @@ def _columns(
         "y": numbers(np.rint(y / cell_size * UNIT)),
         "heading": numbers(np.rint(turns * TURN)),
         "bump": bits(trace.bump[whose]),
-        **(
-            {}
-            if trace.active is None
-            else {"active": numbers(trace.active[whose]), "behaviours": list(BEHAVIOURS)}
-        ),
     }
     return columns, whose
+
+
+def _acted(trace: Trace, controller: Controller | None, kept: Ints, rows: Ints) -> dict[str, Any]:
+    """Return the behaviour that acted by row, for a robot with behaviours that can be seen."""
+    arbitration: Arbitration | None = getattr(controller, "arbitration", None)
+    if trace.active is not None:
+        return {"active": numbers(trace.active[rows]), "behaviours": list(BEHAVIOURS)}
+    if arbitration is None or not trace.memory_size:
+        return {}
+    acted = acted_at(arbitration, trace, kept)
+    return {
+        "active": numbers(acted[np.searchsorted(kept, rows)]),
+        "behaviours": list(arbitration.names),
+    }
 
 
 def _kept_steps(steps: int, span: tuple[int, int], most: int) -> tuple[npt.NDArray[np.int64], int]:

@@ -29,9 +29,10 @@ from fuzz.studio.exchange import ExchangeAnswers
 from fuzz.studio.gallery import WallAnswers
 from fuzz.studio.limits import MOST_ROBOTS, MOST_STEPS
 from fuzz.studio.messages import field, message_of, opened_message, restored, seed_of, world_of
-from fuzz.studio.running import check_record, check_registered, scenario_of
+from fuzz.studio.running import chart_message, check_record, check_registered, scenario_of
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
+from sim.controllers.behaviours.arbitration import Arbitration
 from sim.describe import describe_evidence
 from sim.drawing.picture import drive_of, trails_of
 from sim.episode import Episode, simulate
@@ -217,7 +218,9 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         part({"world": drawn_world(world)})
         for number, label in enumerate(labels):
             try:
-                part({"number": number, **_seen(self._driven(world, label, message))})
+                driven = self._driven(world, label, message)
+                chart = chart_message(driven.arbitration)
+                part({"number": number, **_seen(driven), "arbitration": chart})
             except InvalidParameter as error:
                 part({"number": number, "name": str(label), "error": self.folder.refusal(error)})
         return {}
@@ -295,7 +298,8 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         budget = step_budget(world, scenario.run) if steps is None else field(message, "steps", int)
         options = scenario.options(world, min(max(budget, 1), MOST_STEPS))
         episode = simulate(world, scenario.controller, options, record=True, lean=True)
-        return _Driven(str(label), world, options, episode, CONTROLLERS.get(scenario.controller))
+        controller = CONTROLLERS.get(scenario.controller)
+        return _Driven(str(label), world, options, episode, controller, scenario.arbitration)
 
 
 @dataclass(frozen=True, eq=False)
@@ -307,6 +311,7 @@ class _Driven:
     options: RunOptions
     episode: Episode
     controller: Controller
+    arbitration: Arbitration | None = None
 
     @property
     def reason(self) -> str:

@@ -8,11 +8,13 @@ from typing import Any
 
 from fuzz.studio.messages import field
 from sim.controllers import CONTROLLERS
+from sim.controllers.behaviours.arbitration import Arbitration, sentences
 from sim.controllers.behaviours.catalogue import (
     BEHAVIOURS,
     is_composition_name,
     listed_names,
 )
+from sim.controllers.behaviours.chart import chart_of
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
@@ -23,6 +25,7 @@ from worldgen.world import FailureRecord, Value
 
 __all__ = [
     "allow_only",
+    "chart_message",
     "check_named",
     "check_record",
     "check_registered",
@@ -179,3 +182,17 @@ def scenario_of(label: object, message: Mapping[str, Any], named: Sequence[str])
     changed = asked | scenario.run.changed()
     parameters: dict[str, Value] = {"time_step": scenario.run.time_step, **changed}
     return Scenario(scenario.controller, RunOptions.of(scenario.run.motion, seed, parameters))
+
+
+def chart_message(arbitration: Arbitration | None) -> dict[str, Any] | None:
+    """Return how a robot arbitrates among its behaviours, as a flow chart and in words."""
+    if arbitration is None:
+        return None
+    chart = chart_of(arbitration)
+    return {
+        "arbiter": arbitration.arbiter,
+        "words": sentences(arbitration),
+        "width": chart.width,
+        "height": chart.height,
+        "shapes": chart.shapes,
+    }

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from sim.controllers import CONTROLLERS
-from sim.controllers.behaviours.arbitration import NOBODY, Arbitration, acting, shares
+from sim.controllers.behaviours.arbitration import Arbitration, acting, shares
 from sim.episode import Episode
 from sim.options.run import MAX_RECORDED
 from sim.scenario import Scenario
-from sim.trace import BEHAVIOURS
 from worldgen.world import World
 
 __all__ = ["acting_shares", "counts_behaviours", "who_acted"]
@@ -31,11 +29,6 @@ def who_acted(scenarios: list[Scenario], episode: Episode) -> list[str]:
     trace = episode.trace
     if arbitration is None or trace is None:
         return []
-    if trace.active is not None:
-        # Under ``stepped``, the thesis's own program acts, and counts its behaviours in its own
-        # order.
-        names = (*BEHAVIOURS, NOBODY)
-        return [names[part] for part in trace.active[1:].tolist()]
     return acting(arbitration, trace)
 
 
@@ -50,9 +43,4 @@ def acting_shares(scenarios: list[Scenario], episode: Episode) -> dict[str, dict
 
 def _arbitration(scenarios: list[Scenario]) -> Arbitration | None:
     """Return how the robot arbitrates, if it is alone and arbitrates."""
-    if len(scenarios) > 1:
-        return None
-    found: Arbitration | None = getattr(
-        CONTROLLERS.get(scenarios[0].controller), "arbitration", None
-    )
-    return found
+    return scenarios[0].arbitration if len(scenarios) == 1 else None

@@ -37,8 +37,9 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
     Compose your own: --controller behaviours:avoid,follow,wander starts with the highest
     priority.
     """
-    from sim.controllers import CONTROLLERS
+    from sim.controllers.behaviours.arbitration import sentences
     from sim.controllers.behaviours.chart import chart_svg
+    from sim.scenario import Scenario
     from worldgen.files.whole import check_output
 
     # Without a controller, list the library.
@@ -52,7 +53,7 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
         check_output(chart, force)
         if chart.suffix != ".svg":
             raise click.UsageError(f"--chart {chart}: name an .svg file")
-    arbitration = getattr(CONTROLLERS.get(controller), "arbitration", None)
+    arbitration = Scenario.parse(controller).arbitration
     if arbitration is None:
         raise click.UsageError(
             f"{controller} does not arbitrate among behaviours; compose some: "
@@ -62,13 +63,14 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
     if as_json:
         emit_json(_facts(arbitration))
     else:
-        _say(arbitration)
+        click.echo("\n".join((f"by {arbitration.arbiter}", *sentences(arbitration))))
     if chart is not None:
         write_bytes(chart, chart_svg(arbitration, controller).encode(), force=force)
         note(f"wrote {chart}")
 
 
 def _list_library(as_json: bool) -> None:
+    from sim.controllers.behaviours.arbitration import ALWAYS
     from sim.controllers.behaviours.catalogue import BEHAVIOURS, options_of
 
     rows = []
@@ -87,7 +89,8 @@ def _list_library(as_json: bool) -> None:
         emit_json({"behaviours": rows})
         return
     for row in rows:
-        click.echo(f"{row['name']}: {_when(str(row['when']))}")
+        when = row["when"] if row["when"] == ALWAYS else f"when {row['when']}"
+        click.echo(f"{row['name']}: {when}")
         click.echo(f"  {row['does']}")
         options = row["options"]
         if isinstance(options, dict) and options:
@@ -114,19 +117,3 @@ def _facts(arbitration: Arbitration) -> dict[str, object]:
             for name, part in zip(arbitration.names, arbitration.parts, strict=True)
         ],
     }
-
-
-def _say(arbitration: Arbitration) -> None:
-    click.echo(f"by {arbitration.arbiter}")
-    parts = sorted(
-        zip(arbitration.names, arbitration.parts, strict=True), key=lambda one: -one[1].priority
-    )
-    for name, part in parts:
-        control = "can be interrupted" if part.interruptible else "keeps control"
-        click.echo(f"{part.priority:g} {name}: {_when(part.trigger)}, {part.action}; {control}")
-
-
-def _when(trigger: str) -> str:
-    from sim.controllers.behaviours.arbitration import ALWAYS
-
-    return trigger if trigger == ALWAYS else f"when {trigger}"

@@ -22,12 +22,13 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.behaviours.arbitration import Arbitration, PartFacts
-from sim.controllers.behaviours.library import collide, drive, seek
+from sim.controllers.behaviours.arbitration import Arbitration, PartFacts, in_words
+from sim.controllers.behaviours.library import TURN_WORDS, TURNS, collide, drive, seek
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.memory_view import MemoryField
+from sim.thesis.options import ThesisOptions
 
-__all__ = ["RANDOM", "turn_left", "turn_random", "turn_right"]
+__all__ = ["RANDOM", "thesis_arbitration", "turn_left", "turn_random", "turn_right"]
 
 # The thesis's numbers for its rules.
 RIGHT = 1
@@ -46,10 +47,7 @@ _AT_RESET = memory_at_reset(
         place("WgShared", "old_speed"): 1.0,
     },
 )
-_FIELDS = (
-    MemoryField("behaviour", _BEHAVIOUR, ("none", "collide", "seek", "drive"), least=_IDLE),
-    MemoryField("ticks left", place("WgShared", "counter")),
-)
+_FIELDS = (MemoryField("ticks left", place("WgShared", "counter")),)
 _PARTS = (collide, seek, drive)
 _SEEK = _PARTS.index(seek)
 
@@ -69,21 +67,35 @@ def _acted(memories: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
     return np.where(last >= 0, acted[last], _IDLE)
 
 
-_ARBITRATION = Arbitration(
-    tuple(
-        PartFacts(
-            one.name,
-            one.applies,
-            one.does.replace("`duration`", f"{one.duration:g}"),
-            float(place),
-            one.duration,
-            one.interruptible,
+def thesis_arbitration(rule: int, options: ThesisOptions | None = None) -> Arbitration:
+    """Return how the thesis's robot arbitrates.
+
+    Args:
+        rule: The rule of its turn.
+        options: Options of the thesis's program, if that runs the robot.
+    """
+    told = ThesisOptions() if options is None else options
+    turn = next(word for word, number in TURNS.items() if number == rule)
+    words = {"turn": TURN_WORDS[turn]}
+    if rule != RANDOM and told.turn_angle != ThesisOptions.turn_angle:
+        words["turn"] = f"turn {turn} by {math.degrees(told.turn_angle):.4g} degrees"
+    ticks = {collide: float(told.collide_ticks), drive: float(told.drive_ticks)}
+    parts = []
+    for priority, one in enumerate(_PARTS):
+        duration = ticks.get(one, one.duration)
+        parts.append(
+            PartFacts(
+                one.name,
+                one.applies,
+                in_words(one.does, words | {"duration": f"{duration:g}"}),
+                float(priority),
+                duration,
+                told.arbiter in ("A5", "interruptible"),
+            )
         )
-        for place, one in enumerate(_PARTS)
-    ),
-    "priority",
-    _acted,
-)
+    return Arbitration(tuple(parts), "priority", _acted)
+
+
 _SENSES = ("bump", "signal_heading", "heading", "time_step", "top_speed")
 
 
@@ -98,7 +110,7 @@ def _controller(name: str, rule: int) -> CompiledController:
         randomised=rule == RANDOM,
         senses=(*_SENSES, "random") if rule == RANDOM else _SENSES,
         memory_fields=_FIELDS,
-        arbitration=_ARBITRATION,
+        arbitration=thesis_arbitration(rule),
     )
 
 

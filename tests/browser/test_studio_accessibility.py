@@ -50,8 +50,9 @@ def states(page):
     page.get_by_role("checkbox", name="thesis-1 (turn-right)").check()
     page.locator("#run").click()
     page.locator(".result").nth(1).wait_for()
+    page.locator("#show-arbitration").click()
     page.locator(".save summary").click()
-    yield "two robots, and what can be saved"
+    yield "two robots, the flow chart of one, and what can be saved"
     go(page, "Campaign")
     page.locator(".card").nth(1).wait_for()
     page.get_by_label("From these strategies and families").check()

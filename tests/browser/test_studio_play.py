@@ -125,6 +125,42 @@ def test_with_six_robots_and_settings_open_the_results_keep_their_place(page):
     assert page.get_by_label("Collide ticks").bounding_box()["y"] < box["y"]
 
 
+@pytest.mark.gate
+def test_the_flow_chart_marks_the_behaviour_that_acts(browser, gate):
+    with opened(browser, gate) as page:
+        play(page, 300)
+        run(page)
+        assert page.locator("#arbitration").is_hidden()
+        page.keyboard.press("b")
+        chart = page.locator("#arbitration")
+        chart.get_by_role("img", name="Flow chart of thesis-2").wait_for()
+        assert "drive on for 5 steps" in chart.get_by_role("listitem").nth(2).inner_text()
+
+        # At each step the box of one behaviour is marked, the one that the instruments name.
+        expected_acts = simulate(
+            read_world(CONFIG_5), "thesis-2", motion="stepped", steps=300, record=True
+        ).trace.active
+        seen = set()
+        for step in range(300, 0, -4):
+            marked = chart.locator(".acts").evaluate_all("all => all.map(e => e.dataset.part)")
+            who = ["collide", "seek", "drive", "none"][expected_acts[step]]
+            named = page.locator("#instruments", has_text="behaviour").inner_text()
+            assert marked == ([] if who == "none" else [who]) and f"behaviour {who}" in named
+            seen.add(who)
+            for _ in range(4):
+                page.keyboard.press("ArrowLeft")
+        assert seen >= {"collide", "seek", "drive"}
+
+        # A robot without behaviours has no chart, and the choice is kept.
+        page.locator("#play").get_by_label("Motion model").select_option("swept")
+        page.get_by_role("checkbox", name="bug1", exact=True).check()
+        page.get_by_role("checkbox", name="thesis-2").uncheck()
+        page.locator("#run").click()
+        page.locator(".result", has_text="bug1").wait_for()
+        assert chart.is_hidden() and page.locator("#show-arbitration").is_hidden()
+        assert page.complaints == []
+
+
 @pytest.mark.nightly
 def test_the_behaviours_settings_are_those_of_the_command_line(page):
     play(page)

@@ -52,6 +52,20 @@ def test_robots_with_and_without_options_of_their_own_drive_at_once(gate):
 
 
 @pytest.mark.gate
+def test_a_robot_with_behaviours_comes_with_its_flow_chart_and_another_one_without(gate):
+    with page_of(gate) as page:
+        (part,) = run(page, ["thesis-1+collide_ticks=9"])
+        (bug,) = run(page, ["bug1"], motion="swept")
+    chart = part["arbitration"]
+    assert bug["arbitration"] is None and chart["arbiter"] == "priority"
+    assert "9 steps" in chart["words"][-1]
+    boxes = [
+        attributes["data-part"] for _, attributes, _ in chart["shapes"] if "data-part" in attributes
+    ]
+    assert boxes == ["drive", "seek", "collide"] and set(boxes) == set(part["run"]["behaviours"])
+
+
+@pytest.mark.gate
 def test_a_robot_s_own_option_counts_more_than_that_of_all(gate):
     with page_of(gate) as page:
         parts = run(page, ["thesis-1", "thesis-1+slip=0.3"], options={"slip": 0.2})

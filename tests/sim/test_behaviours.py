@@ -10,7 +10,7 @@ import pytest
 from sim import Command, CompiledController, simulate
 from sim.controllers import CONTROLLERS, names_in
 from sim.controllers.behaviours import BEHAVIOURS, Behaviour, Layer, composed
-from sim.controllers.behaviours.arbitration import acting, shares
+from sim.controllers.behaviours.arbitration import acted_at, acting, sentences, shares
 from sim.controllers.behaviours.base import UNTIL_DONE
 from sim.controllers.behaviours.chart import chart_svg
 from sim.scenario import Scenario
@@ -243,6 +243,29 @@ def test_a_chart_names_each_part_once_and_is_well_formed():
         root = ElementTree.fromstring(chart_svg(arbitration, name))
         words = [one.text for one in root.iter("{http://www.w3.org/2000/svg}text")]
         assert all(words.count(part) == 1 for part in arbitration.names)
+        boxes = [box.get("data-part") for box in root.iter() if box.get("data-part")]
+        assert sorted(boxes) == sorted(arbitration.names)
+        described = root.findtext("{http://www.w3.org/2000/svg}desc")
+        assert all(one in described for one in sentences(arbitration))
+
+
+@pytest.mark.parametrize("robot", ["turn-random", "behaviours:avoid,escape,approach"])
+def test_who_acted_is_known_at_some_steps_as_it_is_at_all(robot):
+    episode = simulate(maze(3, size=20), robot, steps=9000, record=True)
+    arbitration = CONTROLLERS.get(robot).arbitration
+    every = acting(arbitration, episode.trace)
+    some = np.array([0, 1, 2, 50, *range(150, episode.steps, 700), episode.steps])
+    found = acted_at(arbitration, episode.trace, some).tolist()
+    names = (*arbitration.names, "none")
+    assert [names[part] for part in found] == ["none", *(every[step - 1] for step in some[1:])]
+    assert len(set(every)) > 1
+
+
+def test_the_chart_of_the_thesis_s_own_program_has_its_options():
+    label = "thesis-2+motion=stepped+collide_ticks=9+turn_angle=0.5"
+    words = "\n".join(sentences(Scenario.parse(label).arbitration))
+    assert "turn left by 28.65 degrees, and drive on for 9 steps" in words
+    assert "turn to a random heading" in sentences(Scenario.parse("thesis-3").arbitration)[-1]
 
 
 def test_every_registered_behaviour_says_when_it_applies_and_what_it_does():

@@ -188,10 +188,24 @@ interface Robot {
   sensors: Sensors | null;
   /** The world's robots after the first, if it has several. */
   others?: OtherRobot[];
+  /** How it arbitrates among its behaviours, in the studio; null if it has none. */
+  arbitration?: FlowChart | null;
   /** Why it did not run. */
   error?: string;
   /** Where its code has failed, the innermost last. */
   frames?: Frame[];
+}
+
+/** A flow chart: sim/controllers/behaviours/chart.py. */
+interface FlowChart {
+  arbiter: string;
+  /** A sentence on each behaviour, the highest priority first. */
+  words: string[];
+  /** px. */
+  width: number;
+  height: number;
+  /** Tag, attributes and text; `data-part` is the name of the behaviour of which a shape is the box. */
+  shapes: ["rect" | "polygon" | "polyline" | "text", Record<string, string>, string][];
 }
 
 interface ReplayData {

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,7 +13,17 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from sim.trace import Trace
 
-__all__ = ["ALWAYS", "NOBODY", "Arbitration", "PartFacts", "acting", "shares"]
+__all__ = [
+    "ALWAYS",
+    "NOBODY",
+    "Arbitration",
+    "PartFacts",
+    "acted_at",
+    "acting",
+    "in_words",
+    "sentences",
+    "shares",
+]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -46,6 +57,23 @@ class PartFacts(NamedTuple):
     duration: float
     interruptible: bool
 
+    @property
+    def when(self) -> str:
+        """When it applies, as the beginning of a sentence."""
+        return self.trigger if self.trigger == ALWAYS else f"when {self.trigger}"
+
+    @property
+    def control(self) -> str:
+        """How long it keeps control, in words, unless its action says so already."""
+        ends = "can be interrupted" if self.interruptible else "keeps control"
+        if f"{self.duration:g} steps" in self.action:
+            return ends
+        if self.duration > 1 and math.isfinite(self.duration):
+            return f"{self.duration:g} steps; {ends}"
+        if self.interruptible and self.duration <= 1:
+            return f"one step at a time; {ends}"
+        return f"until it is done; {ends}"
+
 
 @dataclass(frozen=True)
 class Arbitration:
@@ -72,21 +100,65 @@ class Arbitration:
         return tuple(found)
 
 
+def acted_at(arbitration: Arbitration, trace: Trace, steps: Ints) -> Ints:
+    """Return the index of the part that acted in each of some steps of a run; -1 for none.
+
+    Args:
+        arbitration: The robot's, see :attr:`sim.scenario.Scenario.arbitration`.
+        trace: The run.
+        steps: (n,) steps in rising order; in step 0, the start, nothing acts.
+    """
+    # The thesis's own program counts its behaviours itself.
+    if trace.active is not None:
+        return trace.active[steps].astype(np.int64)
+    found = np.full(len(steps), -1, np.int64)
+    at: list[int] = []
+    kept: list[Floats] = []
+
+    def read() -> None:
+        acted = arbitration.acted(np.array(kept))
+        after = np.array(at[1:])
+        asked = np.isin(after, steps)
+        found[np.searchsorted(steps, after[asked])] = acted[asked]
+
+    # The part that acted shows in the memories before and after a step. Read a portion at a time,
+    # because all memories of a long run can take gigabytes.
+    def take(step: int, memory: Floats) -> None:
+        at.append(step)
+        kept.append(memory.copy())
+        if len(kept) > _PORTION:
+            read()
+            del kept[:-1], at[:-1]
+
+    trace.show_memory(np.union1d(steps, np.maximum(steps - 1, 0)), take)
+    if len(kept) > 1:
+        read()
+    return found
+
+
 def acting(arbitration: Arbitration, trace: Trace) -> list[str]:
     """Return the name of the part that acted in each step of a run; :data:`NOBODY` if none did."""
     names = (*arbitration.names, NOBODY)
-    found: list[str] = []
-    kept: list[Floats] = []
+    steps = np.arange(1, trace.steps + 1, dtype=np.int64)
+    return [names[part] for part in acted_at(arbitration, trace, steps).tolist()]
 
-    def take(step: int, memory: Floats) -> None:
-        # Read a portion at a time, because all memories of a long run can take gigabytes.
-        kept.append(memory.copy())
-        if len(kept) > _PORTION or step == trace.steps:
-            found.extend(names[part] for part in arbitration.acted(np.array(kept)).tolist())
-            del kept[:-1]
 
-    trace.show_memory(np.arange(trace.steps + 1, dtype=np.int64), take)
-    return found
+def sentences(arbitration: Arbitration) -> list[str]:
+    """Return a sentence on each part, the highest priority first: the chart in words."""
+    parts = sorted(
+        zip(arbitration.names, arbitration.parts, strict=True), key=lambda one: -one[1].priority
+    )
+    return [
+        f"{part.priority:g} {name}: {part.when}, {part.action}; {part.control}"
+        for name, part in parts
+    ]
+
+
+def in_words(sentence: str, values: Mapping[str, str]) -> str:
+    """Replace the names that a sentence has in backquotes by their values."""
+    for name, value in values.items():
+        sentence = sentence.replace(f"`{name}`", value)
+    return sentence
 
 
 def shares(arbitration: Arbitration, acted: list[str]) -> dict[str, float]:

@@ -25,10 +25,10 @@ import numpy.typing as npt
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
 from sim.controllers.base import CompiledController, Controller, Memory, Observation
-from sim.controllers.behaviours.arbitration import NOBODY, Arbitration, PartFacts
+from sim.controllers.behaviours.arbitration import Arbitration, PartFacts, in_words
 from sim.controllers.behaviours.base import Behaviour, Layer
 from sim.controllers.behaviours.catalogue import ARBITERS, PREFIX, read_composition
-from sim.controllers.behaviours.library import HANDS, TURNS
+from sim.controllers.behaviours.library import HANDS, TURN_WORDS, TURNS
 from sim.controllers.behaviours.with_python import ComposedController
 from sim.controllers.core_act import CoreAct, place, size_of
 from sim.controllers.learning import Learning
@@ -102,7 +102,7 @@ def composed(
     declared: dict[str, Any] = {
         "senses": _senses(listed, arbiter),
         "needs": _needs(listed),
-        "memory_fields": _fields(listed),
+        "memory_fields": (MemoryField("steps left", place("WgComposition", "shared", "counter")),),
         "arbitration": _arbitration(listed, priorities, arbiter),
     }
     memory = _memory(listed, priorities, arbiter)
@@ -228,14 +228,6 @@ def _needs(parts: Sequence[Layer]) -> RobotOptions:
     return RobotOptions.of(changed)
 
 
-def _fields(parts: Sequence[Layer]) -> tuple[MemoryField, ...]:
-    names = tuple(part.behaviour.name for part in parts)
-    return (
-        MemoryField("acting", ACTED, (NOBODY, *names), least=-1),
-        MemoryField("steps left", place("WgComposition", "shared", "counter")),
-    )
-
-
 def _acted(memories: Floats) -> Ints:
     """Return the part that acted in each step; see :class:`Arbitration`."""
     return memories[1:, ACTED].astype(np.int64)
@@ -261,7 +253,9 @@ def _in_numbers(sentence: str, part: Layer) -> str:
     values: dict[str, Any] = {"duration": int(part.steps) if np.isfinite(part.steps) else "all"}
     if part.behaviour.options is not None:
         values |= dataclasses.asdict(part.behaviour.options(**part.options))
-    for name, value in values.items():
-        word = value if isinstance(value, str) else f"{value:g}"
-        sentence = sentence.replace(f"`{name}`", word)
-    return sentence
+    if "turn" in values:
+        values["turn"] = TURN_WORDS[values["turn"]]
+    words = {
+        name: value if isinstance(value, str) else f"{value:g}" for name, value in values.items()
+    }
+    return in_words(sentence, words)

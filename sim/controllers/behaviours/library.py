@@ -19,6 +19,7 @@ from worldgen.support.bounds import Bounds
 __all__ = [
     "HANDS",
     "TURNS",
+    "TURN_WORDS",
     "approach",
     "avoid",
     "collide",
@@ -36,6 +37,13 @@ lib: Any = _lib
 
 TURNS = {"right": 1.0, "left": 2.0, "random": 3.0}
 """Words for the turn of ``collide``, with the thesis's numbers for its rules."""
+
+TURN_WORDS = {
+    "right": "turn right by a quarter",
+    "left": "turn left by a quarter",
+    "random": "turn to a random heading",
+}
+"""The same turns as parts of a sentence."""
 
 HANDS = {"left": 1.0, "right": -1.0}
 """Words for the side on which ``follow`` keeps its wall."""
@@ -140,7 +148,7 @@ collide = _behaviour(
     restarts=True,
     senses=("bump", *_STEER, "random"),
     applies="the robot touches a wall",
-    does="stop, turn by a quarter, and drive on for `duration` steps at the previous speed",
+    does="stop, `turn`, and drive on for `duration` steps at the previous speed",
     options=CollideOptions,
 )
 seek = _behaviour(

@@ -10,6 +10,7 @@ import { Ended } from "#studio/shared/connection.js";
 import { messageOf } from "#studio/draw/model.js";
 import { joinNames, splitNames } from "#studio/shared/links.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
+import { makeArbitration } from "#studio/play/arbitration.js";
 import { makeCodeNote } from "#studio/play/code_note.js";
 import { makeDriving } from "#studio/play/driving.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
@@ -47,9 +48,10 @@ export function makePlay(section, studio) {
     show: (robot) => showDriven(play, robot),
     tell: (words, isBad = false) => tell(play, words, isBad),
   });
+  play.arbitration = makeArbitration(studio);
   play.robots = makeRobots(studio, () => run(play, true), play.driving.button, play.code.setting);
   section.replaceChildren(
-    el("div", { class: "middle" }, parts.stage, parts.instruments, parts.under),
+    el("div", { class: "middle" }, el("div", { class: "sight" }, parts.stage, play.arbitration.element), el("div", { class: "told" }, parts.instruments, play.arbitration.button), parts.under),
     el("aside", { class: "side" }, play.robots.element, play.code.element, parts.said, parts.stop, el("div", { class: "results" }, parts.list, parts.beside)),
   );
   dragToMove(parts.stage, play);
@@ -64,6 +66,7 @@ export function makePlay(section, studio) {
       play.player?.play(false);
     },
     drive: () => play.driving.button.click(),
+    chart: play.arbitration.toggle,
     redraw: () => (play.player || play.bare)?.draw(),
     refresh: () => {
       play.code.offer();
@@ -206,6 +209,7 @@ function finish(play) {
   player?.play(false);
   play.player = null;
   parts.instruments.replaceChildren();
+  play.arbitration.offer(null);
   showBare(play, play.world, NONE_RAN);
 }
 
@@ -292,7 +296,11 @@ function look(play, number) {
     seen = former && former.drawn.world === play.world && former.step < former.last ? former : null;
   const playing = seen && seen.playing;
   if (former) former.play(false);
-  const shown = (player) => showInstruments(parts.instruments, player);
+  play.arbitration.offer(front);
+  const shown = (player) => {
+    showInstruments(parts.instruments, player);
+    play.arbitration.at(player);
+  };
   play.player = buildPlayer(parts.canvas, parts.under, drawn, former, shown);
   for (const canvas of parts.stage.querySelectorAll("canvas")) canvas.style.height = ""; // the page lays it out
   if (seen) goOn(play.player, seen, playing);

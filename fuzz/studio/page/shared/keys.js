@@ -36,6 +36,7 @@ const PLAYING = [
   ["e", "Go to the next marked step"],
   ["> < |", "Plots: less of the run, more of it, all of it"],
   ["r", "Follow the robot"],
+  ["b", "Show or hide the flow chart of the robot's behaviours"],
   ["h", "Drive a robot by hand, with the arrow keys; Escape ends"],
   ["t u s i m w c", "Trail, touched walls, sensors, signal, the robot's memory, witness, changes to come"],
   ["+ − 0", "Zoom; show the whole world"],
@@ -163,6 +164,6 @@ function drawKeys(draw) {
 function playKeys(play, event) {
   const player = play.player();
   if (!player) return { h: play.drive };
-  const keys = { h: play.drive, ...cameraKeys(player) };
+  const keys = { h: play.drive, b: play.chart, ...cameraKeys(player) };
   return Object.assign(keys, layerKeys(player), clockKeys(player, event.shiftKey ? 10 : 1));
 }
