@@ -65,6 +65,11 @@ ROBOTS_PARAMETER = Parameter(
     "Number of robots; all have the same size and speed, and start at random places.",
     Bounds(1, MAX_ROBOTS),
 )
+# Provenance of worlds of several robots also names the version of what places them and plans their
+# witness: ``families/parts/placing.py`` and ``reach/joint``. Raise it whenever some seed then
+# yields another world of several robots.
+PLANNER = "planner"
+PLANNER_VERSION = 1
 MARGIN = "margin"  # every parameter with this name: seconds by which the witness may start late
 # parameters of generate(), and options of every family's command
 _TAKEN = (
@@ -81,6 +86,7 @@ _TAKEN = (
     "difficulty",
     "tries",
     "workers",
+    PLANNER,
 )
 
 
@@ -138,7 +144,7 @@ class Family:
             if decision.result == REACHABLE and robots > 1:
                 world, decision = self._with_robots(world, rng.child(ROBOTS), robots, margin)
             if decision.result == REACHABLE:
-                provenance = Provenance(self.name, self.version, number, complete)
+                provenance = self.provenance(number, complete)
                 return replace(world, certificate=decision.certificate, provenance=provenance)
         settings = ", ".join(
             f"{parameter.name}={complete[parameter.name]}" for parameter in self.parameters
@@ -155,6 +161,16 @@ class Family:
             seed=number,
             settings=settings,
         )
+
+    def provenance(self, seed: int, complete: Mapping[str, Value]) -> Provenance:
+        """Return the origin of a world: with several robots, it names the planner's version too.
+
+        Args:
+            seed: Seed of the world.
+            complete: All of its parameters, see :meth:`complete`.
+        """
+        planner = {PLANNER: PLANNER_VERSION} if complete.get(ROBOTS, 1) != 1 else {}
+        return Provenance(self.name, self.version, seed, {**complete, **planner})
 
     def _with_robots(
         self, world: World, rng: RandomStream, robots: int, margin: float
@@ -281,12 +297,20 @@ class Family:
         return words
 
     def complete(self, params: Mapping[str, Value | None]) -> dict[str, Value]:
-        """Return the parameters as stored in files, with defaults filled in.
+        """Return the parameters with defaults filled in, as :attr:`build` takes them.
 
         Raises:
             InvalidParameter: If a name is unknown, or a value has a different type than the
-                default, or is out of bounds.
+                default, or is out of bounds; or if they are those of a world whose robots were
+                placed by another version.
         """
+        if PLANNER in params:
+            complete = self.complete({name: params[name] for name in params if name != PLANNER})
+            fixed = self.provenance(0, complete).params
+            if PLANNER not in fixed:
+                find_parameter(PLANNER, self.all_parameters, self.name)
+            self._check_fixed(PLANNER, cast("Value", params[PLANNER]), fixed[PLANNER])
+            return complete
         known = {parameter.name: parameter for parameter in self.parameters}
         if ROBOTS in params and not self.places_robots:
             robots = ROBOTS_PARAMETER.accept(params[ROBOTS], self.name)
@@ -295,7 +319,7 @@ class Family:
             return self.complete(rest) | ({ROBOTS: robots} if robots != 1 else {})
         for name in params:
             if name in self.constants:
-                self._check_constant(name, cast("Value", params[name]))
+                self._check_fixed(name, cast("Value", params[name]), self.constants[name])
             else:
                 find_parameter(name, self.all_parameters, self.name)
         complete = {
@@ -304,8 +328,8 @@ class Family:
         }
         return {**complete, **self.constants}
 
-    def _check_constant(self, name: str, value: Value) -> None:
-        if value != self.constants[name]:
+    def _check_fixed(self, name: str, value: Value, here: Value) -> None:
+        if value != here:
             raise InvalidParameter(
                 "other-version",
                 "{family}: {name} is {value!r}, here it is {here!r}",
@@ -313,7 +337,7 @@ class Family:
                 family=self.name,
                 name=name,
                 value=str(value)[:60],
-                here=str(self.constants[name])[:60],
+                here=str(here)[:60],
             )
 
 

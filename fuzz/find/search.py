@@ -344,9 +344,8 @@ def _of_family(name: str, fixed: dict[str, Value], rng: RandomStream) -> tuple[W
         params | {name: value for name, value in fixed.items() if name in own}
     )
     seed = rng.next64() >> 1
-    return family.build(stream_for(seed, family.name, 0), **complete), Provenance(
-        name, family.version, seed, complete
-    )
+    world = family.build(stream_for(seed, family.name, 0), **complete)
+    return world, family.provenance(seed, complete)
 
 
 class OutcomeSearch(UnitSearch[_UnitResult, NearestWorld]):

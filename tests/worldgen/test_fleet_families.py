@@ -1,5 +1,6 @@
 """Worlds of several robots from the command line: made, measured, shown, composed and made again."""
 
+import hashlib
 import json
 
 import pytest
@@ -9,7 +10,7 @@ from tests.helpers.raising import raises
 from worldgen.compose.sources import of_family
 from worldgen.difficulty import measure
 from worldgen.errors import InvalidParameter
-from worldgen.family import FAMILIES
+from worldgen.family import FAMILIES, PLANNER_VERSION
 from worldgen.files.grid import dumps, read_world
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
@@ -26,6 +27,45 @@ def test_robots_are_in_provenance_and_make_the_world_again():
     world = generate("rooms", 7, robots=4)
     assert world.provenance.params["robots"] == 4
     assert generate("rooms", 7, **world.provenance.params) == world
+
+
+@pytest.mark.parametrize("name", ["rooms", "doorway"])
+def test_a_world_of_several_robots_names_the_planner_that_made_it(name):
+    world = generate(name, 7, robots=2)
+    params = world.provenance.params
+    assert params["planner"] == PLANNER_VERSION and generate(name, 7, **params) == world
+    with raises(InvalidParameter, code="other-version"):
+        generate(name, 7, **{**params, "planner": PLANNER_VERSION + 1})
+    alone = generate(name, 7, robots=1).provenance.params
+    assert "planner" not in alone
+    with raises(InvalidParameter, code="unknown-name"):
+        generate(name, 7, **{**alone, "planner": PLANNER_VERSION})
+
+
+# By planner version, the digest of some worlds with their witnesses. If it changes on purpose, raise
+# PLANNER_VERSION and add the new digest.
+PLANNED = {
+    1: "30c224c69c5498fb",
+}
+
+
+def test_what_places_robots_and_plans_for_them_has_a_version():
+    digest = hashlib.sha256()
+    for name in ("rooms", "cave", "maze", "corridor", "doorway", "warehouse"):
+        for seed in range(3):
+            digest.update(dumps(generate(name, seed, robots=3, size=20)))
+    assert digest.hexdigest()[:16] == PLANNED[PLANNER_VERSION]
+
+
+def test_a_set_says_that_another_planner_made_it(tmp_path, monkeypatch):
+    made = worldgen(
+        "rooms", "--count", "2", "--seed", "3", "--robots", "2", "--size", "16",
+        "--out", str(tmp_path / "set"),
+    )  # fmt: skip
+    assert made.code == 0
+    monkeypatch.setattr("worldgen.family.PLANNER_VERSION", PLANNER_VERSION + 1)
+    again = worldgen("regenerate", str(tmp_path / "set"), "--out", str(tmp_path / "again"))
+    assert again.code == 2 and "planner is '1', here it is '2'" in again.err
 
 
 def test_the_first_robot_is_placed_as_ever():

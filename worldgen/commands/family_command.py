@@ -198,7 +198,7 @@ def _identity(made_by: Family, seed: int, params: dict[str, Value]) -> dict[str,
         "family": made_by.name,
         "version": made_by.version,
         "seed": seed,
-        "params": made_by.complete(params),
+        "params": made_by.provenance(seed, made_by.complete(params)).params,
     }
 
 

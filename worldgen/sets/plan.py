@@ -130,7 +130,7 @@ def plan_set(
             "below-minimum", "count={count} is below 1; a set has at least one world", count=count
         )
     found: Family = FAMILIES.get(family)
-    complete = found.complete(params)
+    complete = found.provenance(seed, found.complete(params)).params
     header = header_of(found, complete, seed, count, metrics=metrics)
     return SeededPlan(family=family, header=header)
 
