@@ -147,16 +147,18 @@ def _check_options(options: Sequence[RunOptions]) -> None:
         if one.task != RunOptions.task:
             raise InvalidParameter(
                 "option-for-one-robot",
-                "task={task} is for one robot, and the world has several",
-                "leave it out",
+                "task={task} is for worlds with one robot, and this one has {robots}",
+                "leave it out, or run one robot in a world of its own",
                 task=str(one.task),
+                robots=len(options),
             )
         if one.robot.pushes or one.robot.push_places:
             raise InvalidParameter(
                 "option-for-one-robot",
-                "{option} pushes one robot, and the world has several",
-                "leave it out",
+                "{option} is for worlds with one robot, and this one has {robots}",
+                "leave it out; drift and decoys disturb several robots, too",
                 option="pushes" if one.robot.pushes else "push_places",
+                robots=len(options),
             )
         if (one.motion, one.time_step) != (options[0].motion, options[0].time_step):
             raise InvalidParameter(

@@ -60,6 +60,20 @@ def test_wrong_numbers_are_refused_in_one_sentence(grid, controllers, code):
     assert result.err.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("option", "way_out"),
+    [
+        ("pushes=0.5:0.1:0:0", "drift and decoys disturb several"),
+        ("push_places=1:1:0.1:0:0", "drift and decoys disturb several"),
+        ("task=cover", "in a world of its own"),
+    ],
+)
+def test_what_is_for_one_robot_is_refused_in_one_sentence_with_a_way_out(grid, option, way_out):
+    result = worldgen("run", grid, "--controller", f"bug2+{option}")
+    assert (result.code, result.error_code) == (2, "option-for-one-robot")
+    assert result.err.count("\n") == 1 and "this one has 2" in result.err and way_out in result.err
+
+
 def test_options_follow_each_controller(grid):
     alike = worldgen("run", grid, "--controller", "vfh+beams=12", "--steps", "40", "--json")
     named = worldgen(
