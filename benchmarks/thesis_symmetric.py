@@ -27,7 +27,7 @@ from worldgen import write_world
 from worldgen.reach import decide
 from worldgen.world import Pose, Target, World
 
-__all__ = ["Wall", "found", "main"]
+__all__ = ["CELL", "SIDE", "START", "Wall", "found", "have_arrived", "main"]
 
 # Ticks of rules 1 and 2 in configuration 2: the published times, 11.940 and 8.370 s.
 TICKS = (796, 558)
@@ -135,13 +135,14 @@ def misses(walls: list[Wall]) -> list[float]:
     if fit:
         runs = simulate_many(fit, RULES, motion="stepped", steps=STEPS)
         steps = runs.steps.reshape(-1, 2)
-        arrived = _arrived(runs).reshape(-1, 2)
+        arrived = have_arrived(runs).reshape(-1, 2)
         off = np.abs(np.log(steps / np.array(TICKS))).sum(axis=1)
         found = dict(zip(map(id, fit), np.where(arrived.all(axis=1), off, math.inf), strict=True))
     return [math.inf if world is None else float(found[id(world)]) for world in worlds]
 
 
-def _arrived(runs: Runs) -> npt.NDArray[np.bool_]:
+def have_arrived(runs: Runs) -> npt.NDArray[np.bool_]:
+    """Return which of many runs arrived."""
     return np.array([verdict == Verdict.REACHED for verdict in runs.verdicts], np.bool_)
 
 
@@ -161,7 +162,7 @@ def tells_the_same(wall: Wall) -> bool:
         sides.append(trace.x[passes] < (wall.left + wall.width / 2) * CELL)
     # Seeds that never arrive count as infinitely slow.
     runs = simulate_many(world, "thesis-3", motion="stepped", steps=20_000, seeds=20)
-    arrived = _arrived(runs)
+    arrived = have_arrived(runs)
     median = float(np.median(np.where(arrived, runs.steps, math.inf)))
     return sides[0] != sides[1] and CHANCE[0] <= median <= CHANCE[1]
 

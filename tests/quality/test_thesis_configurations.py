@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +48,34 @@ def test_ranks_and_never_do_not_hang_on_the_seeds(first_seed):
         compare(worlds, robots, seeds=100, steps=BUDGET), read_figures(PUBLISHED, "published.csv")
     )
     assert (found.rankings, found.never) == ((10, 10), (5, 5)) and found.within[0] >= 8
+
+
+def test_in_configuration_6_the_rules_do_what_the_prose_says():
+    world = read_world(FOLDER / "config-06.grid")
+    # The upper one of its two obstacles is the one that comes first.
+    inner = np.argwhere(world.walls[1:-1, 1:-1]) + 1
+    obstacles = [inner[inner[:, 0] >= 15], inner[inner[:, 0] < 15]]
+    touched = {}
+    for rule in ("thesis-1", "thesis-2"):
+        episode = simulate(world, rule, motion="stepped", steps=2000, record=True)
+        places = np.column_stack((episode.trace.y, episode.trace.x))[episode.trace.bump]
+        away = [
+            np.linalg.norm(places[:, None] - (cells + 0.5) * 0.1, axis=2).min(axis=1)
+            for cells in obstacles
+        ]
+        near = np.argmin(away, axis=0)[np.min(away, axis=0) < 0.15]
+        touched[rule] = near.tolist()
+
+    # Rule 1 collides with both; the first one leads rule 2 to the second, which catches it.
+    assert set(touched["thesis-1"]) == {0, 1}
+    assert touched["thesis-2"][0] == 0 and touched["thesis-2"][-1] == 1
+    assert episode.verdict == "loop"
+
+    # Had the first one not been present, rule 2 would have succeeded.
+    walls = world.walls.copy()
+    walls[tuple(obstacles[0].T)] = False
+    free = replace(world, walls=walls, certificate=None)
+    assert simulate(free, "thesis-2", motion="stepped", steps=2000).verdict == "reached"
 
 
 def test_the_published_table_is_whole_and_in_whole_ticks():
