@@ -15,6 +15,7 @@ from tests.helpers.browser import chromium_browser
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened
 from tests.helpers.studio_walk import Walker, sentences
+from worldgen import generate, write_world
 
 HERE = Path(__file__).parent
 PICTURES = HERE / "pictures"
@@ -26,6 +27,8 @@ GENERATED = """
 Click the tab **Generate**. Choose `cave` in **Family**. Click the button **Generate**.
 The page says *Made by cave*. The page says *✓ reachable*. Press `i`
 """
+COMPOSED = "behaviours:escape,follow,approach"
+FOLLOWS = 100  # a step in which it follows a wall
 CAMPAIGN = """
 Click the link **Campaign**. Click **From these strategies and families**.
 Tick **trap**. Tick **rooms**. Tick **forest**.
@@ -54,6 +57,23 @@ def main() -> None:
             page.keyboard.press("1")
             go(page, GENERATED)
             keep(page, "studio-generate")
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            studio_of(Path(folder), named=(COMPOSED,), file="trap.grid") as gate,
+        ):
+            write_world(generate("trap", 3, size=24), Path(folder) / "trap.grid")
+            with opened(browser, gate) as page:
+                flow_chart(page)
+
+
+def flow_chart(page: Any) -> None:
+    """A composition while it follows a wall, and its flow chart."""
+    page.keyboard.press("2")
+    page.locator(".result").wait_for()
+    for key in ("b", "Home", *["ArrowRight"] * FOLLOWS):
+        page.keyboard.press(key)
+    page.locator(".acts[data-part=follow]").wait_for()
+    keep(page, "studio-flow-chart")
 
 
 def walk(page: Any) -> None:
