@@ -27,7 +27,7 @@ from fuzz.ci import NO_OUTPUTS, CiFinding, FindingState, Outputs, Report
 from fuzz.corpus import Baseline
 from fuzz.describe import describe
 from fuzz.failure import Failure
-from fuzz.overview import Overview
+from fuzz.overview import Cause, Overview
 from fuzz.overview.building import Conclusion, build_overview
 from fuzz.overview.overview import write_overview
 from fuzz.overview.terminal import Headline, overview_lines
@@ -252,8 +252,32 @@ class CampaignSession:
                 stopped = True
         if stopped:
             self._overview = self._build(_TO_CONCLUDE_AT_ONCE, natural=False)
+        self._write_examples()
+        if not stopped:
+            self._remove_outdated()
         write_overview(self._overview, self._out)
         return stopped
+
+    def _write_examples(self) -> None:
+        """Write the worlds that causes show, as far as no class's file has them."""
+        for cause in self._overview.causes:
+            failure = cause.failure
+            # The store has the known failures.
+            if failure is None or cause.file.startswith(MEMORY):
+                continue
+            if cause.file == self._path(failure.bucket).name:
+                self._campaign.state.best.setdefault(failure.bucket, failure)
+            self._write(cause.file, failure)
+
+    def _remove_outdated(self) -> None:
+        """Remove what this campaign wrote and no longer shows."""
+        shown_now = {cause.file for cause in self._overview.causes}
+        shown_now |= {self._path(bucket).name for bucket in self._campaign.state.best}
+        # With a time limit, a later run may still have to take up earlier findings.
+        if self._campaign.units is None:
+            own = {f"{cause}.grid" for cause in Cause}
+            shown_now |= self._store.written().keys() - own
+        self._store.remove_failures_but(shown_now)
 
     def _build(self, seconds: float | None, *, natural: bool) -> Overview:
         conclusion = Conclusion(self._baseline, self._last, seconds)
@@ -293,10 +317,6 @@ class CampaignSession:
             for event in events:
                 self._see(event)
         self._goes_on = False
-        if self._campaign.units is not None:
-            self._store.remove_failures_but(
-                [self._path(bucket).name for bucket in self._campaign.state.best]
-            )
         late = sum(
             not one.is_shrunk
             for one in {**self._campaign.state.best, **self._save_pending()}.values()
@@ -348,15 +368,18 @@ class CampaignSession:
     def _save(self, at_least_after: float = 0.0) -> None:
         """Write the new failures, and periodically the file that reports read."""
         for bucket in sorted(self._unsaved):
-            data = self._campaign.state.best[bucket].dumps()
-            path = self._path(bucket)
-            # The date of its first occurrence is kept.
-            if not path.is_file() or path.read_bytes() != data:
-                self._store.write_failure(path.name, data)
+            self._write(self._path(bucket).name, self._campaign.state.best[bucket])
         self._unsaved.clear()
         if time.monotonic() - self._summarised >= at_least_after:
             self._store.save_summary(self._summary())
             self._summarised = time.monotonic()
+
+    def _write(self, name: str, failure: Failure) -> None:
+        """Write a failure's file; an unchanged one keeps the date of its first occurrence."""
+        path = self._out / name
+        data = failure.dumps()
+        if not path.is_file() or path.read_bytes() != data:
+            self._store.write_failure(name, data)
 
     def _save_pending(self) -> dict[str, Failure]:
         """Return failures that are proved but not yet shrunk, which are kept as found.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.state import CampaignState
@@ -15,15 +16,17 @@ from fuzz.overview.causes import CauseTotals, causes_of, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import RegressionView, compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
-from fuzz.overview.natural import natural_families, natural_runs
+from fuzz.overview.natural import NATURAL, natural_families, natural_runs
 from fuzz.overview.overview import Overview
+from fuzz.simplicity import Case
 from fuzz.triage.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.judging import failure_of
 from sim.evidence import FaultEvidence
 from sim.runners.stopping import OutOfTime, stopping_when
 from worldgen.errors import WorldgenError
 
-__all__ = ["Conclusion", "build_overview", "causes_in", "explained", "with_worlds"]
+__all__ = ["Conclusion", "WorldFile", "build_overview", "causes_in", "explained", "with_worlds"]
 
 # Limit on the natural worlds of a campaign without a time limit: a tenth of the worlds that its
 # units may try, so that a short campaign stays short, and no more than an interval of +/- 3 %
@@ -60,6 +63,20 @@ class Conclusion:
     known: Baseline = field(default_factory=Baseline)
     last: Baseline = field(default_factory=Baseline)
     seconds: float | None = None
+
+
+class WorldFile(NamedTuple):
+    """A failure that a cause may show.
+
+    Args:
+        failure: The failure.
+        file: Name of its file.
+        exists: False if the file is only written if the cause shows it.
+    """
+
+    failure: Failure
+    file: str
+    exists: bool = True
 
 
 def build_overview(
@@ -101,7 +118,13 @@ def build_overview(
 
     # Find the clearest world of each cause, and its dependencies.
     is_over = None if seconds is None else _after(began, seconds, 1.0)
-    shown = with_worlds(causes, _candidates(state), is_over)
+    shown = with_worlds(
+        causes,
+        lambda cause: _world_files(
+            cause, state, {} if runs is None else runs.examples, conclusion.known
+        ),
+        is_over,
+    )
 
     comparison = _compared(state, conclusion)
     if comparison is not None:
@@ -123,56 +146,94 @@ def _after(began: float, seconds: float | None, share: float) -> Callable[[], bo
     return lambda: time.monotonic() >= end
 
 
-def _candidates(state: CampaignState) -> dict[str, Failure]:
-    """Return the failures that have a file, by its name in the campaign's folder."""
-    found = {f"{bucket}.grid": failure for bucket, failure in state.best.items()}
-    kept = {find.failure.id: find.failure for find in state.finds}
-    return found | {f"{MEMORY}/failures/{name}.grid": failure for name, failure in kept.items()}
-
-
 def with_worlds(
     causes: Iterable[CauseTotals],
-    candidates: Mapping[str, Failure],
+    files_of: Callable[[Cause], Sequence[WorldFile]],
     is_over: Callable[[], bool] | None = None,
 ) -> list[CauseTotals]:
     """Return causes with their worlds to look at, and explanations of the first few.
 
     Args:
         causes: The causes, the worst first.
-        candidates: Failures by the name of their file.
+        files_of: Returns the failures that have a cause.
         is_over: Returns True once there is no more time; a fixed amount of work if omitted.
     """
     return [
-        _with_worlds(one, candidates, is_explained=number < _MOST_EXPLAINED, is_over=is_over)
+        _with_worlds(
+            one, files_of(one.cause), is_explained=number < _MOST_EXPLAINED, is_over=is_over
+        )
         for number, one in enumerate(causes)
     ]
 
 
 def _with_worlds(
     cause: CauseTotals,
-    candidates: Mapping[str, Failure],
+    own: Sequence[WorldFile],
     *,
     is_explained: bool,
     is_over: Callable[[], bool] | None,
 ) -> CauseTotals:
     """Return a cause with its clearest and its smallest world, and the clearest one's dependencies."""
-    with stopping_when(is_over or (lambda: False)):
-        own = {name: one for name, one in candidates.items() if cause_of(one) == cause.cause}
-        # An error of the controller shows in its message, not in the picture.
-        is_error = cause.cause.severity == Severity.CONTROLLER_ERROR
-        best = None if is_error else clearest(own.values(), cause.cause)
-    smallest = min(own.values(), key=lambda failure: failure.order, default=None)
-    best = smallest if is_error else best
-    if best is None or smallest is None:
+    # The smallest is preferably one that has a file anyway.
+    existing = [one for one in own if one.exists]
+    smallest = min(existing or own, key=lambda one: one.failure.order, default=None)
+    if smallest is None:
         return cause
-    why = explained(best, is_over) if is_explained else None
+    # An error of the controller shows in its message, not in the picture.
+    chosen = smallest
+    if cause.cause.severity != Severity.CONTROLLER_ERROR:
+        with stopping_when(is_over or (lambda: False)):
+            best = clearest([one.failure for one in own], cause.cause)
+        chosen = next((one for one in own if one.failure is best), smallest)
     return replace(
         cause,
-        file=_name_of(best, own),
-        smallest=_name_of(smallest, own),
-        why=why,
-        fault=_fault_of(best),
+        classes=cause.classes or (chosen.failure.bucket,),
+        file=chosen.file,
+        failure=chosen.failure,
+        smallest=smallest.file if existing else chosen.file,
+        why=explained(chosen.failure, is_over) if is_explained else None,
+        fault=_fault_of(chosen.failure),
     )
+
+
+def _world_files(
+    cause: Cause, state: CampaignState, examples: Mapping[Cause, Case], known: Baseline
+) -> list[WorldFile]:
+    """Return the failures of a campaign that have a cause, or else the one in its natural world."""
+    found = (*state.best.values(), *(find.failure for find in state.finds))
+    own = [one for one in {one.id: one for one in found}.values() if cause_of(one) == cause]
+    return [
+        _world_file(failure, cause, state.best, known)
+        for failure in own or _in_natural_world(cause, examples)
+    ]
+
+
+def _in_natural_world(cause: Cause, examples: Mapping[Cause, Case]) -> list[Failure]:
+    """Return the failure in a cause's simplest natural world, if it can be proved."""
+    if cause not in examples:
+        return []
+    world, scenario = examples[cause]
+    try:
+        failure = failure_of(world, scenario, found_by=NATURAL)
+    except (WorldgenError, OutOfTime):
+        return []
+    return [] if failure is None or cause_of(failure) != cause else [failure]
+
+
+def _world_file(
+    failure: Failure, cause: Cause, best: Mapping[str, Failure], known: Baseline
+) -> WorldFile:
+    """Return a failure with its file in the campaign's folder.
+
+    It is the file of the failure's class unless this has another world, and then the cause's own.
+    A known failure is not written; the campaign's store has it.
+    """
+    stored = best.get(failure.bucket)
+    if stored is not None and stored.id == failure.id:
+        return WorldFile(failure, f"{failure.bucket}.grid")
+    if known.has(failure):
+        return WorldFile(failure, f"{MEMORY}/failures/{failure.id}.grid", exists=False)
+    return WorldFile(failure, f"{cause if stored else failure.bucket}.grid", exists=False)
 
 
 def _fault_of(failure: Failure) -> str:
@@ -211,12 +272,6 @@ def explained(
         return None
     # If some changes do not help, the others still might.
     return found if found.changes or found.is_complete else None
-
-
-def _name_of(failure: Failure, files: Mapping[str, Failure]) -> str:
-    """Return the file of a failure, preferably one that the user sees rather than a hidden one."""
-    names = [name for name, other in files.items() if other is failure or other.id == failure.id]
-    return min(names, key=lambda name: (name.startswith(MEMORY), name))
 
 
 def _compared(state: CampaignState, conclusion: Conclusion) -> RegressionView | None:

@@ -26,6 +26,7 @@ class CauseTotals:
         natural: Number of natural worlds in which it occurred; ``None`` if none were tried.
         file: File of the world to look at, relative to the campaign's folder; empty if there is
             none.
+        failure: The failure in ``file``.
         smallest: File of the simplest world; empty if there is none.
         why: The single changes after which the robot of ``file`` arrives; ``None`` if not tried.
         fault: The controller's error in ``file``, and its place: ``mine.py:6: KeyError: 'left'``;
@@ -38,6 +39,7 @@ class CauseTotals:
     verdicts: Mapping[str, int] = field(default_factory=dict)
     natural: int | None = None
     file: str = ""
+    failure: Failure | None = None
     smallest: str = ""
     why: Counterfactuals | None = None
     fault: str = ""

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fuzz.overview.table import NaturalRow, NaturalTally
+from fuzz.simplicity import Case, simplicity
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import arrives_in
 from fuzz.triage.diagnosis import cause_of_run
@@ -30,12 +31,12 @@ from worldgen.family import FAMILIES
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 from worldgen.support.intervals import interval_95
-from worldgen.world import Witness, World
+from worldgen.world import Witness
 
-__all__ = ["CLEARANCES", "TURNS", "NaturalRuns", "natural_families", "natural_runs"]
+__all__ = ["CLEARANCES", "NATURAL", "TURNS", "NaturalRuns", "natural_families", "natural_runs"]
 
-# Natural worlds have their own seeds: no unit of a search draws from this stream.
-_STREAM = "natural"
+NATURAL = "natural"
+"""The random stream of natural worlds, from which no unit of a search draws."""
 
 CLEARANCES = ("less than 1.1", "1.1 to 1.5", "1.5 to 2", "2 to 3", "more than 3")
 """Radius of the largest disc that gets from start to target, divided by the robot's radius."""
@@ -59,6 +60,7 @@ class NaturalRuns:
         unsensed: Number of worlds in which such a hazard harmed it.
         verdicts: Counts of each verdict.
         causes: Counts of each cause.
+        examples: By cause, the simplest world in which it occurred, and what ran there.
         families: By family, the worlds run and those in which the robot arrived.
         clearances: By name in :data:`CLEARANCES`, the same.
         turns: By name in :data:`TURNS`, the same.
@@ -70,6 +72,7 @@ class NaturalRuns:
     unsensed: int = 0
     verdicts: Counter[str] = field(default_factory=Counter)
     causes: Counter[Cause] = field(default_factory=Counter)
+    examples: dict[Cause, Case] = field(default_factory=dict)
     families: dict[str, tuple[int, int]] = field(default_factory=dict)
     clearances: dict[str, tuple[int, int]] = field(default_factory=dict)
     turns: dict[str, tuple[int, int]] = field(default_factory=dict)
@@ -80,12 +83,12 @@ class NaturalRuns:
         """The 95 % interval of the share of natural worlds in which the robot arrives."""
         return interval_95(self.arrived, self.worlds)
 
-    def count(self, world: World, family: str, episode: Episode, cause: Cause | None) -> None:
+    def count(self, case: Case, family: str, episode: Episode, cause: Cause | None) -> None:
         """Add one run.
 
         Args:
-            world: Its world.
-            family: The family that made it.
+            case: Its world, and the scenario.
+            family: The family that made the world.
             episode: The run.
             cause: Why the robot does not arrive; ``None`` if it does.
         """
@@ -98,8 +101,12 @@ class NaturalRuns:
         self.verdicts[episode.verdict.value] += 1
         if cause is not None:
             self.causes[cause] += 1
+            before = self.examples.get(cause)
+            if before is None or simplicity(case) < simplicity(before):
+                self.examples[cause] = case
         _count(self.families, family, arrived)
         # Find how wide and how winding the path is, in the world's initial state.
+        world = case.world
         witness = world.certificate
         if isinstance(witness, Witness):
             share = bottleneck(world, world.walls) / world.robot_radius
@@ -160,7 +167,7 @@ def natural_runs(
         is_over: Returns True once no more worlds should be run.
     """
     runs = NaturalRuns()
-    stream = RandomStream(seed).child(_STREAM)
+    stream = RandomStream(seed).child(NATURAL)
     for number in range(count if families else 0):
         world_seed = stream.next64()
         family = families[number % len(families)]
@@ -168,20 +175,21 @@ def natural_runs(
             with stopping_when(is_over):
                 if is_over():
                     raise OutOfTime
-                world = generate(family, world_seed)
-                episode, cause = _run(world, scenario.with_run(seed=number))
+                case = Case(generate(family, world_seed), scenario.with_run(seed=number))
+                episode, cause = _run(case)
         except OutOfTime:
             runs.is_complete = False
             break
         except WorldgenError:
             # A world that cannot be made says nothing about the controller.
             continue
-        runs.count(world, family, episode, cause)
+        runs.count(case, family, episode, cause)
     return runs
 
 
-def _run(world: World, scenario: Scenario) -> tuple[Episode, Cause | None]:
+def _run(case: Case) -> tuple[Episode, Cause | None]:
     """Run a scenario; return the run and, if the robot does not arrive, the cause."""
+    world, scenario = case
     options = scenario.options(world)
     episode = simulate(world, scenario.controller, options)
     if episode.verdict in ARRIVALS:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from fuzz.campaign.store import MEMORY
 from fuzz.overview.causes import CauseTotals
 from fuzz.overview.natural import NaturalRuns
 from fuzz.overview.overview import Overview
@@ -205,8 +206,11 @@ def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
     if cause.classes:
         met = ", ".join(f"{count} {verdict}" for verdict, count in cause.verdicts.items() if count)
         classes = counted(len(cause.classes), "class", "classes")
-        # A class that only shrinking led to has no world of the search.
-        parts.append(f"{met} in {classes}" if met else f"{classes}, met while shrinking")
+        # The search did not meet a class that only shrinking or natural worlds led to.
+        if met:
+            parts.append(f"{met} in {classes}")
+        elif not cause.natural:
+            parts.append(f"{classes}, met while shrinking")
     return "; ".join(filter(None, parts))
 
 
@@ -214,7 +218,8 @@ def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline
     """Return four lines: what and how often, why, its dependencies, the command."""
     lines = [f"1. {_title(cause, natural)}", f"   {cause.cause.sentence} {cause.cause.advice}"]
     path = shown(shlex.quote(str(headline.folder / cause.file)))
-    has_file = bool(cause.file) and headline.lasts
+    # A known failure has its file elsewhere, and only a copy in the campaign's store.
+    has_file = bool(cause.file) and headline.lasts and not cause.file.startswith(MEMORY)
     if cause.fault:
         lines.append(f"   {shown(cause.fault)}")
     elif cause.why is not None:

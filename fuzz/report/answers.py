@@ -12,11 +12,12 @@ import msgspec
 from fuzz.corpus import CorpusEntry
 from fuzz.corpus.entry import Facts
 from fuzz.failure import Failure
-from fuzz.overview.building import causes_in, with_worlds
+from fuzz.overview.building import WorldFile, causes_in, with_worlds
 from fuzz.overview.overview import read_overview
 from fuzz.overview.table import CauseRow, ComparisonRow, NaturalRow
 from fuzz.report.gather import ReportedCampaign
 from fuzz.triage.cause import Severity
+from fuzz.triage.diagnosis import cause_of
 from worldgen.errors import WorldgenError
 from worldgen.files.json_file import plain
 
@@ -118,8 +119,13 @@ def _placed(cause: CauseRow, folder: Path) -> CauseRow:
 
 def _of_entries(controller: str, motion: str, entries: Iterable[CorpusEntry]) -> Answer:
     """Return the answer for failures without a known campaign: their causes."""
-    failures = {
-        str(entry.path): Failure.read(entry.path) for entry in entries if entry.path.is_file()
-    }
-    causes = with_worlds(causes_in(list(failures.values())), failures)
+    files = [
+        WorldFile(Failure.read(entry.path), str(entry.path))
+        for entry in entries
+        if entry.path.is_file()
+    ]
+    causes = with_worlds(
+        causes_in([one.failure for one in files]),
+        lambda cause: [one for one in files if cause_of(one.failure) == cause],
+    )
     return Answer(controller, motion, [one.table() for one in causes])

@@ -9,8 +9,15 @@ import click
 import numpy as np
 import pytest
 
+from fuzz.campaign.options import CampaignOptions
+from fuzz.campaign.result import SearchState
+from fuzz.campaign.session import configure
+from fuzz.campaign.state import CampaignState, DiscoveryTotals
+from fuzz.campaign.store import FolderStore
+from fuzz.corpus import Baseline, read_corpus
 from fuzz.failure import Failure
 from fuzz.overview import Cause, CauseTotals, causes_of, read_overview
+from fuzz.overview.building import Conclusion, build_overview
 from fuzz.overview.causes import in_order, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import compare
@@ -275,6 +282,68 @@ def test_a_robot_that_covers_its_target_is_not_the_clearest_picture():
     assert near.size < far.size and clearest([near, far], Cause.STANDS_STILL) is far
 
 
+def overview_of(best, found, known=None):
+    """Return the overview of a campaign with failures of a single class.
+
+    Its file has ``best``, if any; the search met ``found``.
+    """
+    config = configure(CampaignOptions(controller=f"{HERE}:Still"), seed=1)
+    find = DiscoveryTotals(0, "drawn", found.bucket, found, 1, 1, 1.0)
+    state = CampaignState(best={} if best is None else {best.bucket: best}, finds=[find])
+    state.memory = SearchState(failures={found.bucket: found})
+    return build_overview(config, state, Conclusion(known or Baseline()), natural=False)
+
+
+def test_a_clearer_world_than_its_class_has_gets_a_file_named_after_its_cause():
+    wide = found_by("Still", certified(hall(40))).noting(**{"class": "a"})
+    usual = found_by("Still").noting(**{"class": "a"})
+    (cause,) = overview_of(wide, usual).causes
+    assert (cause.file, cause.failure, cause.smallest) == ("stands-still.grid", usual, "a.grid")
+    (same,) = overview_of(usual, usual).causes
+    assert (same.file, same.smallest) == ("a.grid", "a.grid")
+
+
+def test_the_terminal_names_no_hidden_file_for_a_known_failure(tmp_path):
+    found = found_by("Still")
+    found.write(tmp_path / "known.grid")
+    known = Baseline.of(read_corpus([tmp_path]).entries, Scenario(f"{HERE}:Still"), print)
+    overview = overview_of(None, found, known)
+    assert overview.causes[0].file.startswith(".campaign/failures/")
+    lines = overview_lines(overview, Headline("mine", tmp_path, 1, 1, is_known=True))
+    assert not any(".campaign" in line for line in lines)
+
+
+def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path):
+    out = tmp_path / "out"
+    options = ("fuzz", "--controller", "vfh", "--no-shrink", "--units", 1, "--examples", 1,
+               "--workers", 1, "--seed", 2, "--json", "--out")  # fmt: skip
+    result = worldgen(*options, out)
+    answer = json.loads(result.out)
+    (cause,) = (one for one in answer["causes"] if one["natural"] and not one["met"])
+    assert result.code == 1 and str(out / cause["file"]) in {
+        failure["file"] for failure in answer["failures"]
+    }
+    failure = Failure.read(out / cause["file"])
+    assert cause_of(failure) == cause["cause"] and failure.record.details["found_by"] == "natural"
+    assert worldgen("replay", out / cause["file"]).code == 0
+
+    files = {path.name: path.read_bytes() for path in out.glob("*.grid")}
+    assert worldgen("fuzz", "--resume", out).code == 1
+    assert {path.name: path.read_bytes() for path in out.glob("*.grid")} == files
+
+
+def test_the_file_of_a_cause_is_removed_once_another_world_is_clearer(tmp_path):
+    out = tmp_path / "out"
+    options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
+               "--examples", 2, "--workers", 1, "--seed", 1, "--out", out)  # fmt: skip
+    assert worldgen(*options).code == 1
+    store = FolderStore(out)
+    store.write_failure("wanders.grid", next(out.glob("*.grid")).read_bytes())
+    store.close()
+    assert worldgen("fuzz", "--resume", out).code == 1
+    assert not (out / "wanders.grid").exists()
+
+
 def test_a_comparison_tells_new_from_fixed_and_still_there():
     found = compare(
         "baseline",
@@ -361,7 +430,7 @@ def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
     answer = json.loads(worldgen(*options, tmp_path / "json", "--json").out)
     assert answer["causes"][0]["cause"] in lines[2] and answer["failures"]
     assert {kind for cause in answer["causes"] for kind in cause["classes"]} >= set(answer["met"])
-    assert (tmp_path / "json" / answer["causes"][0]["file"]).is_file()
+    assert all((tmp_path / "json" / cause["file"]).is_file() for cause in answer["causes"])
     assert plain(read_overview(tmp_path / "json").natural) == answer["natural"]
 
 
