@@ -187,6 +187,8 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
         natural = overview.natural
         is_rare = natural is not None and natural.worlds and natural.interval[1] < _RARE
         words = "rarely arrives" if is_rare else "does not always arrive"
+    elif worst == Severity.TOO_SLOW:
+        words = f"sometimes {words}"
     failed = click.style(words, fg=_COLOURS[worst], bold=True)
     classes = counted(headline.classes, "class", "classes")
     return f"{who}: {failed}; {counted(len(own), 'cause')}, {classes} of failures, {searched}"

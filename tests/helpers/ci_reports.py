@@ -82,7 +82,8 @@ def read_markdown(text):
 
     Markup of strangers would break either.
     """
-    rows = [line.strip("|").split("|") for line in text.splitlines() if line.startswith("|")]
+    table = re.sub(r"<pre>[^<>]*</pre>", "", text)
+    rows = [line.strip("|").split("|") for line in table.splitlines() if line.startswith("|")]
     assert len({len(row) for row in rows}) <= 1
     folds = re.findall(
         r"<details(?: open)?><summary>[^<>]*</summary>\n\n<pre>\n([^<>]*)\n</pre>\n\n</details>",

@@ -30,7 +30,19 @@ def test_a_tiny_world_is_the_letters_of_its_file():
         "#....#G#",
         "########",
         "S start  G target",
-        "0.8 x 0.5 m, cell 0.1 m, robot radius 0.04 m",
+        "0.8 x 0.5 m, cell 0.1 m, robot radius 0.04 m; cell (0, 0) is at the bottom left",
+    ]
+
+
+def test_a_world_without_walls_around_it_has_a_frame():
+    walls = np.zeros((2, 3), bool)
+    walls[0, 0] = True
+    world = World(walls, Pose(0.25, 0.05), Target(0.05, 0.15, 0.02), 0.1, robot_radius=0.04)
+    assert draw_terminal(world, color=False, width=80).splitlines()[:4] == [
+        "+---+",
+        "|G..|",
+        "|#.S|",
+        "+---+",
     ]
 
 
@@ -72,11 +84,11 @@ def test_a_large_world_is_scaled_down_and_says_so():
         World(walls, Pose(19.0, 1.0), Target(1.0, 19.0, 0.05)), color=False, width=50
     )
     lines = text.splitlines()
-    assert len(lines[0]) == 50
-    assert len(lines) == 50 + 2
-    assert lines[50 - 1 - 150 // 4][150 // 4] == "+"
-    assert lines[49][:25] == "#" * 25
-    assert lines[-1].endswith("; 1 character is 4 x 4 cells")
+    assert len(lines[0]) == 42
+    assert len(lines) == 42 + 2
+    assert lines[40 - 150 // 5][1 + 150 // 5] == "+"
+    assert lines[40][:21] == "|" + "#" * 20
+    assert lines[-1].endswith("; 1 character is 5 x 5 cells")
     assert "+ partly solid" in lines[-2]
 
 

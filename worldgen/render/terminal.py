@@ -39,6 +39,8 @@ __all__ = ["draw_terminal", "wants_color"]
 MOST_ROWS = 100
 # Approximate side, in dots, to which a smaller world is scaled up in colour.
 SMALL = 60
+# Columns, and lines, of the frame around a picture of letters.
+_FRAME = 2
 # The signal's steps if only 256 colours are available: those of one hue, and where each step ends.
 BLUES = ("#5FAFFF", "#87D7FF", "#AFD7FF", "#D7FFFF", "#FFFFFF")
 BLUE_ENDS = (0.15, 0.35, 0.60, 0.80)
@@ -101,7 +103,8 @@ def draw_terminal(
 ) -> str:
     """Return a world, and a run in it, as lines of text.
 
-    Without colours one character is one cell, as in a ``.grid`` file. With colours a character is
+    Without colours one character is one cell, as in a ``.grid`` file, with a frame around a world
+    whose outermost cells are not all solid. With colours a character is
     two dots, one above the other, and a small world gets several dots per cell. A world too large
     for the terminal is scaled down; then a dot is several cells, and shows a wall if any of them is
     solid.
@@ -117,20 +120,35 @@ def draw_terminal(
         The picture, a key to its signs, and its scale; ends with a line end.
     """
     columns = max(8, shutil.get_terminal_size((80, 24)).columns if width is None else width)
-    grid = _Grid.of(world, columns, color=color)
+    has_frame = not color and not _is_walled(world)
+    edges = _FRAME if has_frame else 0
+    grid = _Grid.of(world, columns - edges, MOST_ROWS - edges, color=color)
     dots = grid.dots(world, each_trail(trail))
     deep = os.environ.get("COLORTERM") in {"truecolor", "24bit"} if truecolor is None else truecolor
     if color:
         lines = _half_blocks(_colours(dots, grid, world, deep=deep), deep=deep)
     else:
         lines = ["".join(SIGNS[int(dot)].letter for dot in row) for row in flip_rows(dots)]
+    if has_frame:
+        lines = _framed(lines)
     key = _key(dots, color=color, deep=deep)
     scale = (
         f"; 1 character is {grid.cells} x {grid.cells * (2 if color else 1)} cells"
         if grid.cells > 1
         else ""
     )
-    return "\n".join([*lines, key, facts(world) + scale, ""])
+    origin = "; cell (0, 0) is at the bottom left"
+    return "\n".join([*lines, key, facts(world) + origin + scale, ""])
+
+
+def _is_walled(world: World) -> bool:
+    walls = world.walls
+    return bool(walls[[0, -1]].all() and walls[:, [0, -1]].all())
+
+
+def _framed(rows: Sequence[str]) -> list[str]:
+    edge = f"+{'-' * len(rows[0])}+"
+    return [edge, *(f"|{row}|" for row in rows), edge]
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,8 +164,8 @@ class _Grid:
     dot_size: float
 
     @classmethod
-    def of(cls, world: World, columns: int, *, color: bool) -> _Grid:
-        rows = MOST_ROWS * (2 if color else 1)
+    def of(cls, world: World, columns: int, lines: int, *, color: bool) -> _Grid:
+        rows = lines * (2 if color else 1)
         cells = max(1, math.ceil(world.width / columns), math.ceil(world.height / rows))
         fine = 1
         if color and cells == 1:

@@ -38,7 +38,7 @@ export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
   if (former) Object.assign(player.show, former.show);
   if (!drawn.run) {
     const why = "The controller could not be run here, so the world is shown without the robot's path.";
-    under.replaceChildren(el("p", { class: "notice" }, drawn.why || why), viewButtons(player, parts));
+    under.replaceChildren(el("p", { class: "notice" }, drawn.why || why), viewButtons(player, parts), legendOf(drawn));
     player.draw();
     return player;
   }

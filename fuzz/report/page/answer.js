@@ -90,7 +90,17 @@ function verdictPart(worst, answer, campaign) {
       `${worst ? "" : "✓ "}${words}.`,
     ),
     answer.natural && answer.natural.worlds ? ratePart(answer.natural) : null,
+    answer.causes.length ? null : doubtPart(campaign),
   );
+}
+
+// Without failures, mention the runs of the search that did not arrive.
+function doubtPart(campaign) {
+  const expected = ["reached", "covered", "sealed"];
+  const counts = Object.entries(campaign?.verdicts ?? {}).filter(([verdict]) => !expected.includes(verdict));
+  const late = counts.reduce((sum, [, count]) => sum + count, 0);
+  if (!late) return null;
+  return el("p", {}, `It did not arrive in ${grouped(late)} of ${plural(campaign.worlds, "world")} searched; none of these is proved to be a failure.`);
 }
 
 // Half of all worlds: a robot whose rate is surely below it arrives rarely.
@@ -162,6 +172,7 @@ function causeItem(cause, answer, failure, first) {
       el("span", { class: "quiet" }, often.join("; ")),
     ),
     el("p", {}, `${cause.sentence} ${cause.advice}`),
+    cause.fault ? el("p", { class: "why" }, el("code", {}, cause.fault)) : null,
     whyPart(cause, first && failure),
     first && failure ? commandPart(failure) : null,
   );

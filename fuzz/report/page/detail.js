@@ -1,10 +1,8 @@
 // One failure: its replay, the world before and after shrinking, numbers, the command to replay it, its file.
 
 import { buildPlayer, dragToMove } from "#player/controls.js";
-import { BURNING, openWorld } from "#player/decode.js";
 import { byId, el, grouped, plural, say, verdictDot } from "#player/dom.js";
 import { drawSmall, pictureLabel } from "#player/picture/map.js";
-import { hasMap } from "#player/picture/memory.js";
 import { besideIn } from "#player/pair.js";
 import { copyButton } from "#report/copy.js";
 
@@ -42,7 +40,6 @@ export function makeDetail(section, failure, neighbours) {
         "div",
         {},
         failure.now.world ? [stage, under] : tooLarge(failure.now),
-        legend(failure),
         pairPart(failure, pair, load),
       ),
       el("div", { class: "side" }, replayPart(failure), ...failure.groups.map(numbersPart)),
@@ -103,32 +100,6 @@ function tooLarge(drawn) {
     { class: "notice" },
     `The world of ${drawn.size} cells is too large to draw here. You can download its file and draw it with worldgen show.`,
   );
-}
-
-function legend(failure) {
-  const loop = failure.now.run && failure.now.run.loop;
-  const items = [
-    ["start", "start"],
-    ["target", "target"],
-    loop ? ["way", "the path into the loop"] : null,
-    ["loop", loop ? "the period, repeated forever" : "the robot's path"],
-    ["square touched", "wall touched"],
-    failure.now.run && failure.now.run.marks.some((mark) => mark.cell)
-      ? ["square pierced", "wall that the robot entered, or cell that harmed it"]
-      : null,
-    hasMap(failure.now.run) ? ["memory", "the robot's own map"] : null,
-    burnsAtAll(failure.now.world) ? ["square fire", "burning"] : null,
-  ];
-  return el(
-    "ul",
-    { class: "legend", "aria-label": "Colours" },
-    items.flatMap((item) => (item ? [item] : [])).map(([name, words]) => el("li", {}, el("i", { class: name }), words)),
-  );
-}
-
-function burnsAtAll(world) {
-  const events = world && openWorld(world).events;
-  return Boolean(events?.state.includes(BURNING));
 }
 
 function pairPart(failure, pair, load) {

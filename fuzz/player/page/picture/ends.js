@@ -29,6 +29,7 @@ function endsOf(world) {
 }
 
 /**
+ * Draws each robot's disc at its start, true to scale unless that is too small to see.
  * @param {Pen} pen
  * @param {SceneWorld} world
  */
@@ -36,12 +37,17 @@ export function drawStart(pen, world) {
   const { context, px, py, colours } = pen;
   for (const { start, radius, number } of endsOf(world)) {
     const [x, y, heading] = start;
-    const shown = Math.max(radius * 0.35, 4 / pen.scale),
+    const shown = Math.max(radius, 4 / pen.scale),
       strong = colours[number ? robotColour(number) : "start"];
+    // Paths that cross the disc stay visible.
+    context.globalAlpha = 0.2;
+    disc(pen, x, y, shown, strong);
+    context.globalAlpha = 1;
     ring(pen, x, y, shown, strong, 2);
+    // A tick on its rim is its heading.
     context.beginPath();
-    context.moveTo(px(x), py(y));
-    context.lineTo(px(x + Math.cos(heading) * shown * 1.8), py(y + Math.sin(heading) * shown * 1.8));
-    stroke(pen, strong, 2);
+    for (const share of [0.45, 1])
+      context.lineTo(px(x + Math.cos(heading) * shown * share), py(y + Math.sin(heading) * shown * share));
+    stroke(pen, strong, 3);
   }
 }
