@@ -371,6 +371,10 @@ class LatticeRun:
         rows[0, FIRST_OF_STATE:] = episode.state_words()
         episode.record(rows[1:], path)
         episode.run_to_the_end()
+        if episode.report.ending == lib.WG_CRASH:
+            # The failed step is not part of the recording.
+            rows = rows[:-1]
+            path = path[(path[:, 0] > 0) & (path[:, 0] < done)]
         return self.outcome_of(episode, (rows, path), fault=fault), episode
 
     def _episode(self, controller: CompiledController) -> CoreEpisode:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -187,3 +188,13 @@ def test_shrinking_keeps_the_bucket_of_a_crash(tmp_path):
     small = shrink(failure).failure
     assert small.record.details["class"] == failure.record.details["class"]
     assert small.world.width < world.width and "KeyError" in small.record.details["class"]
+
+
+def test_the_recording_of_a_compiled_controller_ends_before_the_step_in_which_it_crashes():
+    world = World(
+        np.zeros((3, 4), bool), Pose(0.25, 0.15, -math.pi / 2), Target(0.05, 0.05, 0.05), 0.1
+    )
+    episode = simulate(world, "fuzz.faults:vfh_beam_beyond_the_last", record=True)
+    assert episode.verdict == Verdict.CRASH and episode.trace.steps == episode.steps - 1
+    assert episode.trace.digest() == episode.trace_digest
+    assert episode.trace.x[-1] > 0.1
