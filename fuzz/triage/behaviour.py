@@ -24,6 +24,9 @@ __all__ = ["RepeatedPart", "behaviour_of"]
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
+# Radians in one step: more than 160 degrees turns the robot around.
+_ABOUT_FACE = 0.45 * 2 * math.pi
+
 # Places on a straight line that are tested for walls, per cell.
 _SAMPLES = 8
 
@@ -37,14 +40,15 @@ class RepeatedPart:
         extent: Longer side of the box around its path, cells.
         length: Length of its path, cells.
         turning: Mean absolute turn per step, in whole turns.
-        sharpest: Largest turn in one step, in whole turns.
+        about_faces: Share of its steps that turn the robot around.
         touching: Share of its steps that touch a wall.
         around_island: Largest number of times that the path goes around an island of walls.
         around_target: Number of times that it goes around the target.
         off_wall: Longest path between two touches, cells; infinite if it touches nothing.
+        closest: The place (x, y) in its path that is nearest to the target's centre, cells.
         nearest: Smallest distance from the target's centre, cells.
         farthest: Largest distance from the target's centre, cells.
-        is_blocked: True if a wall is between the target and the place nearest to it.
+        is_blocked: True if a wall is between that place and the target.
         reach: The robot's radius plus the target's, cells.
     """
 
@@ -52,11 +56,12 @@ class RepeatedPart:
     extent: float
     length: float
     turning: float
-    sharpest: float
+    about_faces: float
     touching: float
     around_island: int
     around_target: int
     off_wall: float
+    closest: tuple[float, float]
     nearest: float
     farthest: float
     is_blocked: bool
@@ -103,16 +108,29 @@ def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart
         extent=max(float(np.ptp(x)), float(np.ptp(y))),
         length=float(stride.sum()),
         turning=float(turn.mean()) / (2 * math.pi),
-        sharpest=float(turn.max()) / (2 * math.pi),
+        about_faces=float((turn >= _ABOUT_FACE).mean()),
         touching=float(bump.mean()),
         around_island=winding_number(x, y, walls.islands(x, y)),
         around_target=abs(_around(x, y, target)),
         off_wall=_longest_between(stride, bump),
+        closest=place,
         nearest=float(apart.min()),
         farthest=float(apart.max()),
-        is_blocked=walls.between(place, target, radius),
+        is_blocked=walls.between(place, _edge_of(world, place), radius),
         reach=radius + world.target.radius / side,
     )
+
+
+def _edge_of(world: World, place: tuple[float, float]) -> tuple[float, float]:
+    """Return where a robot arrives that drives straight from a place to the target, in cells.
+
+    It need not fit at the target's centre.
+    """
+    x = world.target.x / world.cell_size
+    y = world.target.y / world.cell_size
+    radius = world.target.radius / world.cell_size
+    share = radius / max(math.dist(place, (x, y)), radius)
+    return x + share * (place[0] - x), y + share * (place[1] - y)
 
 
 class _SolidCells:

@@ -41,7 +41,7 @@ _PHRASES = {
     Severity.CONTROLLER_ERROR: "its controller crashes or does not answer",
     Severity.HARMED: "runs into a hazard that it can sense",
     Severity.NEVER_ARRIVES: "never arrives",
-    Severity.TOO_SLOW: "often runs out of time",
+    Severity.TOO_SLOW: "runs out of time",
     Severity.QUESTIONABLE: "breaks a rule that you set",
     Severity.UNSENSED: "is harmed by what it cannot sense",
 }
@@ -129,8 +129,8 @@ _SENTENCES = {
     Cause.CAUGHT_BY_A_CHANGE: "It is in a cell when the cell catches fire or becomes solid.",
     Cause.CONFUSED_BY_CHANGES: "It fails because cells change while it drives: it arrives if they have "
     "all changed before it starts.",
-    Cause.NEEDS_A_WIDER_GAP: "It does not drive through a gap that is wide enough for it; a smaller "
-    "robot arrives.",
+    Cause.NEEDS_A_WIDER_GAP: "It does not drive through a gap, or up to a wall, although it fits; a "
+    "smaller robot arrives.",
     Cause.STANDS_STILL: "It stops in the open and never moves again.",
     Cause.PUSHES_A_WALL: "It keeps driving against a wall and does not get away from it.",
     Cause.TURNS_BACK_AND_FORTH: "It turns back and forth, or around, instead of driving on.",
@@ -165,7 +165,7 @@ _ADVICE = {
     Cause.SLIDES_INTO_A_WALL: "This is a fault of the motion model stepped; compare with --motion "
     "swept.",
     Cause.COLLIDES: "Make the time step smaller, or keep more distance.",
-    Cause.CRASHES: "Fix the line that the report names; the world reproduces it.",
+    Cause.CRASHES: "Fix the error that it names; the world reproduces it.",
     Cause.GIVES_NO_ANSWER: "Look for an endless or a slow step, or give it more time.",
     Cause.INVALID_COMMAND: "Look for a division by zero or a root of a negative number in the "
     "computation of the command.",

@@ -7,15 +7,20 @@ robot distinguishes the two: it arrives in the first case.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 
 from fuzz.triage.contacts import walls_at_the_end
 from sim.episode import simulate
 from sim.options.run import RunOptions
 from sim.verdict import ARRIVALS
-from worldgen.difficulty.bottleneck import bottleneck
+from worldgen.difficulty.bottleneck import narrowest_gap_sq
 from worldgen.errors import WorldgenError
+from worldgen.lattice import UNIT
+from worldgen.reach.still.disc import target_disc
+from worldgen.reach.still.walls import Walls
 from worldgen.timeline import Timeline
 from worldgen.world import World
 
@@ -24,7 +29,8 @@ __all__ = ["Arrives", "arrives_in", "fails_by_timing", "needs_a_wider_gap"]
 Arrives = Callable[[World], bool]
 """Runs the scenario in another world, and returns True if the robot arrives there."""
 
-# A place is a gap if two of the robots do not fit through it side by side.
+# A place is a gap if two of the robots do not fit through it side by side, and at a wall if one of
+# twice the radius does not fit there.
 _GAP = 2.0
 
 # Radii of smaller robots, as shares of the robot's own, the smallest first: most robots that no gap
@@ -73,14 +79,18 @@ def fails_by_timing(world: World, arrives: Arrives) -> bool:
     )
 
 
-def needs_a_wider_gap(world: World, arrives: Arrives) -> bool:
-    """Return True if a gap on the path holds the robot back, although it fits through.
+def needs_a_wider_gap(world: World, place: tuple[float, float], arrives: Arrives) -> bool:
+    """Return True if the robot does not go where it has little room, although it fits.
 
-    That is so if every path leads through a gap, and all robots arrive that are smaller than some
-    radius below the robot's own.
+    That is so if there is little room on every path from the place that it gets to, and all robots
+    arrive that are smaller than some radius below its own.
+
+    Args:
+        world: The world.
+        place: x and y, cells.
+        arrives: Runs the same scenario in changed worlds.
     """
-    widest = bottleneck(world, walls_at_the_end(world))
-    if widest >= _GAP * world.robot_radius:
+    if not _has_little_room(world, place):
         return False
     changed = replace(world, certificate=None, failure=None)
     # The first robot that does not arrive decides, so no larger one is tried.
@@ -88,3 +98,20 @@ def needs_a_wider_gap(world: World, arrives: Arrives) -> bool:
         lambda share: arrives(replace(changed, robot_radius=share * world.robot_radius)), _SMALLER
     )
     return len(list(arrived)) >= _FEWEST
+
+
+def _has_little_room(world: World, place: tuple[float, float]) -> bool:
+    """Return True if every path from a place to the target leads through a gap or ends at a wall."""
+    solid = walls_at_the_end(world)
+    x, y = place
+    if solid[math.floor(y), math.floor(x)]:
+        return False
+    # The place itself may be next to a wall: that does not keep the robot from leaving it.
+    target = target_disc(world)
+    centre = (target.x, target.y)
+    wide = _GAP * world.robot_radius / world.cell_size
+    gap = narrowest_gap_sq(
+        solid, (round(x * UNIT), round(y * UNIT)), centre, math.ceil((2.0 * wide) ** 2)
+    )
+    to_wall = math.sqrt(Walls(solid, Fraction(1)).nearest(centre)[1]) + target.radius
+    return gap is not None or to_wall < wide * UNIT

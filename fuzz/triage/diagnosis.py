@@ -39,8 +39,9 @@ _ONE_PLACE = 0.5
 # follows nothing; wall followers stay below 0.15 even around posts.
 _RESTLESS = 0.2
 
-# Turns in one step: more than 160 degrees turns the robot around.
-_ABOUT_FACE = 0.45
+# Share of steps that turn the robot around. One that reverses at the ends of a longer path stays
+# below it.
+_OFTEN_AROUND = 0.1
 
 # Cells between two touches. A wall follower touches its wall at least once a cell, corners included.
 _ALONG = 1.0
@@ -54,7 +55,7 @@ _NEARBY = 3.0
 _RARELY = 0.02
 _OFTEN = 0.3
 
-# Share of steps above which a robot at the target is held by a wall, not by the target.
+# Share of steps above which a wall holds the robot: neither the target nor its own turns do.
 _MOSTLY = 0.5
 
 _BY_VERDICT: dict[str, Cause] = {
@@ -212,7 +213,7 @@ def _of_changed_worlds(world: World, seen: RepeatedPart, arrives: Arrives | None
         if fails_by_timing(world, arrives):
             return Cause.CONFUSED_BY_CHANGES
         # The walls that a robot touches reveal more about it than gaps that it keeps away from.
-        if seen.touching < _RARELY and needs_a_wider_gap(world, arrives):
+        if seen.touching < _RARELY and needs_a_wider_gap(world, seen.closest, arrives):
             return Cause.NEEDS_A_WIDER_GAP
     except OutOfTime:
         # Without time for these runs, the robot's behaviour is the best evidence.
@@ -222,16 +223,20 @@ def _of_changed_worlds(world: World, seen: RepeatedPart, arrives: Arrives | None
 
 def _of_behaviour(seen: RepeatedPart) -> Cause:
     at_one_place = seen.extent <= _ONE_PLACE
+    turns_around = seen.about_faces > 0.0
 
-    # At one place, or turning all the time: it follows nothing and aims at nothing.
-    if at_one_place and seen.touching == 1.0 and seen.turning < _RESTLESS:
+    # At one place, or turning all the time: it follows nothing and aims at nothing. At a wall, every
+    # robot turns, so there only a turn around counts.
+    if at_one_place and seen.touching == 1.0 and not turns_around:
         return Cause.PUSHES_A_WALL
-    if seen.turning >= _RESTLESS or (at_one_place and seen.sharpest >= _ABOUT_FACE):
+    restless = seen.turning >= _RESTLESS and (turns_around or seen.touching < _MOSTLY)
+    if restless or (at_one_place and turns_around):
         return Cause.TURNS_BACK_AND_FORTH
 
-    # The robot is next to the target with nothing in between, so walls are not the reason.
+    # The robot is next to the target with nothing in between and touches nothing, so walls are not the
+    # reason.
     near = seen.nearest <= seen.reach + _CLOSE and seen.farthest <= seen.reach + _NEARBY
-    if near and not seen.is_blocked and seen.touching < _MOSTLY:
+    if near and not seen.is_blocked and seen.touching < _RARELY:
         return Cause.MISSES_THE_TARGET
 
     # Along walls. A robot that follows the whole of a wall goes around an island, or around the target,
@@ -245,4 +250,6 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     # Away from walls. A robot that stays near the place where it is nearest is held there.
     if seen.is_blocked and seen.farthest <= seen.nearest + _NEARBY:
         return Cause.TRAPPED_BEHIND_A_WALL
+    if seen.about_faces >= _OFTEN_AROUND:
+        return Cause.TURNS_BACK_AND_FORTH
     return Cause.STANDS_STILL if at_one_place else Cause.DRIVES_IN_CIRCLES

@@ -87,6 +87,25 @@ class WantsRoom(Still):
         return heading_for_the_target(observation, 0.0 if refuses else 1.0), memory
 
 
+class StopsBehind(WantsRoom):
+    """Does the same behind the gap, where there is room."""
+
+    def act(self, observation, memory):
+        refuses = observation.x > 1.2 and 1.6 * observation.radius > 0.1
+        return heading_for_the_target(observation, 0.0 if refuses else 1.0), memory
+
+
+class Wavers(Still):
+    """Turns left and right by more than 70 degrees while it drives, and so into a corner."""
+
+    def reset(self):
+        return (0.21,)
+
+    def act(self, observation, memory):
+        turn = memory[0] * math.tau / observation.time_step
+        return Command(observation.top_speed, turn), (-memory[0],)
+
+
 class Remembers(Still):
     """Drives for the target until it bumps, and believes in that wall forever."""
 
@@ -149,6 +168,7 @@ def certified_hall():
         ("Pushes", Cause.PUSHES_A_WALL),
         ("Dithers", Cause.TURNS_BACK_AND_FORTH),
         ("Backs", Cause.DRIVES_IN_CIRCLES),
+        ("Wavers", Cause.PUSHES_A_WALL),
     ],
 )
 def test_a_plain_fault_has_the_cause_that_its_run_shows(controller, cause):
@@ -160,6 +180,19 @@ def test_a_robot_that_a_gap_holds_back_needs_a_wider_one():
     failure = found_by("WantsRoom", gap())
     assert failure.record.details[CAUSE] == Cause.NEEDS_A_WIDER_GAP.value
     assert cause_of_run(failure.world, failure.run()) == Cause.STANDS_STILL
+
+
+def test_a_gap_that_the_robot_has_passed_does_not_hold_it_back():
+    failure = found_by("StopsBehind", gap())
+    assert failure.record.details[CAUSE] == Cause.STANDS_STILL.value
+    smaller = replace(failure.world, robot_radius=0.05, certificate=None)
+    assert arrives_in(failure.record.controller, failure.options)(smaller)
+
+
+def test_no_wall_is_between_a_robot_and_a_target_whose_edge_it_can_reach():
+    at_a_wall = Target(1.05, 0.45, 0.05)
+    below = certified(replace(hall(12, 5, start=(1.05, 0.08)), target=at_a_wall))
+    assert found_by("Still", below).record.details[CAUSE] == Cause.STANDS_STILL.value
 
 
 def test_a_wall_that_is_gone_confuses_a_robot_that_remembers_it():
