@@ -121,8 +121,10 @@ def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> s
     for severity in Severity:
         found = {cause: n for cause, n in natural.causes.items() if cause.severity == severity}
         if found:
-            several = f": {len(found)} causes" if len(found) > 1 else ""
-            text += f"; {severity.phrase} in {sum(found.values())}{several}"
+            one, *others = found
+            several = f": {len(found)} causes" if others else ""
+            phrase = severity.phrase if others else one.phrase
+            text += f"; {phrase} in {sum(found.values())}{several}"
     if natural.unsensed:
         text += f"; {natural.unsensed} more with hazards that it cannot sense"
     return text
@@ -181,7 +183,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
     # Otherwise the worst cause determines the verdict.
     who = click.style(shown(headline.who), bold=True)
     worst = overview.causes[0].cause.severity
-    words = worst.phrase
+    words = overview.causes[0].cause.phrase
     if worst == Severity.NEVER_ARRIVES:
         # It never arrives in the failures, but that is not what it does in general.
         natural = overview.natural

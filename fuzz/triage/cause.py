@@ -38,7 +38,7 @@ class Severity(IntEnum):
 _PHRASES = {
     Severity.THROUGH_WALLS: "goes through walls",
     Severity.THROUGH_ROBOTS: "drives through another robot",
-    Severity.CONTROLLER_ERROR: "its controller crashes or does not answer",
+    Severity.CONTROLLER_ERROR: "its controller fails",
     Severity.HARMED: "runs into a hazard that it can sense",
     Severity.NEVER_ARRIVES: "never arrives",
     Severity.TOO_SLOW: "runs out of time",
@@ -105,6 +105,11 @@ class Cause(StrEnum):
         return _SENTENCES[self]
 
     @property
+    def phrase(self) -> str:
+        """What the robot does, to follow its name: that of the severity unless it is too general."""
+        return _OWN_PHRASES.get(self, self.severity.phrase)
+
+    @property
     def advice(self) -> str:
         """The place to look at in the controller: one sentence."""
         return _ADVICE[self]
@@ -156,6 +161,12 @@ _SENTENCES = {
     Cause.PUSHED_TOO_HARD: "It is moved by more than any controller is certain to make up for.",
     Cause.UNKNOWN: "It fails; its controller could not be run here, or not in time, to find the "
     "reason.",
+}
+
+_OWN_PHRASES = {
+    Cause.CRASHES: "its controller crashes",
+    Cause.GIVES_NO_ANSWER: "its controller does not answer",
+    Cause.INVALID_COMMAND: "its controller sends invalid commands",
 }
 
 _ADVICE = {

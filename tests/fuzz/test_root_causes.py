@@ -495,6 +495,21 @@ def test_a_robot_that_surely_fails_in_most_natural_worlds_rarely_arrives(tmp_pat
     assert "rarely arrives" in first_line(5) and "does not always arrive" in first_line(20)
 
 
+@pytest.mark.parametrize(
+    ("cause", "words"),
+    [
+        (Cause.CRASHES, "its controller crashes; 1 cause"),
+        (Cause.INVALID_COMMAND, "its controller sends invalid commands; 1 cause"),
+        (Cause.CUTS_A_CORNER, "goes through walls; 1 cause"),
+        (Cause.WANDERS, "sometimes runs out of time; 1 cause"),
+    ],
+)
+def test_the_worst_cause_decides_the_first_line(tmp_path, cause, words):
+    overview = Overview((CauseTotals(cause, ("a",), {"loop": 1}),))
+    line = click.unstyle(overview_lines(overview, Headline("mine", tmp_path, 9, 1))[0])
+    assert line.startswith(f"mine: {words}, 1 class of failures")
+
+
 def test_each_class_has_its_page_only_if_asked_for(tmp_path):
     options = ("fuzz", "--controller", "turn-right", "--family", "trap", "--no-shrink", "--units", 1,
                "--examples", 4, "--workers", 1, "--seed", 1, "--out")  # fmt: skip

@@ -7,11 +7,16 @@ import { copyButton } from "#report/copy.js";
 const PHRASES = {
   "through-walls": "It goes through walls",
   "through-robots": "It drives through other robots",
-  "controller-error": "Its controller crashes or does not answer",
+  "controller-error": "Its controller fails",
   harmed: "It runs into hazards that it can sense",
   "never-arrives": "It does not always arrive",
   "too-slow": "It is too slow in some worlds",
   questionable: "It breaks a rule that you set",
+};
+const OWN_PHRASES = {
+  crashes: "Its controller crashes",
+  "gives-no-answer": "Its controller does not answer",
+  "invalid-command": "Its controller sends invalid commands",
 };
 // The severity's colour is that of the verdict that is typical of it.
 const COLOURS = {
@@ -108,7 +113,7 @@ const RARE = 0.5;
 
 function headline(worst, natural) {
   const rare = worst.severity === "never-arrives" && natural && natural.worlds && natural.high < RARE;
-  return rare ? "It rarely arrives" : PHRASES[worst.severity];
+  return rare ? "It rarely arrives" : (OWN_PHRASES[worst.cause] ?? PHRASES[worst.severity]);
 }
 
 // How often it arrives in natural worlds, as a sentence and as a bar with the interval.
