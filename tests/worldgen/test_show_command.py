@@ -30,13 +30,15 @@ def run(*words):
 def test_a_world_is_drawn_on_stdout_as_plain_text_when_it_is_no_terminal(grid):
     result = run(grid)
     assert result.exit_code == 0
-    assert result.stdout.splitlines()[:6] == [
-        ".....#",
-        "....#.",
-        "...#..",
-        "..#...",
-        ".#....",
-        "#.SG..",
+    assert result.stdout.splitlines()[:8] == [
+        "+------+",
+        "|.....#|",
+        "|....#.|",
+        "|...#..|",
+        "|..#...|",
+        "|.#....|",
+        "|#.SG..|",
+        "+------+",
     ]
     assert "\x1b" not in result.stdout
     assert result.stderr == ""
