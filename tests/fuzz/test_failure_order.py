@@ -11,7 +11,7 @@ from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.shrinking import ShrinkQueue
 from fuzz.corpus import distinct, read_corpus, smallest
 from fuzz.failure import Failure
-from fuzz.overview.building import causes_in, with_worlds
+from fuzz.overview.building import WorldFile, causes_in, with_worlds
 from fuzz.overview.clearest import clearest
 from fuzz.shrink import Shrunk, shrink_class
 from fuzz.triage.diagnosis import cause_of
@@ -100,7 +100,7 @@ def test_the_shrinker_begins_with_the_first_failure_and_keeps_the_first_result(e
 
 
 def test_a_report_shows_the_first_of_equally_clear_failures_as_clearest_and_smallest(equal):
-    files = {f"{9 - number}.grid": failure for number, failure in enumerate(equal)}
-    causes = with_worlds(causes_in(equal), files, is_over=lambda: True)
-    assert [one.smallest for one in causes] == ["9.grid"]
+    files = [WorldFile(failure, f"{9 - number}.grid") for number, failure in enumerate(equal)]
+    causes = with_worlds(causes_in(equal), lambda _: files, is_over=lambda: True)
+    assert [(one.file, one.smallest) for one in causes] == [("9.grid", "9.grid")]
     assert clearest(reversed(equal), cause_of(equal[0])) is equal[0]

@@ -9,9 +9,9 @@ import click
 import numpy as np
 import pytest
 
+from fuzz.campaign.configure import configure
 from fuzz.campaign.options import CampaignOptions
 from fuzz.campaign.result import SearchState
-from fuzz.campaign.session import configure
 from fuzz.campaign.state import CampaignState, DiscoveryTotals
 from fuzz.campaign.store import FolderStore
 from fuzz.corpus import Baseline, read_corpus
