@@ -55,9 +55,10 @@ _WRITTEN = re.compile(rf"(?P<name>.+?)(?P<options>(?:{_OPTION})*)", re.DOTALL)
 _REGISTERED = re.compile(
     r"(?P<name>[\w-]+)(?P<options>(?:\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+]*)?)*)", re.DOTALL
 )
-# After a class in a file, too: ``./mine.py:Robot+learned=taught/today.json``.
+# After a class in a file or module, too: ``./mine.py:Robot+learned=taught/today.json``.
 _CLASS_IN_FILE = re.compile(
-    r"(?P<name>.+\.py:[A-Za-z_]\w*)(?P<options>(?:\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+]*)?)*)", re.DOTALL
+    r"(?P<name>(?:.+\.py|[\w.]+):[A-Za-z_]\w*)(?P<options>(?:\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+]*)?)*)",
+    re.DOTALL,
 )
 _SWITCH = {
     "on": True,

@@ -160,7 +160,7 @@ class CampaignSession:
                 self._outputs.write(self._as_report())
         # Interrupted runs have their own message and exit code.
         if stopped and self._lasts:
-            kept = len(self._campaign.state.best)
+            kept = len(self._store.written() if self._goes_on else self._campaign.state.best)
             note(
                 f"interrupted; {counted(kept, 'failure')} {'is' if kept == 1 else 'are'} kept in "
                 f"{self._out}; {self._way_on}"
@@ -252,6 +252,9 @@ class CampaignSession:
                 stopped = True
         if stopped:
             self._overview = self._build(_TO_CONCLUDE_AT_ONCE, natural=False)
+        # Earlier results are not all processed, so the folder's files know more.
+        if self._goes_on:
+            return stopped
         self._write_examples()
         if not stopped:
             self._remove_outdated()
@@ -262,8 +265,8 @@ class CampaignSession:
         """Write the worlds that causes show, as far as no class's file has them."""
         for cause in self._overview.causes:
             failure = cause.failure
-            # The store has the known failures.
-            if failure is None or cause.file.startswith(MEMORY):
+            # The store has the known failures that the search found.
+            if failure is None or not cause.file or cause.file.startswith(MEMORY):
                 continue
             if cause.file == self._path(failure.bucket).name:
                 self._campaign.state.best.setdefault(failure.bucket, failure)

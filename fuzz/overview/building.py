@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -26,7 +26,15 @@ from sim.evidence import FaultEvidence
 from sim.runners.stopping import OutOfTime, stopping_when
 from worldgen.errors import WorldgenError
 
-__all__ = ["Conclusion", "WorldFile", "build_overview", "causes_in", "explained", "with_worlds"]
+__all__ = [
+    "Conclusion",
+    "WorldFile",
+    "build_overview",
+    "causes_in",
+    "explained",
+    "with_own_files",
+    "with_worlds",
+]
 
 # Limit on the natural worlds of a campaign without a time limit: a tenth of the worlds that its
 # units may try, so that a short campaign stays short, and no more than an interval of +/- 3 %
@@ -126,6 +134,7 @@ def build_overview(
         is_over,
     )
 
+    shown = list(with_own_files(shown))
     comparison = _compared(state, conclusion)
     if comparison is not None:
         shown = with_states(shown, comparison)
@@ -202,14 +211,18 @@ def _world_files(
     """Return the failures of a campaign that have a cause, or else the one in its natural world."""
     found = (*state.best.values(), *(find.failure for find in state.finds))
     own = [one for one in {one.id: one for one in found}.values() if cause_of(one) == cause]
-    return [
-        _world_file(failure, cause, state.best, known)
-        for failure in own or _in_natural_world(cause, examples)
-    ]
+    return [_world_file(failure, cause, state.best, known) for failure in own] or _in_natural_world(
+        cause, examples, state.best, known
+    )
 
 
-def _in_natural_world(cause: Cause, examples: Mapping[Cause, Case]) -> list[Failure]:
-    """Return the failure in a cause's simplest natural world, if it can be proved."""
+def _in_natural_world(
+    cause: Cause, examples: Mapping[Cause, Case], best: Mapping[str, Failure], known: Baseline
+) -> list[WorldFile]:
+    """Return the failure in a cause's simplest natural world, if it can be proved.
+
+    Without a file if it is known.
+    """
     if cause not in examples:
         return []
     world, scenario = examples[cause]
@@ -217,7 +230,11 @@ def _in_natural_world(cause: Cause, examples: Mapping[Cause, Case]) -> list[Fail
         failure = failure_of(world, scenario, found_by=NATURAL)
     except (WorldgenError, OutOfTime):
         return []
-    return [] if failure is None or cause_of(failure) != cause else [failure]
+    if failure is None or cause_of(failure) != cause:
+        return []
+    if known.has(failure):
+        return [WorldFile(failure, "", exists=False)]
+    return [_world_file(failure, cause, best, known)]
 
 
 def _world_file(
@@ -234,6 +251,19 @@ def _world_file(
     if known.has(failure):
         return WorldFile(failure, f"{MEMORY}/failures/{failure.id}.grid", exists=False)
     return WorldFile(failure, f"{cause if stored else failure.bucket}.grid", exists=False)
+
+
+def with_own_files(causes: Iterable[CauseTotals]) -> Iterator[CauseTotals]:
+    """Yield causes; of several whose worlds would get the same file, all but the first get another."""
+    taken: dict[str, str] = {}
+    for cause in causes:
+        shown = cause.failure
+        if shown is not None and cause.file and taken.setdefault(cause.file, shown.id) != shown.id:
+            own = f"{cause.cause}.grid"
+            smallest = own if cause.smallest == cause.file else cause.smallest
+            yield replace(cause, file=own, smallest=smallest)
+        else:
+            yield cause
 
 
 def _fault_of(failure: Failure) -> str:

@@ -23,7 +23,7 @@ from worldgen.errors import Message
 
 __all__ = ["PROTOCOL", "Session"]
 
-PROTOCOL = 2  # increased whenever an older page would not understand
+PROTOCOL = 3  # increased whenever an older page would not understand
 # Only the newest request of these kinds counts.
 _REPLACED = frozenset(
     {"compare", "decide", "edits", "generate", "measure", "run", "signal", "watch", "widest"}

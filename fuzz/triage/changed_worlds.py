@@ -104,7 +104,8 @@ def _has_little_room(world: World, place: tuple[float, float]) -> bool:
     """Return True if every path from a place to the target leads through a gap or ends at a wall."""
     solid = walls_at_the_end(world)
     x, y = place
-    if solid[math.floor(y), math.floor(x)]:
+    height, width = solid.shape
+    if not (0 <= x < width and 0 <= y < height) or solid[math.floor(y), math.floor(x)]:
         return False
     # The place itself may be next to a wall: that does not keep the robot from leaving it.
     target = target_disc(world)

@@ -233,7 +233,7 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     if restless or (at_one_place and turns_around):
         return Cause.TURNS_BACK_AND_FORTH
 
-    # The robot is next to the target with nothing in between and touches nothing, so walls are not the
+    # The robot is next to the target with nothing in between and hardly touches walls, so they are not the
     # reason.
     near = seen.nearest <= seen.reach + _CLOSE and seen.farthest <= seen.reach + _NEARBY
     if near and not seen.is_blocked and seen.touching < _RARELY:

@@ -46,7 +46,7 @@ class Doubt(StrEnum):
 
 
 _DOUBTS = {
-    Doubt.NO_WITNESS: "no witness shows a way to the target",
+    Doubt.NO_WITNESS: "no witness shows a path to the target",
     Doubt.CHANGING_WORLD: "the world changes, and the witness's times allow for no disturbance",
     Doubt.FAST_DRIFT: "the drift is as fast as the robot",
     Doubt.SLOW_REACTION: "a robot that cannot turn or brake at once may drift off the witness",

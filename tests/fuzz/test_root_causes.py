@@ -12,12 +12,13 @@ import pytest
 from fuzz.campaign.configure import configure
 from fuzz.campaign.options import CampaignOptions
 from fuzz.campaign.result import SearchState
+from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import CampaignState, DiscoveryTotals
 from fuzz.campaign.store import FolderStore
 from fuzz.corpus import Baseline, read_corpus
 from fuzz.failure import Failure
 from fuzz.overview import Cause, CauseTotals, causes_of, read_overview
-from fuzz.overview.building import Conclusion, build_overview
+from fuzz.overview.building import Conclusion, build_overview, with_own_files
 from fuzz.overview.causes import in_order, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import compare
@@ -363,6 +364,46 @@ def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path)
     files = {path.name: path.read_bytes() for path in out.glob("*.grid")}
     assert worldgen("fuzz", "--resume", out).code == 1
     assert {path.name: path.read_bytes() for path in out.glob("*.grid")} == files
+
+    # Once it is known, no file is promised for it.
+    again = json.loads(worldgen(*options, tmp_path / "again", "--baseline", out).out)
+    assert cause["cause"] in {one["cause"] for one in again["causes"]}
+    named = {one[key] for one in again["causes"] for key in ("file", "smallest")}
+    assert all((tmp_path / "again" / name).is_file() for name in named if name)
+
+
+def test_two_causes_never_share_a_file():
+    one, other = found_by("Still"), found_by("Dithers")
+    causes = [
+        CauseTotals(cause, (), file="loop.grid", smallest="loop.grid", failure=failure)
+        for cause, failure in ((Cause.WANDERS, one), (Cause.CRASHES, other), (Cause.CRASHES, one))
+    ]
+    assert [(named.file, named.smallest) for named in with_own_files(causes)] == [
+        ("loop.grid", "loop.grid"),
+        ("crashes.grid", "crashes.grid"),
+        ("loop.grid", "loop.grid"),
+    ]
+
+
+def test_a_replay_of_stored_units_that_is_interrupted_leaves_the_folder_as_it_is(
+    tmp_path, monkeypatch
+):
+    options = ("--controller", "turn-right", "--units", 2, "--examples", 5, "--workers", 1,
+               "--seed", 1, "--out", tmp_path)  # fmt: skip
+    assert worldgen("fuzz", *options).code == 1
+    shown = [*tmp_path.glob("*.grid"), tmp_path / ".campaign" / "overview.json"]
+    before = {path: path.read_bytes() for path in shown}
+    merge = Campaign._merge
+
+    def interrupted(campaign, unit, submitted):
+        yield from merge(campaign, unit, submitted)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Campaign, "_merge", interrupted)
+    result = worldgen("fuzz", "--resume", tmp_path)
+    assert result.code == 130
+    assert f"{len(shown) - 1} failures are kept" in result.err
+    assert {path: path.read_bytes() for path in shown} == before
 
 
 def test_the_file_of_a_cause_is_removed_once_another_world_is_clearer(tmp_path):

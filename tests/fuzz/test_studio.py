@@ -206,7 +206,7 @@ def test_a_file_is_overwritten_only_if_that_is_asked_for(page, folder):
 
 def test_it_says_first_what_is_open(page, folder):
     assert page.begins == {
-        "protocol": 2,
+        "protocol": 3,
         "folder": str(folder),
         "file": "w.grid",
         "limits": limits(),

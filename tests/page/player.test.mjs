@@ -216,8 +216,8 @@ test("numbers and counts have the words of one and of many", () => {
 });
 
 test("a name without its options is that of a registered robot or of a class, also in a folder with a plus", () => {
-  const names = ["vfh+radius=2+noise", "./a+b/mine.py:Robot+learned=taught/x.json", "mine.robots:Robot+noise", "./a+b/mine.py:Robot", "cmd:./run +x"];
-  assert.deepEqual(names.map(plainName), ["vfh", "./a+b/mine.py:Robot", "mine.robots:Robot", "./a+b/mine.py:Robot", "cmd:./run +x"]);
+  const names = ["vfh+radius=2+noise", "./a+b/mine.py:Robot+learned=taught/x.json", "mine.robots:Robot+noise", "./a+b/mine.py:Robot", "lib:./a+b/mine.so:mine+slip=0.1", "cmd:./run +x"];
+  assert.deepEqual(names.map(plainName), ["vfh", "./a+b/mine.py:Robot", "mine.robots:Robot", "./a+b/mine.py:Robot", "lib:./a+b/mine.so:mine", "cmd:./run "]);
 });
 
 test("a name with options may go on in another line at each of them", () => {

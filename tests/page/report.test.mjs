@@ -11,7 +11,7 @@ const CAUSES = { loop: "circles-a-wall", tunnel: "steps-over-a-wall", stalled: "
 
 function failure(id, verdict, solid, more = {}) {
   const now = { size: "9 x 3", solid, events: 0, run: { steps: 10 * solid, loop: null }, world: null };
-  return { id, verdict, bucket: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, place: solid, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], now, ...more };
+  return { id, verdict, bucket: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, place: 100 - solid, size: "9 x 3", met: 1, confirmed: true, cause: CAUSES[verdict], now, ...more };
 }
 
 const FAILURES = [failure("one", "loop", 20), failure("two", "tunnel", 8, { met: 30 }), failure("three", "tunnel", 12, { bucket: "tunnel-b", controller: "bug1" }), failure("four", "stalled", 9, { confirmed: false })];

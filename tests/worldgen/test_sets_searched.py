@@ -53,6 +53,16 @@ def test_a_search_that_was_interrupted_goes_on_to_the_same_set(searched, tmp_pat
     assert contents(part) == contents(searched)
 
 
+def test_a_set_that_an_older_version_began_is_continued(searched, tmp_path):
+    part = shutil.copytree(searched, tmp_path / "set")
+    first, *lines = (part / "manifest.jsonl").read_bytes().splitlines(keepends=True)
+    older = first.replace(b'"constraint"', b'"wish"')
+    (part / "manifest.jsonl").write_bytes(older + b"".join(lines[:2]))
+    (part / "trap-4.grid").unlink()
+    assert "2 of 4 worlds are there already" in run(*SEARCHED, "--count", 4, "--out", part).err
+    assert (part / "manifest.jsonl").read_bytes() == older + b"".join(lines)
+
+
 def test_another_constraint_does_not_go_on_with_a_set(searched):
     err = run(
         "trap",

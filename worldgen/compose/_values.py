@@ -127,7 +127,7 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
         if isinstance(value, str | bool):
             raise InvalidParameter(
                 "not-a-number",
-                "{text!r}: {name} is {value!r}, no number",
+                "{text!r}: {name} is {value!r}, which is not a number",
                 "leave it out",
                 text=formula.text,
                 name=name,

@@ -33,6 +33,7 @@ _LANGUAGE = Language(
     longest=2000,
     example="detour > 3",
     units={"m": None, "s": None, "r": _RADIUS},
+    unit_words="m, s, or r for the robot's radius",
 )
 # Violation of a comparison with a metric that the world lacks: larger than any other.
 _EMPTY: Final = 2.0

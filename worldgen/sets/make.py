@@ -98,7 +98,8 @@ def make_set(
         return entry.file, entry.line(header)
 
     def refuse(old: Manifest) -> None:
-        if old.first != header.line():
+        # Compare what the line says, which older versions wrote with other words.
+        if old.header.line() != header.line():
             raise _other(old, header, out)
 
     work = _Work(

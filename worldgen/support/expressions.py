@@ -69,6 +69,7 @@ class Language:
         example: A number or condition in this language, for messages.
         functions: By name; each takes one number or several.
         units: What a number may end with, and the variable that it is then multiplied by, or None.
+        unit_words: These units, for messages.
     """
 
     variables: Collection[str]
@@ -77,6 +78,7 @@ class Language:
     example: str
     functions: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
     units: Mapping[str, str | None] = field(default_factory=dict)
+    unit_words: str = ""
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,8 @@ def parse_number(text: str, language: Language) -> Node:
         InvalidParameter: If it cannot be parsed; the message marks the place.
     """
     reader = _Reader(text, language)
+    if isinstance(reader.tree, ast.Compare | ast.BoolOp):
+        reader.refuse_condition(reader.begins, "leave the comparison out")
     return reader.number(reader.tree, reader.begins)
 
 
@@ -269,9 +273,9 @@ class _Reader:
                 Message(
                     "unknown-name",
                     "{name!r} is not a unit",
-                    "write {known!l}" if units else "leave it out",
+                    "write {known}" if units else "leave it out",
                     name=unit,
-                    known=list(units),
+                    known=self._language.unit_words,
                 ),
                 token.start("unit"),
             )
@@ -332,12 +336,11 @@ class _Reader:
             return (
                 inner if isinstance(node.op, ast.UAdd) else Operation("-", (inner,), operator.neg)
             )
-        message = Message(
-            "wrong-form",
-            "this is a condition, not a number",
-            "conditions can be joined with and, or, not",
-        )
-        self._fail(message, at)
+        self.refuse_condition(at, "conditions can be joined with and, or, not")
+
+    def refuse_condition(self, at: int, way_out: str) -> NoReturn:
+        """Raise the error about a condition in the place of a number."""
+        self._fail(Message("wrong-form", "this is a condition, not a number", way_out), at)
 
     def _inner(self, node: ast.expr) -> Node:
         return self.number(node, _place(node))
@@ -364,14 +367,14 @@ def _broken_rule(kind: str, word: str, before: str, brackets: list[str]) -> str:
     if brackets:
         closes = word == ")" or (word == "," and brackets[-1] == "call")
         return "" if closes or word in _BETWEEN else "{came} where a closing parenthesis belongs"
-    return "" if word in _BETWEEN or kind == "end" else "{came} is too much here"
+    return "" if word in _BETWEEN or kind == "end" else "{came} is not expected here"
 
 
 def _too_deep(most: int) -> Message:
     return Message(
         "nested-too-deep",
         "nested deeper than {most} levels",
-        "take parentheses and signs away",
+        "remove some parentheses or signs",
         most=most,
     )
 

@@ -22,6 +22,7 @@ from sim.scenario import Scenario
 from worldgen.family import FAMILIES
 from worldgen.files.grid import dumps, loads
 from worldgen.plugins.registry import Registry
+from worldgen.random_streams import MASK64
 from worldgen.support.plain_text import quote
 
 __all__ = ["Fingerprint", "config_of", "digest_of", "digest_of_sources", "fingerprint_of"]
@@ -139,6 +140,8 @@ def config_of(configuration: Mapping[str, Any]) -> CampaignConfig:
     fixed_map = None if text is None else loads(text.encode())
     vary = tuple(Variation(str(one["name"]), tuple(one["values"])) for one in values.pop("vary"))
     config = CampaignConfig(scenario, fixed_map=fixed_map, vary=vary, **values)
+    if not 0 <= config.seed <= MASK64:
+        raise ValueError(f"seed is {config.seed}")
     usual = CampaignConfig(scenario)
     for field in fields(config):
         if field.name != "fixed_map" and type(getattr(config, field.name)) is not type(

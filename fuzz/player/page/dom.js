@@ -94,7 +94,9 @@ export function choice(pairs, chosen, change) {
  * @returns {string}
  */
 export function plainName(name) {
-  return name.match(/^([\w-]+|.+\.py:[A-Za-z_]\w*|[\w.]+:[A-Za-z_]\w*)(?=\+|$)/s)?.[0] ?? name;
+  const plain = name.match(/^([\w-]+|.+\.py:[A-Za-z_]\w*|[\w.]+:[A-Za-z_]\w*)(?=\+|$)/s);
+  // Any other name may contain a plus itself; options at its end have no slash in their values.
+  return plain?.[0] ?? name.replace(/(\+[A-Za-z][\w-]*(=[^+/\\]*)?)+$/, "");
 }
 
 /**

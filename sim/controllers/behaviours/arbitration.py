@@ -66,13 +66,13 @@ class PartFacts(NamedTuple):
     def control(self) -> str:
         """How long it keeps control, in words, unless its action says so already."""
         ends = "can be interrupted" if self.interruptible else "keeps control"
-        if f"{self.duration:g} steps" in self.action:
+        if f" {self.duration:g} steps" in self.action:
             return ends
         if self.duration > 1 and math.isfinite(self.duration):
             return f"{self.duration:g} steps; {ends}"
         if self.interruptible and self.duration <= 1:
             return f"one step at a time; {ends}"
-        return f"until it is done; {ends}"
+        return ends if " until " in self.action else f"until it is done; {ends}"
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ bug1 = CompiledController(
             ("start", "to the target", "meets a wall", "round it", "to the leave point"),
         ),
         MemoryField("nearest, m", LEAVE_FAR),
-        MemoryField("way since the hit, m", PATH),
+        MemoryField("path since the hit, m", PATH),
     ),
     memory_map=shown_map,
     memory_map_on=(HIT, HIT + 1, LEAVE, LEAVE + 1, LEAVE_FAR),

@@ -3,7 +3,6 @@
 
 #include "fleet.h"
 
-
 // The bucket of a place.
 static int64_t bucket_of(const WgNear *near, int64_t column, int64_t row)
 {

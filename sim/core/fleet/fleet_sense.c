@@ -105,7 +105,7 @@ static bool comes_before(const WgRobotGrid *grid, WgNearby one, WgNearby other)
     return place.x < others.x || (place.x == others.x && place.y < others.y);
 }
 
-// Sorts robots by the order of sensing; there are few.
+// Sorts robots by the order of sensing. Unless the range is long, there are few.
 static void sort_found(const WgRobotGrid *grid, int64_t count)
 {
     for (int64_t k = 1; k < count; k++) {

@@ -13,7 +13,7 @@ const SMALLEST = 0.7; // scale of a tall chart's text; a taller one scrolls
  * @returns {{element: HTMLElement, button: HTMLButtonElement, offer: (robot: Robot | null) => void, at: (player: Player) => void, toggle: () => void}}
  */
 export function makeArbitration(studio) {
-  const element = el("section", { class: "arbitration", id: "arbitration", "aria-label": "How its behaviours take turns", hidden: true });
+  const element = el("section", { class: "arbitration", id: "arbitration", tabindex: "0", "aria-label": "How its behaviours take turns", hidden: true });
   const button = el("button", { type: "button", id: "show-arbitration", class: "small", hidden: true, "aria-controls": "arbitration", "aria-keyshortcuts": "b", title: "How its behaviours take turns, and which acts (b)", onclick: toggle }, "Flow chart");
   /** @type {{chart: FlowChart | null, acting: string | null, now: HTMLElement | null}} */
   const state = { chart: null, acting: null, now: null };

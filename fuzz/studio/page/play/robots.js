@@ -321,7 +321,7 @@ function othersOf(robots) {
   const own = away.filter(({ named }) => named).map(({ name }) => name);
   const more = own.length > 0 ? `, including ${own.join(", ")}` : "";
   return [
-    ...(away.length > 0 ? [`${away.length} more under ${away[0].motion}${more}. `] : []),
+    ...(away.length > 0 ? [...breakable(`${away.length} more under ${away[0].motion}${more}. `)] : []),
   ];
 }
 
