@@ -32,7 +32,7 @@ class CampaignConfig(SearchOptions):
         families: Families and other strategies to search with; empty for all that fit.
         time_steps: Durations of a step to draw from, s.
         vary: Quantities of the robot and options of the motion model to draw from.
-        fixed_map: A foreign map on which only start, heading, target and radius vary.
+        fixed_map: A map on which only its robots' starts, headings, targets and radii vary.
         shrink: Whether to shrink failures; on a user's own map they are more useful unshrunk.
     """
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.options import CampaignOptions, SearchOptions
+from fuzz.campaign.options import MOST_ROBOTS, CampaignOptions, SearchOptions
 from fuzz.campaign.variation import Variation
 from fuzz.oracles import NamedOracle, Trial
 from fuzz.search.names import TIME_STEPS
@@ -20,6 +20,7 @@ from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.files.grid import read_world
 from worldgen.support.progress import working
+from worldgen.world import World
 
 __all__ = ["configure"]
 
@@ -56,8 +57,9 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         task=options.task,
     )
     families = (*options.families, *options.strategies)
+    robots = options.robots if fixed_map is None else _robots_on(fixed_map, options)
     for name in families:
-        check_strategy(name, scenario, options.robots)
+        check_strategy(name, scenario, robots)
     time_steps: tuple[float, ...] = (scenario.run.time_step,)
     unsaid = options.time_step is None and scenario.run.time_step == usual
     if unsaid and MOTIONS.get(scenario.run.motion).name == "endpoint":
@@ -82,11 +84,36 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         varied,
         fixed_map,
         shrink=fixed_map is None if options.shrink is None else options.shrink,
-        **(kept | {"oracles": options.asked_oracles}),
+        **(kept | {"oracles": options.asked_oracles, "robots": robots}),
     )
     with working("loading the simulator and the controller"):
         _try_out(config, seconds, [NamedOracle.parse(text) for text in config.oracles])
     return config
+
+
+def _robots_on(fixed_map: World, options: CampaignOptions) -> int:
+    """Return the number of robots in a campaign on a map: at least as many as the map has."""
+    own = len(fixed_map.robots)
+    if 1 < options.robots < own:
+        raise InvalidParameter(
+            "fewer-robots",
+            "{path} has {own} robots, not {robots}",
+            "omit --robots, or give a higher number to add robots",
+            at_terminal=True,
+            robots=options.robots,
+            path=options.world,
+            own=own,
+        )
+    if own > MOST_ROBOTS:
+        raise InvalidParameter(
+            "too-many-robots",
+            "{path} has {own} robots; a campaign has at most {most}",
+            "leave some out",
+            path=options.world,
+            own=own,
+            most=MOST_ROBOTS,
+        )
+    return max(own, options.robots)
 
 
 def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedOracle]) -> None:

@@ -35,6 +35,7 @@ def remembered(config: CampaignConfig, strategy: str) -> ExampleDatabase:
         config.vary,
         strategy,
         where,
+        *((config.robots,) if config.robots > 1 else ()),
     )
     return _Keyed(DirectoryBasedExampleDatabase(folder), f"worldgen {varied!r}".encode())
 

@@ -218,10 +218,10 @@ def strategy_worlds(
     Args:
         strategy: ``features``, ``sealed``, ``map`` (poses on ``fixed_map``), or a family's name.
         fixed_map: The map whose walls stay as they are.
-        robots: Number of robots in each world.
+        robots: Number of robots in each world; at least as many as the map has.
     """
     if strategy == "map" and fixed_map is not None:
-        return fleet_worlds(poses_on(fixed_map), robots)
+        return fleet_worlds(poses_on(fixed_map), robots, fixed_map)
     if strategy == "features":
         return fleet_worlds(layouts().map(decode_world), robots)
     if strategy == SEALED:
@@ -230,11 +230,14 @@ def strategy_worlds(
 
 
 def poses_on(world: World) -> st.SearchStrategy[World]:
-    """Draw start, heading, target and robot radius on a map, at the centres of its free cells."""
+    """Draw a single robot's start, heading, target and radius on a map.
+
+    Start and target are centres of free cells.
+    """
     free = np.argwhere(~world.walls)
     if not len(free):
         raise InvalidWorld("no-free-cell", "the map has no free cell to start from")
-    plain = replace(world, certificate=None, provenance=map_provenance(world), failure=None)
+    plain = replace(world.alone(1), provenance=map_provenance(world))
     radii = sorted(
         {round(world.robot_radius * share, 6) for share in (0.5, 0.75, 1.0)}, reverse=True
     )

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 from hypothesis import reject
 from hypothesis import strategies as st
 
@@ -17,50 +20,102 @@ __all__ = ["fleet_worlds"]
 _HEADINGS = 8  # headings to draw from, evenly spaced
 
 
-def fleet_worlds(where: st.SearchStrategy[World], robots: int) -> st.SearchStrategy[World]:
+def fleet_worlds(
+    where: st.SearchStrategy[World], robots: int, like: World | None = None
+) -> st.SearchStrategy[World]:
     """Draw worlds with more robots; the worlds themselves for a single robot.
 
     Half of the robots have to change places with an earlier one, because robots that meet in a
-    narrow place are what fleets fail at. The others start and end in arbitrary free cells.
+    narrow place are what fleets fail at. The others start and end in arbitrary free cells, apart
+    from the robots before them.
 
     Args:
         where: Worlds for one robot.
         robots: Number of robots in each world.
+        like: World whose robots give those with their numbers their speed, size relative to the
+            first, and size of the target. All others are like the first robot.
     """
-    return where if robots == 1 else _with_more_robots(where, robots)
+    return where if robots == 1 else _with_more_robots(where, robots, like)
 
 
 @st.composite
-def _with_more_robots(draw: st.DrawFn, where: st.SearchStrategy[World], robots: int) -> World:
+def _with_more_robots(
+    draw: st.DrawFn, where: st.SearchStrategy[World], robots: int, like: World | None
+) -> World:
     world = draw(where)
-    side = world.cell_size
     free = np.argwhere(~world.walls)
-    index = st.integers(0, len(free) - 1)
     placed = list(world.robots)
+    unpaired = list(world.robots)
     while len(placed) < robots:
-        earlier = draw(st.sampled_from(placed))
+        model = _model(world, like, len(placed))
         heading = draw(st.integers(0, _HEADINGS - 1)) * (2 * math.pi / _HEADINGS)
-        if draw(st.booleans()):
+        changes_places = bool(unpaired) and draw(st.booleans())
+        if changes_places:
+            # Two robots that changed places with the same one would start in the same place.
+            earlier = draw(st.sampled_from(unpaired))
+            unpaired.remove(earlier)
             place = (earlier.target.x, earlier.target.y)
             goal = (earlier.start.x, earlier.start.y)
+            robot = _moved(model, place, heading, goal)
         else:
-            place = _centre(free[draw(index)], side)
-            goal = _centre(free[draw(index)], side)
-        placed.append(
-            Robot(
-                Pose(*place, heading),
-                Target(*goal, earlier.target.radius),
-                earlier.radius,
-                earlier.speed,
-            )
-        )
+            starts = ((one.start.x, one.start.y, one.radius) for one in placed)
+            # The centres of two robots may be anywhere in their targets.
+            reach = model.radius - model.target.radius
+            goals = ((one.target.x, one.target.y, one.radius - one.target.radius) for one in placed)
+            place = _drawn_place(draw, free, world.cell_size, model.radius, starts)
+            goal = _drawn_place(draw, free, world.cell_size, reach, goals)
+            robot = _moved(model, place, heading, goal)
+            unpaired.append(robot)
+        placed.append(robot)
     try:
         return world.with_robots(placed, certificate=None, provenance=None)
     except InvalidWorld:  # two of them start or end in the same place
         reject()
 
 
-def _centre(cell: np.ndarray, side: float) -> tuple[float, float]:
+def _model(world: World, like: World | None, index: int) -> Robot:
+    """Return a robot with the size and speed of the one with this index, from 0."""
+    first = world.robots[0]
+    if like is None or index >= len(like.robots):
+        return first
+    own = like.robots[index]
+    scale = first.radius / like.robot_radius
+    return replace(own, radius=round(own.radius * scale, 6))
+
+
+def _moved(
+    model: Robot, place: tuple[float, float], heading: float, goal: tuple[float, float]
+) -> Robot:
+    return replace(model, start=Pose(*place, heading), target=Target(*goal, model.target.radius))
+
+
+def _drawn_place(
+    draw: st.DrawFn,
+    free: npt.NDArray[np.int64],
+    side: float,
+    reach: float,
+    others: Iterable[tuple[float, float, float]],
+) -> tuple[float, float]:
+    """Draw the middle of a free cell, m, far enough from others.
+
+    Args:
+        draw: Draws from a strategy.
+        free: (n, 2) int64, the free cells (iy, ix).
+        side: Side of a cell, m.
+        reach: Distance to keep, m, which is added to that of each other.
+        others: Their places x and y, m, and distances to keep, m.
+    """
+    centres = (free[:, ::-1] + 0.5) * side
+    clear = np.ones(len(free), bool)
+    for x, y, other in others:
+        clear &= np.hypot(centres[:, 0] - x, centres[:, 1] - y) >= reach + other
+    cells = free[clear]
+    if not len(cells):
+        reject()
+    return _centre(cells[draw(st.integers(0, len(cells) - 1))], side)
+
+
+def _centre(cell: npt.NDArray[np.int64], side: float) -> tuple[float, float]:
     """Return the middle of a cell (iy, ix), m."""
     iy, ix = cell.tolist()
     return (

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fuzz.boundary import Subject, run_subject
+from fuzz.campaign.configure import configure
+from fuzz.campaign.options import CampaignOptions
 from fuzz.evidence_checks import check_fleet
 from fuzz.failure import Failure
 from fuzz.oracles import Trial
+from fuzz.search.drawn import explore, strategy_worlds
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
+from fuzz.strategies import scenarios_in
 from fuzz.triage.cause import Cause
 from fuzz.triage.diagnosis import cause_of, cause_of_run
 from fuzz.triage.fleet_signature import Standoff, standoff
@@ -26,7 +31,9 @@ from sim.motion import MOTIONS
 from sim.scenario import Scenario
 from sim.verdict import JOINT_LOOPS, Verdict
 from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
 from worldgen import generate
+from worldgen.errors import InvalidParameter
 from worldgen.files.grid import write_world
 from worldgen.world import JointWitness, Pose, Robot, Target, World
 
@@ -235,6 +242,70 @@ def test_a_campaign_with_two_robots_ends_with_small_proved_failures(tmp_path) ->
     proved = [failure for failure in failures if failure.verdict in JOINT_LOOPS]
     assert min(failure.world.walls.size for failure in proved) <= 40
     assert all(replay(failure).confirmed for failure in failures)
+
+
+def fleet_map(tmp_path: Path) -> Path:
+    """A maze for three robots, of which the last is smaller and slower."""
+    world = generate("maze", seed=5, robots=3)
+    last = replace(world.others[1], radius=0.05, speed=1.0)
+    path = tmp_path / "fleet.grid"
+    write_world(world.bare.with_robots([*world.robots[:2], last]), path)
+    return path
+
+
+def test_a_campaign_on_the_map_of_a_fleet_finds_failures_of_all_its_robots(tmp_path) -> None:
+    out = tmp_path / "f"
+    result = worldgen(
+        "fuzz", "--world", fleet_map(tmp_path), "--controller", "naive", "--units", 1,
+        "--examples", 40, "--seed", 1, "--workers", 1, "--out", out,
+    )  # fmt: skip
+    assert result.code == 1
+    failures = [Failure.read(path) for path in sorted(out.glob("*.grid"))]
+    assert {len(failure.world.robots) for failure in failures} == {3}
+    for failure in failures:
+        first, second, third = failure.world.robots
+        assert second.radius == first.radius
+        assert third.radius == pytest.approx(first.radius * 5 / 7, abs=1e-6)
+        assert (first.speed, second.speed, third.speed) == (2.0, 2.0, 1.0)
+
+
+@pytest.mark.parametrize(("robots", "drawn"), [(1, 3), (4, 4)])
+def test_a_campaign_has_the_robots_of_its_map_and_more_on_demand(tmp_path, robots, drawn) -> None:
+    options = CampaignOptions(controller="naive", world=fleet_map(tmp_path), robots=robots)
+    assert configure(options, 1).robots == drawn
+
+
+def test_fewer_robots_than_the_map_has_are_refused(tmp_path) -> None:
+    with raises(InvalidParameter, code="fewer-robots", robots=2, own=3):
+        configure(CampaignOptions(controller="naive", world=fleet_map(tmp_path), robots=2), 1)
+
+
+def test_more_robots_on_a_map_than_a_campaign_can_have_are_refused(tmp_path) -> None:
+    starts = [(0.5 * x + 0.25, 0.5 * y + 0.25) for x in range(11) for y in range(10)]
+    robots = [Robot(Pose(*place), Target(*place, 0.05)) for place in starts[:101]]
+    path = tmp_path / "fleet.grid"
+    write_world(
+        World(
+            np.zeros((60, 60), bool), robots[0].start, robots[0].target, others=tuple(robots[1:])
+        ),
+        path,
+    )
+    with raises(InvalidParameter, code="too-many-robots", own=101):
+        configure(CampaignOptions(controller="naive", world=path), 1)
+
+
+def test_most_draws_of_many_robots_keep_them_apart() -> None:
+    drawn: list[World] = []
+
+    def visit(world: World, _: Scenario) -> str:
+        drawn.append(world)
+        return ""
+
+    open_map = World(np.zeros((40, 40), bool), Pose(1.0, 1.0), Target(3.0, 3.0, 0.05))
+    where = strategy_worlds("map", open_map, robots=12)
+    explore(scenarios_in(where, STRAIGHT, (0.05,), ()), 1, 40, visit)
+    assert len(drawn) >= 30
+    assert {len(world.robots) for world in drawn} == {12}
 
 
 def test_a_strategy_for_one_robot_is_refused_with_several(tmp_path) -> None:
