@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import strategies as st
 
 from fuzz.boundary import Subject, run_subject
 from fuzz.campaign.configure import configure
@@ -244,6 +245,39 @@ def test_a_campaign_with_two_robots_ends_with_small_proved_failures(tmp_path) ->
     assert all(replay(failure).confirmed for failure in failures)
 
 
+@pytest.mark.parametrize(
+    ("family", "robots"),
+    [("maze", 7), ("corridor", 2), ("examples/recipes/trap-in-maze.toml", 2), ("doorway", 3)],
+)
+def test_a_campaign_draws_several_robots_in_worlds_of_any_family(tmp_path, family, robots) -> None:
+    out = tmp_path / "f"
+    result = worldgen(
+        "fuzz", "--family", family, "--robots", robots, "--controller", "naive", "--units", 1,
+        "--examples", 24, "--seed", 1, "--workers", 1, "--no-shrink", "--out", out,
+    )  # fmt: skip
+    assert result.code == 1
+    failures = [Failure.read(path) for path in out.glob("*.grid")]
+    assert {len(failure.world.robots) for failure in failures} == {robots}
+
+
+def worlds_from(where: st.SearchStrategy[World], draws: int) -> list[World]:
+    """The worlds that a campaign's unit gets out of a number of draws."""
+    drawn: list[World] = []
+
+    def visit(world: World, _: Scenario) -> str:
+        drawn.append(world)
+        return ""
+
+    explore(scenarios_in(where, STRAIGHT, (0.05,), ()), 1, draws, visit)
+    return drawn
+
+
+def test_worlds_drawn_for_many_robots_have_room_for_them() -> None:
+    drawn = worlds_from(strategy_worlds("maze", robots=20), 4)
+    assert [len(world.robots) for world in drawn] == [20] * 4
+    assert all(isinstance(world.certificate, JointWitness) for world in drawn)
+
+
 def fleet_map(tmp_path: Path) -> Path:
     """A maze for three robots, of which the last is smaller and slower."""
     world = generate("maze", seed=5, robots=3)
@@ -295,15 +329,8 @@ def test_more_robots_on_a_map_than_a_campaign_can_have_are_refused(tmp_path) -> 
 
 
 def test_most_draws_of_many_robots_keep_them_apart() -> None:
-    drawn: list[World] = []
-
-    def visit(world: World, _: Scenario) -> str:
-        drawn.append(world)
-        return ""
-
     open_map = World(np.zeros((40, 40), bool), Pose(1.0, 1.0), Target(3.0, 3.0, 0.05))
-    where = strategy_worlds("map", open_map, robots=12)
-    explore(scenarios_in(where, STRAIGHT, (0.05,), ()), 1, 40, visit)
+    drawn = worlds_from(strategy_worlds("map", open_map, robots=12), 40)
     assert len(drawn) >= 30
     assert {len(world.robots) for world in drawn} == {12}
 
