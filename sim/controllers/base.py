@@ -179,8 +179,8 @@ class Command(NamedTuple):
         speed: m/s along the heading, negative for backwards; clamped to the robot's top speed.
         turn_rate: rad/s, counter-clockwise; takes effect before the next move.
         used_random: True if ``observation.random`` was used, so that the next one must be new.
-        message: Numbers to send to the neighbours, at most as many as the run's ``message`` option
-            allows; ignored for a single robot.
+        message: Finite numbers to send to the neighbours, as many as the run's ``message`` option
+            says, or none to send zeros; ignored for a single robot.
     """
 
     speed: float = 0.0

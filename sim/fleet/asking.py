@@ -25,13 +25,16 @@ from sim.controllers.programs.program import WantsMemory
 from sim.controllers.vector import Asker
 from sim.fleet.core_calls import CoreFleet
 from sim.kernels import layout
+from sim.options.robot import RobotOptions
 from sim.runners.controller_time import timed
 from sim.runners.core_calls import Workspace
 from sim.runners.python_act import settled
 from sim.runners.python_loop import crash_of
 from sim.runners.stopping import OutOfTime, breakable, check_time
+from sim.verdict import Verdict
+from worldgen.support.plain_text import counted
 
-__all__ = ["FleetAskers", "own_controllers"]
+__all__ = ["FleetAskers", "message_not_finite", "own_controllers"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -75,16 +78,21 @@ class FleetAskers:
     Args:
         controllers: (n,) each robot's controller.
         memories: (n,) their memories at reset; ``None`` for controllers in the core.
+        channels: (n,) how many numbers each robot may send.
 
     Attributes:
         faults: What controllers did wrong in the last step, by the index of their robot.
     """
 
     def __init__(
-        self, controllers: Sequence[Controller], memories: Sequence[Memory | None]
+        self,
+        controllers: Sequence[Controller],
+        memories: Sequence[Memory | None],
+        channels: Sequence[int],
     ) -> None:
         self._controllers = controllers
         self._memories = list(memories)
+        self._channels = channels
         self.faults: dict[int, ControllerError] = {}
 
     def run(self, fleet: CoreFleet) -> None:
@@ -120,8 +128,13 @@ class FleetAskers:
             if isinstance(controller, VectorController):
                 many.setdefault(id(controller), []).append(number)
             else:
-                alone.append(_One(fleet, number, controller, memory))
-        groups = [_Many(fleet, self._controllers[one[0]], one) for one in many.values()]
+                channel = _Channel(controller, self._channels[number])
+                alone.append(_One(fleet, number, controller, memory, channel))
+        groups = []
+        for numbers in many.values():
+            shared = self._controllers[numbers[0]]
+            channel = _Channel(shared, self._channels[numbers[0]])
+            groups.append(_Many(fleet, shared, numbers, channel))
         return alone, groups
 
     def _ask(self, fleet: CoreFleet, alone: list[_One], groups: list[_Many]) -> None:
@@ -152,10 +165,55 @@ class FleetAskers:
                 self.faults[waiting[0]] = crash_of(error, group.controller)
 
 
+def message_not_finite() -> ControllerError:
+    """Return the fault of a controller that sends nan or infinity."""
+    return ControllerError(
+        Verdict.INVALID_COMMAND,
+        "the message has a number that is not finite",
+        {"rule": "message-is-not-finite"},
+    )
+
+
+class _Channel:
+    """The lengths that a controller's messages may have.
+
+    A message has as many numbers as the run's ``message`` option, or as the controller's own
+    ``needs`` if that option is larger. Without numbers, zeros are sent.
+
+    Args:
+        controller: The controller.
+        size: The run's option.
+    """
+
+    def __init__(self, controller: Any, size: int) -> None:
+        needs = getattr(controller, "needs", None)
+        own = needs.message if isinstance(needs, RobotOptions) else size
+        self._size = size
+        self._allowed = {0, size, min(own, size)}
+
+    def check(self, count: int, message: object) -> None:
+        """Check the length of a message.
+
+        Raises:
+            ContractBroken: If it has another length.
+        """
+        if count not in self._allowed:
+            raise ContractBroken(
+                "message-has-another-length",
+                f"the message has {counted(count, 'number')}, but the run's message option is "
+                f"{self._size}",
+                message,
+                "send that many numbers, or change the option, such as +message=2",
+            )
+
+
 class _One:
     """A controller that acts for one robot."""
 
-    def __init__(self, fleet: CoreFleet, number: int, controller: Any, memory: Memory) -> None:
+    def __init__(
+        self, fleet: CoreFleet, number: int, controller: Any, memory: Memory, channel: _Channel
+    ) -> None:
+        self._channel = channel
         self.number = number
         self.controller = controller
         self.member = fleet.members[number]
@@ -173,7 +231,9 @@ class _One:
         if self.member.c.workspace.neighbour_room:
             seen = seen._replace(neighbours=self.member.neighbours())
         answer = self._act(seen, self._memory)
-        self.member.send(_message_in(answer))
+        message = _message_in(answer)
+        self._channel.check(len(message), message)
+        self.member.send(message)
         speed, turn_rate, used_random, *memory = settled(answer, len(self._memory))
         workspace.command[:] = (speed, turn_rate, used_random)
         self._memory = tuple(memory)
@@ -195,19 +255,22 @@ def _message_in(answer: Any) -> tuple[float, ...]:
         isinstance(one, int | float | np.number) for one in message
     )
     if not numbers:
-        raise ContractBroken(
-            "the-message-is-not-a-tuple-of-numbers",
-            "the message is not a tuple of numbers",
-            message,
-            "write message=(1.0, 0.5)",
-        )
+        raise _not_numbers(message, "write message=(1.0, 0.5)")
     return tuple(float(one) for one in message)
+
+
+def _not_numbers(message: object, remedy: str) -> ContractBroken:
+    rule = "the-message-is-not-a-tuple-of-numbers"
+    return ContractBroken(rule, "the message is not a tuple of numbers", message, remedy)
 
 
 class _Many:
     """A controller that acts for many robots at once."""
 
-    def __init__(self, fleet: CoreFleet, controller: Any, numbers: list[int]) -> None:
+    def __init__(
+        self, fleet: CoreFleet, controller: Any, numbers: list[int], channel: _Channel
+    ) -> None:
+        self._channel = channel
         self.controller = controller
         self.numbers = numbers
         self._members = {number: fleet.members[number] for number in numbers}
@@ -226,7 +289,10 @@ class _Many:
         self._command[:] = 0.0
         after = np.empty((len(waiting), self._kept.shape[1]))
         self._asker.ask(len(waiting), after, self._neighbours(waiting))
-        message = np.asarray(self._asker.message, np.float64)
+        try:
+            message = np.asarray(self._asker.message, np.float64)
+        except (TypeError, ValueError):
+            raise _not_numbers(self._asker.message, "give an array of numbers") from None
         sends = message.size > 0
         if sends and (message.ndim != 2 or len(message) != len(waiting)):
             raise ContractBroken(
@@ -235,6 +301,7 @@ class _Many:
                 message,
                 "give a row of numbers for each robot",
             )
+        self._channel.check(message.shape[1] if sends else 0, message)
         for row, number in enumerate(waiting):
             if sends:
                 self._members[number].send(message[row].tolist())

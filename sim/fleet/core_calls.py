@@ -52,9 +52,16 @@ class FleetMember(EpisodeHandle):
         )
 
     def send(self, message: Sequence[float]) -> None:
-        """Send numbers to the robots that sense this one; those beyond its channel are dropped."""
-        for k in range(min(len(message), int(self.c.workspace.observation.message_size))):
-            self.c.workspace.command.message[k] = message[k]
+        """Send numbers, at most as many as its channel has, to the robots that sense this one."""
+        for k, number in enumerate(message):
+            self.c.workspace.command.message[k] = number
+
+    @property
+    def sent(self) -> tuple[float, ...]:
+        """The numbers that it has sent in this step."""
+        message = self.c.workspace.command.message
+        size = int(self.c.workspace.observation.message_size)
+        return tuple(message[0:size]) if message else ()
 
 
 class CoreFleet:

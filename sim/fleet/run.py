@@ -18,7 +18,7 @@ from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import controller_error_of
 from sim.controllers.programs.process import ProcessController
 from sim.fleet.apart import separate_loops
-from sim.fleet.asking import FleetAskers, own_controllers
+from sim.fleet.asking import FleetAskers, message_not_finite, own_controllers
 from sim.fleet.core_calls import CoreFleet, driver_in_core
 from sim.options.run import MAX_RECORDED, RunOptions, check_recordable
 from sim.outcome import ENDINGS, LIMIT, Ending, Outcome
@@ -321,7 +321,7 @@ class FleetRun:
             fleet = CoreFleet(self.runs, self._drivers(memories), steps, find_loop, entry)
             self._words = sum(member.words for member in fleet.members)
             recordings = [] if sizes is None else self._recordings(fleet, sizes)
-            askers = FleetAskers(self.controllers, memories)
+            askers = FleetAskers(self.controllers, memories, self._channels())
             if self._is_compiled:
                 fleet.run_to_the_end()
             else:
@@ -365,6 +365,10 @@ class FleetRun:
                 faults[number] = crash_of(error, controller)
         return memories, faults
 
+    def _channels(self) -> list[int]:
+        """Return how many numbers each robot's run lets it send."""
+        return [run.options.robot.message for run in self.runs]
+
     def _drivers(self, memories: Sequence[Any]) -> list[Driver]:
         return [
             driver_in_core(run) or Driver(None, memory or ())
@@ -397,13 +401,16 @@ class FleetRun:
             faults = {robot: controller_error_of(ffi.string(text).decode("utf-8", "replace"))}
         if ending == Verdict.CRASH:
             ending = faults[robot].verdict
+        elif ending == Verdict.INVALID_COMMAND and not np.isfinite(fleet.members[robot].sent).all():
+            faults = {robot: message_not_finite()}
         # Collect each robot's outcome.
         members = []
         for number, member in enumerate(fleet.members):
             fault = faults.get(number) if number == robot else None
             recording = recordings[number] if recordings else None
             if recording is not None:
-                recording = _written(recording, int(member.report.steps), fault is not None)
+                has_failed = fault is not None and int(report.ending) == lib.WG_CRASH
+                recording = _written(recording, int(member.report.steps), has_failed)
             outcome = self.runs[number].outcome_of(member, recording, complete, fault)
             if outcome.trace is not None:
                 size = int(member.c.workspace.observation.message_size)

@@ -82,7 +82,7 @@ typedef struct WgCommand {
     double turn_rate;    // rad/s, counter-clockwise; takes effect before the next move
     double used_random;  // 1 if WgObservation.random was used, so that the next one must be new
     const char *error;   // NULL, or "Name: sentence" that outlives the run, which then ends as a crash of that name
-    double *message;     // (WgObservation.message_size,) zeros, to be sent to the neighbours; NULL without a channel
+    double *message;     // (WgObservation.message_size,) zeros, to be sent to the neighbours, finite; NULL without a channel
 } WgCommand;
 
 // Acts for one step. All of the controller's state is in `memory`, whose size it declares; only then are loops proved.

@@ -157,6 +157,104 @@ def test_a_message_that_is_not_numbers_breaks_the_contract():
     assert episode.evidence.robot == 1
 
 
+class Saying(Keeping):
+    """Sends the same message in every step."""
+
+    def __init__(self, message):
+        self.message = message
+
+    def act(self, _seen, memory):
+        return Command(message=self.message), memory
+
+
+class SayingToMany:
+    """The same for many robots."""
+
+    def __init__(self, message):
+        self.message = message
+
+    def reset(self):
+        return (0.0,)
+
+    def act_many(self, seen, memory):
+        return Commands(0.0, 0.0, False, [self.message] * len(memory)), memory
+
+
+@pytest.mark.parametrize("form", [Saying, SayingToMany])
+@pytest.mark.parametrize(
+    ("message", "rule"),
+    [
+        ((1.0, 2.0, 3.0), "message-has-another-length"),
+        ((1.0,), "message-has-another-length"),
+        ((math.nan, 0.0), "message-is-not-finite"),
+        ((0.0, -math.inf), "message-is-not-finite"),
+    ],
+)
+def test_a_message_of_another_length_or_without_finite_numbers_breaks_a_rule(form, message, rule):
+    episode = simulate(in_a_row(), form(message), steps=5, neighbour_range=2.0, message=2)
+    assert episode.verdict == Verdict.INVALID_COMMAND
+    assert episode.evidence.rule == rule
+    assert episode.evidence.step == 1
+
+
+@pytest.mark.parametrize("form", [Saying, SayingToMany])
+@pytest.mark.parametrize("message", [(), (1.0, 2.0)])
+def test_a_robot_may_send_all_numbers_or_none(form, message):
+    episode = simulate(in_a_row(), form(message), steps=5, neighbour_range=2.0, message=2)
+    assert episode.verdict == Verdict.DEADLOCK
+
+
+def test_a_message_without_a_channel_breaks_the_rule_too():
+    episode = simulate(in_a_row(), Saying((1.0,)), steps=5, neighbour_range=2.0)
+    assert episode.evidence.rule == "message-has-another-length"
+
+
+def test_a_controller_may_send_what_it_needs_although_the_run_allows_more():
+    class Needing(Saying):
+        needs = RobotOptions(message=1)
+
+    settings = {"steps": 5, "neighbour_range": 2.0, "message": 3}
+    assert simulate(in_a_row(), Needing((1.0,)), **settings).verdict == Verdict.DEADLOCK
+    found = simulate(in_a_row(), Needing((1.0, 2.0)), **settings)
+    assert found.verdict == Verdict.INVALID_COMMAND
+
+
+def test_a_compiled_controller_that_sends_nan_gives_an_invalid_command():
+    pytest.importorskip("numba")
+    from sim.kernels import layout
+
+    last = layout.CMD_MESSAGE + 1
+
+    def act(observation, memory, command):
+        memory[0] += 1.0
+        if memory[0] == 3.0:
+            command[last] = math.nan
+
+    muttering = CompiledController("muttering", act, (0.0,))
+    settings = {"steps": 9, "neighbour_range": 2.0, "record": True}
+    episode = simulate(in_a_row(), muttering, message=2, **settings)
+    assert episode.verdict == Verdict.INVALID_COMMAND
+    assert (episode.evidence.rule, episode.evidence.step) == ("message-is-not-finite", 3)
+    assert simulate(in_a_row(), muttering, message=1, **settings).verdict != episode.verdict
+
+
+def test_a_message_of_a_vector_controller_that_is_not_numbers_breaks_the_contract():
+    episode = simulate(in_a_row(), SayingToMany("loud"), steps=5, neighbour_range=2.0, message=1)
+    assert episode.evidence.rule == "the-message-is-not-a-tuple-of-numbers"
+
+
+def test_a_program_that_sends_too_many_numbers_gives_an_invalid_command(tmp_path):
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "import sys\n"
+        "for _ in sys.stdin:\n"
+        '    print(\'{"speed": 0, "turn_rate": 0, "message": [1, 2, 3]}\', flush=True)\n'
+    )
+    settings = {"neighbour_range": 2.0, "message": 2, "steps": 5}
+    episode = simulate(in_a_row(), f"cmd:{sys.executable} {file}", **settings)
+    assert episode.evidence.rule == "message-has-another-length"
+
+
 def test_a_program_gets_neighbours_only_if_there_are_some():
     alone = Observation.of(np.zeros(17))
     assert "neighbours" not in json.loads(observation_line(alone))

@@ -96,6 +96,18 @@ static void sense(WgFleet *fleet)
     }
 }
 
+// Ends the run of a robot that sends a number which is not finite.
+static void check_message(WgFleet *fleet, int64_t k)
+{
+    WgEpisode *member = fleet->members[k];
+    const double *message = wg_message_of(fleet, k);
+    for (int64_t n = 0; n < fleet->settings->message; n++) {
+        if (member->robot.report.ending == WG_LIMIT && !wg_are_finite(message[n], 0.0)) {
+            member->robot.report.ending = WG_INVALID_COMMAND;
+        }
+    }
+}
+
 // Lets the controllers in the core act. Returns true if others must act.
 static bool act(WgFleet *fleet)
 {
@@ -117,6 +129,7 @@ static bool act(WgFleet *fleet)
             waits = true;
         } else {
             wg_act(member->settings, &member->controller, &member->workspace, fleet->step, &member->robot);
+            check_message(fleet, k);
         }
     }
     return waits;
@@ -131,6 +144,7 @@ static void take_answers(WgFleet *fleet)
             member->waits = 0;
             wg_take_answer(member);
             wg_apply_command(member->settings, &member->workspace.command, fleet->step, &member->robot);
+            check_message(fleet, k);
         }
     }
 }
