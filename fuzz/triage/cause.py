@@ -154,8 +154,7 @@ _SENTENCES = {
     Cause.BLOCKED_BY_PARKED: "A robot that has arrived is in the way of another one.",
     Cause.WAITS_IN_A_QUEUE: "A robot waits behind another one that does not arrive.",
     Cause.GIVES_WAY_FOREVER: "Robots avoid each other again and again and get nowhere.",
-    Cause.WAITS_FOR_OTHERS: "Robots stop without touching each other, and each of them would arrive "
-    "alone.",
+    Cause.WAITS_FOR_OTHERS: "Robots stop because of each other, and each of them would arrive alone.",
     Cause.BREAKS_A_RULE: "It breaks a rule that you asked about with --oracle.",
     Cause.HARMED_UNSENSED: "Fire or debris catches it that none of its senses shows.",
     Cause.PUSHED_TOO_HARD: "It is moved by more than any controller is certain to make up for.",

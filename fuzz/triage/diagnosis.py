@@ -7,6 +7,7 @@ measures how well they distinguish seeded faults.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +20,13 @@ from fuzz.triage.fleet_signature import Standoff, standoff
 from fuzz.triage.hazards import Hazard, hazard_in
 from fuzz.triage.signature import is_entered
 from sim.episode import Episode
-from sim.evidence import BurnedEvidence, JointLoopEvidence, LoopEvidence, WallEvidence
+from sim.evidence import (
+    BudgetEvidence,
+    BurnedEvidence,
+    JointLoopEvidence,
+    LoopEvidence,
+    WallEvidence,
+)
 from sim.fleet import FleetEpisode
 from sim.runners.stopping import OutOfTime
 from sim.verdict import OUT_OF_BUDGET, Verdict
@@ -139,9 +146,8 @@ def _of_fleet(world: World, episode: FleetEpisode, arrives: Arrives | None) -> C
         if (known := _BY_STANDOFF.get(standoff(evidence))) is not None:
             return known
         # No robot drives into another one, but robots may wait for each other at a distance.
-        held = _held_at_a_distance(world, episode, evidence)
-        waiting = [world.alone(number) for number in evidence.waiting]
-        if held and arrives is not None and all(map(arrives, waiting)):
+        held = _held_by_others(world, episode, evidence.waiting, evidence.entry, arrives)
+        if held is not None:
             return held
         # The robots do not affect each other, so the first one's own reason decides.
         number = evidence.waiting[0]
@@ -158,21 +164,37 @@ def _of_fleet(world: World, episode: FleetEpisode, arrives: Arrives | None) -> C
         for number, one in enumerate(episode.robots, start=1)
         if one.verdict != Verdict.REACHED
     ]
+    # Without a proof, nothing says who drives into whom.
+    if isinstance(evidence, BudgetEvidence):
+        held = _held_by_others(world, episode, late, episode.steps // 2, arrives)
+        if held is not None:
+            return held
     number = getattr(evidence, "robot", None) or late[0]
     return cause_of_run(world.alone(number), episode.robots[number - 1])
 
 
-def _held_at_a_distance(
-    world: World, episode: FleetEpisode, evidence: JointLoopEvidence
+def _held_by_others(
+    world: World,
+    episode: FleetEpisode,
+    waiting: Sequence[int],
+    since: int,
+    arrives: Arrives | None,
 ) -> Cause | None:
-    """Return the cause if each robot that waits is near another one; ``None`` if one is not.
+    """Return the cause if each robot that waits is near another one and would arrive alone.
 
     Near means that no other robot of its size would fit in between.
+
+    Args:
+        world: World of the run.
+        episode: The run, recorded.
+        waiting: Numbers of the robots that never arrive; the others have parked.
+        since: Step from which they wait.
+        arrives: Runs the same scenario in changed worlds.
     """
     traces = [one.trace for one in episode.robots]
-    parked = {number - 1 for number, _ in evidence.parked}
+    parked = {k for k in range(len(traces)) if k + 1 not in waiting}
     only_parked = True
-    for number in evidence.waiting:
+    for number in waiting:
         own = traces[number - 1]
         if own is None:
             return None
@@ -182,14 +204,14 @@ def _held_at_a_distance(
             for k, other in enumerate(traces)
             if other is not None
             and other is not own
-            and np.hypot(
-                own.x[evidence.entry :] - other.x[-1], own.y[evidence.entry :] - other.y[-1]
-            ).min()
+            and np.hypot(own.x[since:] - other.x[-1], own.y[since:] - other.y[-1]).min()
             < 3.0 * radius + world.robots[k].radius
         }
         if not near:
             return None
         only_parked &= near <= parked
+    if arrives is None or not all(arrives(world.alone(number)) for number in waiting):
+        return None
     return Cause.BLOCKED_BY_PARKED if only_parked else Cause.WAITS_FOR_OTHERS
 
 

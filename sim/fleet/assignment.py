@@ -31,7 +31,15 @@ def controllers_in(text: str, robots: int) -> list[str]:
     Raises:
         InvalidParameter: If robots and controllers do not fit each other.
     """
-    return assigned(_numbered_parts(text) if is_numbered(text) else text, robots)
+    if not is_numbered(text):
+        return assigned(text, robots)
+    parts = _numbered_parts(text)
+    # What follows a comma without a number belongs to a controller's name, such as a file's, unless
+    # a robot is left without one.
+    strays = [part for text in parts.values() for part in text.split(",")[1:]]
+    if strays and len(parts) < robots:
+        raise _unnumbered(strays[0])
+    return assigned(parts, robots)
 
 
 def _numbered_parts(text: str) -> dict[int, str]:
@@ -45,12 +53,7 @@ def _numbered_parts(text: str) -> dict[int, str]:
     for part in _NEXT.split(text):
         numbered = _NUMBERED.fullmatch(part)
         if numbered is None:
-            raise InvalidParameter(
-                "controller-unnumbered",
-                "{part} names no robot and its controller",
-                "write 1=bug2,2=vfh, or one controller for all robots",
-                part=quote(part),
-            )
+            raise _unnumbered(part)
         number = int(numbered["number"])
         if number in found:
             raise InvalidParameter(
@@ -63,6 +66,15 @@ def _numbered_parts(text: str) -> dict[int, str]:
             )
         found[number] = numbered["controller"]
     return found
+
+
+def _unnumbered(part: str) -> InvalidParameter:
+    return InvalidParameter(
+        "controller-unnumbered",
+        "{part} names no robot and its controller",
+        "write 1=bug2,2=vfh, or one controller for all robots",
+        part=quote(part),
+    )
 
 
 def assigned(given: T | Mapping[int, T], robots: int) -> list[T]:

@@ -26,6 +26,7 @@ from fuzz.triage.fleet_signature import Standoff, standoff
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
 from sim import simulate
+from sim.controllers.base import Command, Memory, Observation
 from sim.evidence import JointLoopEvidence
 from sim.fleet import fleet_traces
 from sim.motion import MOTIONS
@@ -33,6 +34,7 @@ from sim.scenario import Scenario
 from sim.verdict import JOINT_LOOPS, Verdict
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
+from tests.helpers.straight import Straight
 from worldgen import generate
 from worldgen.errors import InvalidParameter
 from worldgen.files.grid import write_world
@@ -199,6 +201,33 @@ def test_a_standoff_is_named_after_who_drives_into_whom(
     evidence: JointLoopEvidence, expected: Standoff
 ) -> None:
     assert standoff(evidence) == expected
+
+
+class CountingStraight(Straight):
+    """The same with a counter, so no loop can be proved."""
+
+    def reset(self) -> Memory:
+        return (0.0,)
+
+    def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
+        return super().act(observation, ())[0], (memory[0] + 1.0,)
+
+
+def test_robots_that_stop_for_each_other_without_a_proof_wait_for_others() -> None:
+    world = alley()
+    episode = simulate(world, CountingStraight, record=True)
+    assert episode.verdict == Verdict.STALLED
+    assert cause_of_run(world, episode, lambda _: True) == Cause.WAITS_FOR_OTHERS
+    # If one of them fails alone, its own reason decides, and so it does if they are far apart.
+    assert cause_of_run(world, episode, lambda _: False) == Cause.PUSHES_A_WALL
+
+    walls = np.zeros((20, 30), bool)
+    walls[:, 14:16] = True
+    ends = [(Pose(0.3, 0.3), Target(2.7, 0.3, 0.05)), (Pose(2.7, 1.7), Target(0.3, 1.7, 0.05))]
+    apart = World(walls, *ends[0], others=(Robot(*ends[1]),))
+    episode = simulate(apart, CountingStraight, record=True)
+    assert episode.verdict == Verdict.STALLED
+    assert cause_of_run(apart, episode, lambda _: True) == Cause.PUSHES_A_WALL
 
 
 def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:

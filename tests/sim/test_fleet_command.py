@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from sim.fleet.assignment import controllers_in
 from tests.helpers.command_line import worldgen
 from tests.helpers.fleets import passage
 from worldgen.files.grid import write_world
@@ -48,6 +49,7 @@ def test_all_robots_are_drawn(grid, tmp_path, suffix):
     ("controllers", "code"),
     [
         ("1=bug2", "robot-without-controller"),
+        ("1=bug2,vfh", "controller-unnumbered"),
         ("1=bug2,2=vfh,3=bug2", "no-such-robot"),
         ("1=bug2,1=vfh", "robot-named-twice"),
         ("1=bug2,2=nobody", "unknown-name"),
@@ -58,6 +60,16 @@ def test_wrong_numbers_are_refused_in_one_sentence(grid, controllers, code):
     assert result.code == 2
     assert result.error_code == code
     assert result.err.count("\n") == 1
+
+
+def test_a_controller_without_a_number_is_named(grid):
+    result = worldgen("run", grid, "--controller", "1=bug2+beams=4,vfh")
+    assert result.error.facts["part"] == "'vfh'"
+
+
+def test_a_comma_may_be_part_of_a_controller():
+    controllers = controllers_in("1=./bug,vfh.py:Robot,2=bug2", 2)
+    assert controllers == ["./bug,vfh.py:Robot", "bug2"]
 
 
 @pytest.mark.parametrize(

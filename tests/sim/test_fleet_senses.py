@@ -247,8 +247,9 @@ def test_a_program_that_sends_too_many_numbers_gives_an_invalid_command(tmp_path
     file = tmp_path / "mine.py"
     file.write_text(
         "import sys\n"
-        "for _ in sys.stdin:\n"
-        '    print(\'{"speed": 0, "turn_rate": 0, "message": [1, 2, 3]}\', flush=True)\n'
+        "for line in sys.stdin:\n"
+        "    if '\"reset\"' not in line:\n"
+        '        print(\'{"speed": 0, "turn_rate": 0, "message": [1, 2, 3]}\', flush=True)\n'
     )
     settings = {"neighbour_range": 2.0, "message": 2, "steps": 5}
     episode = simulate(in_a_row(), f"cmd:{sys.executable} {file}", **settings)
