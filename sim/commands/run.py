@@ -35,10 +35,8 @@ EXAMPLES = (
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
 OUT = click.Path(path_type=Path)
-_BLOCKED = (
-    "the target cannot be reached in this world, whatever the controller does; `worldgen verify` "
-    "explains why"
-)
+_BLOCKED = "the target cannot be reached in this world, whatever the controller does"
+_BLOCKED_TOGETHER = "the robots cannot all arrive in this world, whatever the controllers do"
 _UNDECIDED = "it is undecided whether the target can be reached in this world"
 _UNDECIDED_TOGETHER = "it is undecided whether all robots can arrive in this world"
 _PICTURES = (".png", ".svg", ".html", ".gif")
@@ -139,7 +137,7 @@ def run(
         episode = _simulated(world, scenarios, steps, record=record)
     # Explain what went wrong, if anything did.
     check_contract(_at_fault(scenarios, episode), episode.evidence, episode.steps)
-    reachable = _is_reachable(world, episode)
+    reachable, proof = _is_reachable(world, episode)
     uncertain = _why_uncertain(world, scenarios)
     # Print the result, and anything that may explain it.
     if as_json:
@@ -148,6 +146,7 @@ def run(
                 **_summary(episode),
                 **acting_shares(scenarios, episode),
                 "reachable": reachable,
+                **({} if reachable is not False else {"proof": proof}),
                 "arrival_uncertain": uncertain or None,
             }
         )
@@ -157,8 +156,7 @@ def run(
     if transcript is not None:
         note(f"wrote {transcript}")
     if reachable is not True and episode.verdict not in ARRIVALS:
-        undecided = _UNDECIDED_TOGETHER if world.others else _UNDECIDED
-        note(_BLOCKED if reachable is False else undecided)
+        note(_why_unreachable(world, reachable, proof))
     if uncertain and episode.verdict not in ARRIVALS:
         note(f"with these disturbances, no controller is certain to arrive: {uncertain}")
     # Write the trace and the picture.
@@ -235,22 +233,34 @@ def _csv(episode: Episode, acted: list[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _is_reachable(world: World, episode: Episode) -> bool | None:
-    """Return True if the target can be reached at all; None if that is undecided.
+def _is_reachable(world: World, episode: Episode) -> tuple[bool | None, str]:
+    """Return True if the targets can be reached at all, None if that is undecided; and the proof.
 
-    A file without a certificate is decided only if the robot did not arrive, because that can take
-    as long as the run. This does not decide whether several robots can all arrive.
+    The proof is a word: witness, cut, confinement or swap; empty without any. A file without a
+    certificate is decided, as ``worldgen verify`` does, only if a robot did not arrive, because
+    that can take as long as the run. A file keeps no confinement and no swap.
     """
-    from worldgen.reach import decide
-    from worldgen.world import JointWitness, Witness
+    from worldgen.commands.verify import verify_world
+    from worldgen.world import Cut
 
     if world.certificate is not None:
-        return isinstance(world.certificate, Witness | JointWitness)
+        is_cut = isinstance(world.certificate, Cut)
+        return not is_cut, "cut" if is_cut else "witness"
     if episode.verdict == Verdict.REACHED:
-        return True
-    if world.others:
-        return None
-    return {"reachable": True, "blocked": False}.get(decide(world).result)
+        return True, ""
+    with working("deciding whether the run could have arrived"):
+        answer = verify_world(world)
+    reachable = {"reachable": True, "blocked": False}.get(answer["result"])
+    return reachable, answer["certificate"] or ""
+
+
+def _why_unreachable(world: World, reachable: bool | None, proof: str) -> str:
+    """Return the note about a run that failed and has no witness."""
+    if reachable is None:
+        return _UNDECIDED_TOGETHER if world.others else _UNDECIDED
+    # One robot's note does not name the proof: it is a cut unless the world changes.
+    blocked = f"{_BLOCKED_TOGETHER} (proved by a {proof})" if world.others else _BLOCKED
+    return f"{blocked}; `worldgen verify` explains why"
 
 
 def _summary(episode: Episode) -> dict[str, object]:

@@ -6,8 +6,11 @@ import pytest
 
 from sim.fleet.assignment import controllers_in
 from tests.helpers.command_line import worldgen
-from tests.helpers.fleets import passage
+from tests.helpers.fleets import EAST, fleet_world, hall, passage
 from worldgen.files.grid import write_world
+from worldgen.world import Pose, Robot, Target
+
+OF_THE_WHOLE_RUN = ("reachable", "proof", "arrival_uncertain")
 
 
 @pytest.fixture
@@ -23,7 +26,7 @@ def test_json_has_the_same_keys_for_each_robot(grid):
     assert result.code == 1
     assert found["verdict"] == "livelock"
     assert found["evidence"]["waiting"] == [1, 2]
-    own = {key for key in found if key not in ("robots", "reachable", "arrival_uncertain")}
+    own = {key for key in found if key not in ("robots", *OF_THE_WHOLE_RUN)}
     assert [set(one) for one in found["robots"]] == [own, own]
 
 
@@ -101,3 +104,34 @@ def test_options_follow_each_controller(grid):
         "--json",
     )
     assert json.loads(alike.out) == json.loads(named.out) != json.loads(other.out)
+
+
+def walled_in():
+    """Return a hall with a wall from side to side, on whose far side robot 2 has its target."""
+    walls = hall()
+    walls[:, 20] = True
+    return fleet_world(
+        walls,
+        Robot(Pose(0.5, 0.5, EAST), Target(1.5, 0.5, 0.05)),
+        Robot(Pose(0.5, 1.5, EAST), Target(3.5, 1.5, 0.05)),
+    )
+
+
+@pytest.mark.parametrize(
+    ("world", "proof"), [(passage(), "swap"), (walled_in(), "cut")], ids=["swap", "cut"]
+)
+def test_an_impossible_world_is_not_the_controllers_fault(tmp_path, world, proof):
+    path = tmp_path / "impossible.grid"
+    write_world(world, path)
+    told = worldgen("run", path, "--controller", "turn-right", "--steps", "500")
+    found = json.loads(
+        worldgen("run", path, "--controller", "turn-right", "--steps", "500", "--json").out
+    )
+    verified = json.loads(worldgen("verify", path, "--json").out)
+    assert told.code == 1
+    assert (
+        f"cannot all arrive in this world, whatever the controllers do (proved by a {proof})"
+        in (told.err)
+    )
+    assert (found["reachable"], found["proof"]) == (False, proof)
+    assert (verified["result"], verified["certificate"]) == ("blocked", proof)
