@@ -2,6 +2,9 @@
 
 A random controller runs with many seeds, any other once. Its time in a world is the median over the
 seeds with which it arrives, and it counts as arriving if at least half of them do.
+
+In a world of several robots, a controller drives all of them. It arrives if every robot does, its
+time is that of the last one, and its area is the sum over the robots.
 """
 
 from __future__ import annotations
@@ -13,8 +16,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from sim.controllers import CONTROLLERS, CompiledController, Controller
-from sim.episode import area_of, prepare, simulate, wall_evidence
-from sim.evidence import BudgetEvidence, Evidence, LoopEvidence, WallEvidence
+from sim.episode import Episode, area_of, prepare, simulate, wall_evidence
+from sim.evidence import (
+    BudgetEvidence,
+    Evidence,
+    JointLoopEvidence,
+    LoopEvidence,
+    WallEvidence,
+)
+from sim.fleet.episode import simulate_fleet
 from sim.motion import MOTIONS, THESIS
 from sim.options.noise import is_noisy
 from sim.options.run import MAX_RECORDED, MAX_STEPS, RunOptions
@@ -163,8 +173,10 @@ class Cell:
 
     @property
     def detail(self) -> str:
-        """Detail of a single run's verdict, like ``period 104`` or ``drifting``; may be empty."""
+        """Detail of a single run's verdict, like ``period 104`` or ``1 of 3 arrive``; may be empty."""
         match self.evidence:
+            case JointLoopEvidence(waiting=waiting, parked=parked):
+                return f"{len(parked)} of {len(waiting) + len(parked)} arrive"
             case LoopEvidence(period=period):
                 return f"period {period}"
             case BudgetEvidence(kind=kind):
@@ -450,6 +462,9 @@ class _Column:
 
     def _try_unnamed(self, world: World, options: RunOptions) -> _TriedRun:
         """Run without recording; simulate in full only runs that need a proof or an explanation."""
+        if world.others:
+            fleet = simulate_fleet(world, self.controller, options)
+            return _TriedRun(_compared(options, fleet), fleet.evidence, fleet.random_draws)
         outcome = prepare(world, self.controller, options).run(
             options.steps, find_loop=True, record=False, digest=False
         )
@@ -460,14 +475,7 @@ class _Column:
             verdict = Verdict.STALLED if verdict == Verdict.LOOP else verdict
         elif outcome.ending == Verdict.LOOP or (verdict == Verdict.STALLED and explained):
             episode = simulate(world, self.controller, options)
-            run = ComparedRun(
-                options.seed,
-                episode.verdict,
-                episode.steps,
-                episode.time,
-                episode.area_covered,
-            )
-            return _TriedRun(run, episode.evidence, outcome.random_draws)
+            return _TriedRun(_compared(options, episode), episode.evidence, outcome.random_draws)
         time = round(outcome.steps * options.time_step, 9)
         evidence = wall_evidence(outcome) if outcome.cause else None
         return _TriedRun(
@@ -477,3 +485,10 @@ class _Column:
             evidence,
             outcome.random_draws,
         )
+
+
+def _compared(options: RunOptions, episode: Episode) -> ComparedRun:
+    """Return what the table keeps of a run."""
+    return ComparedRun(
+        options.seed, episode.verdict, episode.steps, episode.time, episode.area_covered
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from sim.compare.comparison import Cell, Comparison
 from sim.compare.report import describe_outcome
 from sim.controllers import CONTROLLERS
-from sim.drawing.picture import trail_of
+from sim.drawing.picture import trails_of
 from sim.episode import simulate
 from sim.verdict import ARRIVALS
 from worldgen.render import Panel, Trail, draw_sheet
@@ -42,12 +42,12 @@ def _short(label: str) -> str:
     return label if len(label) <= _LONGEST_LABEL else f"{label[: _LONGEST_LABEL - 1]}\u2026"
 
 
-def _way(world: World, cell: Cell) -> Trail | None:
+def _way(world: World, cell: Cell) -> Trail | list[Trail] | None:
     shown = cell.shown
     steps = shown.steps if shown.verdict in ARRIVALS else min(shown.steps, _MOST_STEPS)
     if steps < 1:
         return None
     options = cell.scenario.with_run(seed=shown.seed).options(world, steps)
-    return trail_of(
+    return trails_of(
         simulate(world, CONTROLLERS.get(cell.scenario.controller), options, record=True), world
     )

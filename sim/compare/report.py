@@ -12,8 +12,9 @@ from typing import Any
 from sim.compare.comparison import PERCENTILES, Cell, Comparison, Total, standing
 from sim.compare.published import Agreement, PublishedRow
 from sim.evidence import evidence_table
-from sim.verdict import NEVER, Verdict
+from sim.verdict import JOINT_LOOPS, NEVER, Verdict
 from worldgen.support.plain_text import aligned
+from worldgen.world import World
 
 __all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text", "describe_outcome"]
 
@@ -64,8 +65,9 @@ def describe_outcome(cell: Cell, unit: str = "") -> str:
         )
     if cell.time is not None:
         return f"{cell.time:.3f}{unit}"
-    if cell.verdict == Verdict.LOOP:
-        return f"never (loop, {cell.detail})" if cell.detail else "never (loop)"
+    if cell.verdict in (Verdict.LOOP, *JOINT_LOOPS):
+        detail = f", {cell.detail}" if cell.detail else ""
+        return f"never ({cell.verdict}{detail})"
     if cell.verdict == Verdict.STALLED:
         return f"never ({cell.detail or 'stalled'})"
     return f"{cell.verdict} ({cell.detail})" if cell.detail else cell.verdict
@@ -295,6 +297,7 @@ def as_json(comparison: Comparison, beside: Agreement | None = None) -> dict[str
         worlds.append(
             {
                 "world": comparison.worlds[index].name,
+                **_json_robots(comparison.worlds[index].world),
                 "cells": [
                     _json_cell(cell, figures.get((index, c), ())) for c, cell in enumerate(cells)
                 ],
@@ -309,6 +312,11 @@ def as_json(comparison: Comparison, beside: Agreement | None = None) -> dict[str
         "common_worlds": [comparison.worlds[index].name for index in comparison.common],
         "agreement": None if beside is None else _json_agreement(beside),
     }
+
+
+def _json_robots(world: World) -> dict[str, int]:
+    """Return the number of robots, which is left out for a world with one."""
+    return {"robots": len(world.robots)} if world.others else {}
 
 
 def _json_cell(cell: Cell, figures: Sequence[PublishedRow]) -> dict[str, Any]:

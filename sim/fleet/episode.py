@@ -44,9 +44,11 @@ class FleetEpisode(Episode):
     Args:
         robots: Each robot's episode, in order. One that has not arrived has the run's verdict, if
             that is about it, or else ``stalled`` or ``timeout``.
+        random_draws: Random numbers that all robots used.
     """
 
     robots: tuple[Episode, ...] = ()
+    random_draws: int = 0
 
     @property
     def went_into_a_wall(self) -> bool:
@@ -207,6 +209,7 @@ class _Decision:
             evidence=self.evidence,
             area_covered=sum(one.area_covered for one in robots),
             robots=robots,
+            random_draws=sum(one.random_draws for one in self.outcome.members),
         )
 
     def _robot(self, number: int) -> Episode:

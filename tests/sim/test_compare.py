@@ -7,6 +7,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,19 +16,35 @@ from scipy.stats import binomtest
 
 from sim import Scenario, simulate
 from sim.compare.comparison import NamedWorld, compare, standing
+from sim.compare.picture import draw_comparison
 from sim.compare.published import agreement, read_figures
 from sim.compare.report import as_csv, as_text
 from sim.controllers import names_in
+from sim.fleet import FleetEpisode
 from tests.helpers.command_line import worldgen
+from tests.helpers.fleets import EAST, WEST, fleet_world
+from tests.helpers.fleets import hall as empty_hall
 from tests.helpers.raising import raises
 from tests.sim.test_thesis_options import hall
 from tests.sim.test_thesis_vectors import VECTORS, world_of
 from worldgen import FormatError, InvalidParameter, InvalidWorld, Pose, read_world, write_world
+from worldgen.render.palette import rgb
+from worldgen.render.sheet import COLOURS
 from worldgen.support.intervals import interval_95
+from worldgen.world import Robot, Target
 
 EMPTY = NamedWorld("empty", hall((15, 15)))
 WALL = NamedWorld("wall", hall((24, 24), walls=[(x, 15) for x in range(10, 19)]))
 LOOP = NamedWorld("loop", world_of(VECTORS["demo-7"]))
+FLEET = NamedWorld(
+    "fleet",
+    fleet_world(
+        empty_hall(),
+        Robot(Pose(0.5, 0.5, EAST), Target(3.5, 0.5, 0.05)),
+        Robot(Pose(3.5, 0.5, WEST), Target(0.5, 0.5, 0.05)),
+        Robot(Pose(0.5, 1.5, EAST), Target(1.5, 1.5, 0.05)),
+    ),
+)
 CONFIGURATIONS = Path(__file__).parents[2] / "corpora" / "thesis"
 TABLE = "world,controller,time\n"
 
@@ -302,6 +319,77 @@ def test_worlds_of_one_name_in_two_folders_are_told_apart(folder, tmp_path):
     )
     names = [row["world"] for row in json.loads(result.out)["worlds"]]
     assert names == [str(folder / "empty"), str(other / "empty")]
+
+
+def test_each_controller_drives_all_robots_of_a_world():
+    columns = scenarios("right-hand", "naive", "turn-random", motion="swept")
+    mixed = compare([FLEET, EMPTY], columns, seeds=3)
+    alone = compare([EMPTY], columns, seeds=3)
+    for cell in mixed.cells[0]:
+        for run in cell.runs:
+            episode = simulate(FLEET.world, cell.label, seed=run.seed, steps=cell.budget)
+            assert isinstance(episode, FleetEpisode)
+            assert (run.verdict, run.steps, run.time, run.area_covered) == (
+                episode.verdict,
+                episode.steps,
+                episode.time,
+                episode.area_covered,
+            )
+    # A world with one robot has the same cells in any company.
+    assert mixed.cells[1] == alone.cells[0]
+    right_hand, naive, chance = mixed.cells[0]
+    assert right_hand.arrives and right_hand.time == right_hand.runs[0].time
+    assert (naive.verdict, naive.detail, naive.never) == ("deadlock", "1 of 3 arrive", True)
+    assert chance.random and [run.seed for run in chance.runs] == [0, 1, 2]
+
+
+def test_a_python_controller_that_draws_runs_fleets_with_every_seed(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "from sim import Command\n"
+        "class Waverer:\n"
+        "    def reset(self):\n"
+        "        return ()\n"
+        "    def act(self, observation, memory):\n"
+        "        return Command(1.0, observation.random - 0.5, used_random=True), memory\n"
+    )
+    name = f"{tmp_path}/mine.py:Waverer"
+    cell = compare([FLEET], scenarios(name, motion="swept"), seeds=3, steps=40).cells[0][0]
+    assert cell.random and [run.seed for run in cell.runs] == [0, 1, 2]
+
+
+def test_the_command_compares_fleets_as_text_csv_json_and_picture(tmp_path):
+    folder = tmp_path / "worlds"
+    folder.mkdir()
+    for world in (FLEET, EMPTY):
+        write_world(world.world, folder / f"{world.name}.grid")
+    table = tmp_path / "new.csv"
+    sheet = tmp_path / "sheet.png"
+    arguments = ["compare", folder, "--controller", "right-hand,naive"]
+    told = worldgen(*arguments, "--csv", table, "--picture", sheet)
+    assert told.code == 0 and "never (deadlock, 1 of 3 arrive)" in told.out
+    # The table agrees with itself, as that of single robots does.
+    again = worldgen(*arguments, "--against", table, "--json")
+    found = json.loads(again.out)
+    fleet = next(row for row in found["worlds"] if row["world"] == "fleet")
+    assert fleet["robots"] == 3 and fleet["best"] == ["right-hand"]
+    assert fleet["cells"][1]["evidence"]["waiting"] == [1, 2]
+    assert found["agreement"]["never"] == [1, 1] and found["agreement"]["same_ranking"] == [2, 2]
+    assert Image.open(io.BytesIO(sheet.read_bytes())).width > 600
+
+
+def test_a_controller_has_one_colour_for_all_robots_that_it_drives():
+    picture = draw_comparison(compare([FLEET], scenarios("right-hand", "naive", motion="swept")))
+    sheet = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"))
+    # Below the legend, only paths and the dots at their ends have a controller's pure colour. The
+    # last controller's are on top. The third robot's path is a metre above the others', a quarter
+    # of the panel's width.
+    rows = np.flatnonzero((sheet[40:] == rgb(COLOURS[1])).all(axis=2).any(axis=1))
+    assert np.ptp(rows) > 50
+
+
+def test_a_motion_for_one_robot_names_the_world_of_several():
+    with raises(InvalidParameter, "motion-for-one-robot", world="fleet", column="turn-left"):
+        compare([FLEET], scenarios("turn-left"))
 
 
 @pytest.mark.gate

@@ -49,13 +49,14 @@ class Panel:
     Args:
         world: What to draw.
         title: Text above it.
-        trails: The robots' paths, in the sheet's order; ``None`` for a robot without one.
+        trails: The robots' paths, in the sheet's order; ``None`` for a robot without one, and a list
+            for the paths that several robots drive with one controller, all in one colour.
         notes: A line below it for each robot, in the robot's colour.
     """
 
     world: World
     title: str
-    trails: tuple[Trail | None, ...]
+    trails: tuple[Trail | list[Trail] | None, ...]
     notes: tuple[str, ...] = ()
 
 
@@ -109,13 +110,17 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     # Draw the map with the robots' paths.
     frame = Frame.of(panel.world, pixels)
     parts = map_parts(panel.world, frame)
-    for k, trail in enumerate(panel.trails):
+    for k, shown in enumerate(panel.trails):
+        shift = (k - (len(panel.trails) - 1) / 2) * _WIDTH * 0.6
+        colour = COLOURS[k]
         # Robots of one world have the colours of their starts, and their paths never coincide.
-        colour = colour_of(k) if panel.world.others else COLOURS[k]
-        shift = 0.0 if panel.world.others else (k - (len(panel.trails) - 1) / 2) * _WIDTH * 0.6
-        parts += _way(trail, frame, shift, colour)
-        if trail is not None:
-            parts += above_the_trail(trail.disturbances, frame, panel.world.cell_size)
+        if panel.world.others and not isinstance(shown, list):
+            shift = 0.0
+            colour = colour_of(k)
+        for trail in shown if isinstance(shown, list) else [shown]:
+            parts += _way(trail, frame, shift, colour)
+            if trail is not None:
+                parts += above_the_trail(trail.disturbances, frame, panel.world.cell_size)
     size = (frame.picture_width, frame.bottom + frame.band + frame.margin)
     picture = draw_parts(parts, frame, size)
     box = (
