@@ -135,3 +135,12 @@ def test_an_impossible_world_is_not_the_controllers_fault(tmp_path, world, proof
     )
     assert (found["reachable"], found["proof"]) == (False, proof)
     assert (verified["result"], verified["certificate"]) == ("blocked", proof)
+
+
+def test_the_doorway_that_the_documentation_shows_is_blocked_from_both_sides(tmp_path):
+    path = tmp_path / "blocked.grid"
+    worldgen("doorway", "--robots", "2", "--seed", "230", "--out", path)
+    found = json.loads(worldgen("run", path, "--controller", "naive", "--json").out)
+    assert (found["verdict"], found["reachable"]) == ("deadlock", True)
+    assert found["evidence"]["blocked"] == [[1, 2], [2, 1]]
+    assert found["evidence"]["moving"] == []
