@@ -8,6 +8,7 @@ import math
 import re
 import textwrap
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
@@ -28,6 +29,7 @@ from worldgen.support.bounds import (
     check_choice,
     check_positive,
 )
+from worldgen.support.progress import Work, working
 from worldgen.world import Provenance, Value, World
 
 __all__ = [
@@ -56,6 +58,9 @@ MAX_PLACEMENTS = 4  # of the robots, tried in each layout
 # that robots have to make way for each other; in those after that, two robots can pass.
 MAX_NARROW_ATTEMPTS = 3
 MAX_FLEET_ATTEMPTS = 12
+# With this many robots, a single layout can take a minute. With fewer, only later ones are reported,
+# so that the report does not hide which of many worlds is being made.
+_MANY_ROBOTS = 50
 _PASSAGES = ("width", "passage")  # parameters of families that set the width of passages
 ROBOTS = "robots"  # the parameter of every family that says how many robots its worlds have
 ROBOTS_PARAMETER = Parameter(
@@ -135,17 +140,21 @@ class Family:
         own = dict(complete)
         robots = 1 if self.places_robots else int(cast("int", own.pop(ROBOTS, 1)))
         is_fleet = complete.get(ROBOTS, 1) != 1
+        # Try layouts until one is proved to be solvable.
         for attempt in range(MAX_FLEET_ATTEMPTS if is_fleet else MAX_ATTEMPTS):
             rng = stream_for(number, self.name, attempt)
             if robots > 1 and attempt == MAX_NARROW_ATTEMPTS:
                 own |= self._wide_passages(own)
-            world = self.build(rng, **own)
-            decision = decide(world, margin=margin, cut=False)
-            if decision.result == REACHABLE and robots > 1:
-                world, decision = self._with_robots(world, rng.child(ROBOTS), robots, margin)
+            with _placing(int(cast("int", complete.get(ROBOTS, 1))), attempt) as work:
+                world = self.build(rng, **own)
+                decision = decide(world, margin=margin, cut=False)
+                if decision.result == REACHABLE and robots > 1:
+                    stream = rng.child(ROBOTS)
+                    world, decision = self._with_robots(world, stream, robots, margin, work)
             if decision.result == REACHABLE:
                 provenance = self.provenance(number, complete)
                 return replace(world, certificate=decision.certificate, provenance=provenance)
+        # Say which parameters leave no room.
         settings = ", ".join(
             f"{parameter.name}={complete[parameter.name]}" for parameter in self.parameters
         )
@@ -173,10 +182,11 @@ class Family:
         return Provenance(self.name, self.version, seed, {**complete, **planner})
 
     def _with_robots(
-        self, world: World, rng: RandomStream, robots: int, margin: float
+        self, world: World, rng: RandomStream, robots: int, margin: float, work: Work
     ) -> tuple[World, Decision]:
         """Return the world with more robots, and whether all of them can arrive."""
         for number in range(MAX_PLACEMENTS):
+            work.say(f"placement {number + 1} of {MAX_PLACEMENTS}")
             placed = place_robots(world, rng.child(number), robots, self.name)
             decision = decide(placed, margin=margin, cut=False)
             if decision.result == REACHABLE:
@@ -339,6 +349,14 @@ class Family:
                 value=str(value)[:60],
                 here=str(here)[:60],
             )
+
+
+def _placing(robots: int, attempt: int) -> AbstractContextManager[Work]:
+    """Report the layout that is tried for several robots, once that may take long."""
+    message = f"placing {robots} robots in layout {attempt + 1} of at most {MAX_FLEET_ATTEMPTS}"
+    if robots < _MANY_ROBOTS and (robots == 1 or attempt == 0):
+        return nullcontext(Work(message))
+    return working(message, often=True)
 
 
 def _check_signature(name: str, build: Build) -> None:

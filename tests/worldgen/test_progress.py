@@ -4,6 +4,9 @@ import logging
 
 import pytest
 
+from worldgen import family
+from worldgen.errors import GenerationFailed
+from worldgen.generation import generate
 from worldgen.support import progress
 from worldgen.support.progress import Display, display_on_stderr, set_verbosity, working
 
@@ -183,3 +186,33 @@ def test_a_warning_is_said_once(watched, monkeypatch):
     for _ in range(2):
         progress.say_once("the spade is blunt")
     assert watched.printed() == "warning: the spade is blunt\n"
+
+
+def test_placing_robots_says_which_of_how_many_layouts_is_tried(watched, monkeypatch):
+    decide = family.decide
+
+    def decide_slowly(*args, **options):
+        watched.at(watched.clock.now + 20.0)
+        return decide(*args, **options)
+
+    monkeypatch.setattr(family, "decide", decide_slowly)
+    with pytest.raises(GenerationFailed):
+        generate("rooms", 1, robots=10, size=12)
+    said = watched.printed()
+    assert "placing 10 robots in layout 2 of at most 12: placement 1 of 4 (" in said
+    # With few robots the first layout seldom takes long.
+    assert "layout 1 of" not in said
+
+
+def test_placing_many_robots_says_so_in_the_first_layout(watched, monkeypatch):
+    class EnoughSeen(Exception):
+        pass
+
+    def look(*args, **options):
+        watched.at(20.0)
+        raise EnoughSeen
+
+    monkeypatch.setattr(family, "decide", look)
+    with pytest.raises(EnoughSeen):
+        generate("doorway", 1, robots=60)
+    assert "placing 60 robots in layout 1 of at most 12" in watched.printed()
