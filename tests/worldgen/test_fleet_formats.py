@@ -10,7 +10,14 @@ from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.files.grid import read_world, write_world
 from worldgen.generation import generate
-from worldgen.interop import FORMATS, ImportedRobot, export_world, import_world
+from worldgen.interop import (
+    FORMATS,
+    ImportedRobot,
+    export_world,
+    import_world,
+    read_map,
+    write_export,
+)
 from worldgen.lattice import in_cells
 from worldgen.reach import check_certificate
 
@@ -183,3 +190,107 @@ def test_robots_that_overlap_are_one_line_and_code_2(tmp_path):
     )  # fmt: skip
     assert done.code == 2
     assert "overlap" in done.err
+
+
+def facts(world):
+    """Start, heading, target, radii and speed of every robot."""
+    return [
+        (*vars_of(robot.start), *vars_of(robot.target), robot.radius, robot.speed)
+        for robot in world.robots
+    ]
+
+
+def vars_of(item):
+    """The numbers of a pose or a target, to a nanometre."""
+    return tuple(round(getattr(item, name), 9) for name in item.__slots__)
+
+
+@pytest.mark.parametrize(
+    ("name", "file", "back"),
+    [("dbcbs", "w.yaml", "dbcbs"), ("pogema", "w.pogema", "pogema+agents=all")],
+)
+def test_every_robot_comes_back_with_its_sidecar(tmp_path, name, file, back):
+    world = generate("doorway", 5, robots=3)
+    write_export(export_world(world, name, file=file), tmp_path)
+    found = import_world(tmp_path / file, name=back)
+    assert facts(found.world) == facts(world)
+    assert found.decision.result == "reachable"
+
+
+def test_a_solvable_world_is_solvable_after_db_cbs(tmp_path):
+    grid, foreign, back = (str(tmp_path / name) for name in ("w.grid", "w.yaml", "j.grid"))
+    assert worldgen("doorway", "--robots", "3", "--seed", "5", "--out", grid).code == 0
+    assert worldgen("export", grid, "--to", "dbcbs", "--out", foreign).code == 0
+    done = worldgen("import", foreign, "--from", "dbcbs", "--out", back)
+    assert done.code == 0
+    assert "reachable" in done.out
+    assert {robot.radius for robot in read_world(back).robots} == {0.07}
+
+
+def pogema_with_sidecar(tmp_path):
+    """The doorway's files for POGEMA, and the world."""
+    world = generate("doorway", 5, robots=3)
+    write_export(export_world(world, "pogema", file="w.pogema"), tmp_path)
+    return world, tmp_path / "w.pogema"
+
+
+def test_the_sidecars_values_follow_the_letter_of_an_agent(tmp_path):
+    world, path = pogema_with_sidecar(tmp_path)
+    found = import_world(path, name="pogema+agent=b")
+    assert facts(found.world) == facts(world)[1:2]
+    all_of_them = import_world(path, name="pogema+agents=all+agent=b")
+    first, second, third = facts(world)
+    assert facts(all_of_them.world) == [second, first, third]
+
+
+def test_an_agent_that_was_moved_in_the_file_is_where_the_file_has_it(tmp_path):
+    world, path = pogema_with_sidecar(tmp_path)
+    drawing = path.read_text().replace("b", ".")
+    at = drawing.index("....", drawing.index("a")) + 2
+    path.write_text(drawing[:at] + "b" + drawing[at + 1 :])
+    found = import_world(path, name="pogema+agents=all")
+    expected = facts(world)
+    moved = facts(found.world)[1]
+    assert moved[:2] != expected[1][:2]
+    assert (facts(found.world)[0], moved[3:]) == (expected[0], expected[1][3:])
+
+
+def test_a_sidecar_of_one_robot_still_helps_and_says_what_it_lacks(tmp_path):
+    world, path = pogema_with_sidecar(tmp_path)
+    sidecar = tmp_path / "w.pogema.worldgen.toml"
+    sidecar.write_text(sidecar.read_text().partition("[[robot]]")[0])
+    found = import_world(path, name="pogema+agents=all")
+    assert facts(found.world)[0] == facts(world)[0]
+    assert any("no values of robots 2 to 3" in warning for warning in found.warnings)
+
+
+def test_a_robot_that_is_missing_from_a_list_leaves_the_sidecars_robots_unknown(tmp_path):
+    world = generate("doorway", 5, robots=3)
+    path = write_export(export_world(world, "dbcbs", file="w.yaml"), tmp_path)[0]
+    kept, _, _ = path.read_text().rpartition("  - type: unicycle")
+    path.write_text(kept)
+    found = read_map(path)
+    assert (found.robot_radius, found.others[0].radius) == (0.4, 0.4)
+    assert "values of 3 robots, but the file has 2" in found.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "line"),
+    [
+        ("[[robot]]\nstart", "[[robot]]\nbegin", "unknown-name", 11),
+        ("[[robot]]\nstart", "[[robot]]\ncell_size = 1\nstart", "unknown-name", 11),
+        ("[[robot]]", "[robot]", "wrong-type", 10),
+        ("[[robot]]\nstart = [1.45, 0.9]", "[[robot]]\nstart = [1.45]", "wrong-type", 11),
+    ],
+)
+def test_a_fault_in_a_robots_table_is_one_message(tmp_path, old, new, code, line):
+    _, path = pogema_with_sidecar(tmp_path)
+    sidecar = tmp_path / "w.pogema.worldgen.toml"
+    text = sidecar.read_text()
+    # A table of that name can be there only once.
+    if new == "[robot]":
+        text = text.rpartition("\n[[robot]]")[0] + "\n"
+    assert old in text
+    sidecar.write_text(text.replace(old, new, 1))
+    with raises(FormatError, code, line=line):
+        read_map(path)

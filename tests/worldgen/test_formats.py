@@ -298,8 +298,8 @@ def test_a_sidecar_with_a_fault_is_refused_with_its_line(tmp_path, text, expecte
 
 def test_a_sidecar_that_cannot_be_read_is_refused_with_its_own_way_out(tmp_path):
     write_export(export_world(room(), "thesis"), tmp_path)
-    (tmp_path / "world.gex.worldgen.toml").write_bytes(bytes(100_000))
-    with raises(FormatError, "too-large", most=65536):
+    (tmp_path / "world.gex.worldgen.toml").write_bytes(bytes(2_000_000))
+    with raises(FormatError, "too-large", most=1 << 20):
         read_map(tmp_path / "world.gex")
 
 

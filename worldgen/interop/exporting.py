@@ -11,7 +11,7 @@ import numpy as np
 from worldgen.errors import InvalidParameter, InvalidWorld, OutputError
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.interop.foreign_map import origin_of
-from worldgen.interop.format import FORMATS, HELD, Destination, Format
+from worldgen.interop.format import FORMATS, HELD, ROBOT_FACTS, Destination, Format
 from worldgen.interop.sidecar import SUFFIX, sidecar_text
 from worldgen.parameters import split_options
 from worldgen.timeline import CellState, Timeline
@@ -104,7 +104,8 @@ def export_world(
     files = dict(written.files)
     beside = f"{destination.name}{SUFFIX}" if sidecar and (missing or written.altered) else None
     if beside is not None:
-        files[beside] = sidecar_text(still, destination, [*missing, *written.altered])
+        others = still.others if known.robots else ()
+        files[beside] = sidecar_text(still, destination, [*missing, *written.altered], others)
     # Tell the user what was lost.
     lost = [f"not stored: {', '.join(missing.values())}"] if missing else []
     notes = (
@@ -132,12 +133,12 @@ def _check_robots(world: World, known: Format) -> None:
 
 def _missing(world: World, known: Format, destination: Destination) -> Iterator[tuple[str, str]]:
     """Yield the values that the format cannot store and that ``import`` would not choose by itself."""
-    radius = world.robot_radius
-    speed = world.robot_speed
     cell_size = world.cell_size
+    robots = world.robots if known.robots else world.robots[:1]
+    usual_radius = known.usual_robot.radius(cell_size)
     as_usual = {
-        "robot_radius": radius == known.usual_robot.radius(cell_size),
-        "robot_speed": speed == DEFAULT_ROBOT_SPEED,
+        "robot_radius": all(robot.radius == usual_radius for robot in robots),
+        "robot_speed": all(robot.speed == DEFAULT_ROBOT_SPEED for robot in robots),
         "cell_size": cell_size == DEFAULT_CELL_SIZE,
         "origin": destination.origin == (0.0, 0.0),
     }
@@ -146,11 +147,13 @@ def _missing(world: World, known: Format, destination: Destination) -> Iterator[
         "heading": f" {world.start.heading:g} rad",
         "target": f" ({world.target.x:g}, {world.target.y:g}) m",
         "target_radius": f" {world.target.radius:g} m",
-        "robot_radius": f" {radius:g} m",
-        "robot_speed": f" {speed:g} m/s",
+        "robot_radius": f" {world.robot_radius:g} m",
+        "robot_speed": f" {world.robot_speed:g} m/s",
         "cell_size": f" {cell_size:g} m",
         "origin": f" ({destination.origin[0]:g}, {destination.origin[1]:g}) m",
     }
+    if len(robots) > 1:
+        values |= dict.fromkeys(ROBOT_FACTS, f" (of each of {len(robots)} robots)")
     for name, words in HELD.items():
         if name not in known.holds and not as_usual.get(name, False):
             yield name, words + values[name]
@@ -175,8 +178,6 @@ def _notes(
         )
     if world.others and "start" not in known.holds:
         yield f"the file is a map; starts and targets of the {len(world.robots)} robots are not in it"
-    elif world.others and not known.holds >= HELD.keys():
-        yield "what the file does not store is in the sidecar for the first robot only"
     if world.failure is not None:
         yield f"the failure's record ({world.failure.outcome}) is not stored; it stays in the .grid"
     if destination.origin != (0.0, 0.0):

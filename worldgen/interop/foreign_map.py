@@ -102,6 +102,8 @@ class ForeignMap:
         unread: Obstacles in the file that ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A path
             through such a map proves nothing.
         others: The robots after the first, if the file has several.
+        numbers: For each robot, counted from 1, its number in the file, if it has a place of its own
+            there; empty if the file just lists its robots.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -118,6 +120,7 @@ class ForeignMap:
     usual_robot: UsualRobot = THESIS_ROBOT
     unread: tuple[str, ...] = ()
     others: tuple[ForeignRobot, ...] = ()
+    numbers: tuple[int, ...] = ()
 
 
 def origin_of(world: World) -> tuple[float, float]:

@@ -17,11 +17,12 @@ from worldgen.lattice import exact
 from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
 from worldgen.plugins.registry import Registry
 from worldgen.support.bounds import check_between
-from worldgen.world import Value, World
+from worldgen.world import Robot, Value, World
 
 __all__ = [
     "FORMATS",
     "HELD",
+    "ROBOT_FACTS",
     "Destination",
     "Exported",
     "Format",
@@ -29,6 +30,7 @@ __all__ = [
     "decimal_text",
     "held_lines",
     "held_values",
+    "robot_values",
 ]
 
 # Limit on coordinates, m; beyond it a float cannot distinguish cells of a millimetre.
@@ -47,6 +49,8 @@ HELD = {
 """Facts about a world other than its cells, which a file may be unable to store, as worded in
 messages.
 """
+ROBOT_FACTS = tuple(name for name in HELD if name not in ("cell_size", "origin"))
+"""The facts of :data:`HELD` that each robot of a world has for itself."""
 
 
 @dataclass(frozen=True)
@@ -241,14 +245,21 @@ def held_values(world: World, destination: Destination) -> dict[str, Value]:
     A point is two numbers, from the grid's lower-left corner.
     """
     return {
-        "start": [world.start.x, world.start.y],
-        "heading": world.start.heading,
-        "target": [world.target.x, world.target.y],
-        "target_radius": world.target.radius,
-        "robot_radius": world.robot_radius,
-        "robot_speed": world.robot_speed,
+        **robot_values(world.robots[0]),
         "cell_size": world.cell_size,
         "origin": list(destination.origin),
+    }
+
+
+def robot_values(robot: Robot) -> dict[str, Value]:
+    """Return the facts of :data:`ROBOT_FACTS` about a robot, as :func:`held_values` does."""
+    return {
+        "start": [robot.start.x, robot.start.y],
+        "heading": robot.start.heading,
+        "target": [robot.target.x, robot.target.y],
+        "target_radius": robot.target.radius,
+        "robot_radius": robot.radius,
+        "robot_speed": robot.speed,
     }
 
 

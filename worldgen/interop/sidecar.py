@@ -7,26 +7,31 @@ so that edits of the file take effect.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeAlias
 
 from worldgen.errors import FormatError, Message
 from worldgen.files.grid.header import Header
 from worldgen.files.grid.toml_text import value_text
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
-from worldgen.interop.format import HELD, Destination, held_values
-from worldgen.world import Value, World
+from worldgen.interop.foreign_map import ForeignMap, ForeignRobot, digest, read_bounded
+from worldgen.interop.format import HELD, ROBOT_FACTS, Destination, held_values, robot_values
+from worldgen.world import Robot, Value, World
 
 __all__ = ["SUFFIX", "Sidecar", "read_sidecar", "sidecar_text", "with_sidecar"]
 
 SUFFIX = ".worldgen.toml"
 _VERSION = 1
-_MOST_BYTES = 64 << 10
+_MOST_BYTES = 1 << 20
 _PAIRS = ("start", "target", "origin")
 # These must be above 0.
 _LENGTHS = ("target_radius", "robot_radius", "robot_speed", "cell_size")
 _SIZE = "size"
+# Table of each robot after the first.
+_ROBOT = "robot"
+
+_Values: TypeAlias = "Mapping[str, tuple[float, ...]]"
 
 
 @dataclass(frozen=True)
@@ -38,22 +43,27 @@ class Sidecar:
         sha256: SHA-256 of its file.
         size: Width and height, in cells, of the map that it is for.
         values: Values by the names of :data:`~worldgen.interop.format.HELD`, in m, rad and m/s; a
-            point is two numbers.
+            point is two numbers. Those of a robot are the first one's.
+        others: The values of each robot after the first.
     """
 
     name: str
     sha256: str
     size: tuple[int, int]
-    values: Mapping[str, tuple[float, ...]]
+    values: _Values
+    others: tuple[_Values, ...] = ()
 
 
-def sidecar_text(world: World, destination: Destination, missing: Collection[str]) -> bytes:
+def sidecar_text(
+    world: World, destination: Destination, missing: Collection[str], others: Sequence[Robot]
+) -> bytes:
     """Return the sidecar's contents.
 
     Args:
         world: The world that was exported.
         destination: Where it was written.
         missing: Names of :data:`~worldgen.interop.format.HELD` that the file does not store.
+        others: The robots after the first that the file has.
     """
     values = held_values(world, destination)
     kept: dict[str, Value] = {"worldgen": _VERSION, _SIZE: [world.width, world.height]}
@@ -63,6 +73,15 @@ def sidecar_text(world: World, destination: Destination, missing: Collection[str
         f"corner, y up."
     ]
     lines += [f"{name} = {value_text(value, name)}" for name, value in kept.items()]
+    # Each further robot has a table with its own values.
+    own = [name for name in ROBOT_FACTS if name in missing]
+    for robot in others if own else ():
+        facts = robot_values(robot)
+        lines += [
+            "",
+            f"[[{_ROBOT}]]",
+            *(f"{name} = {value_text(facts[name], name)}" for name in own),
+        ]
     return ("\n".join(lines) + "\n").encode()
 
 
@@ -89,19 +108,7 @@ def read_sidecar(path: Path) -> Sidecar | None:
         raise FormatError(
             "not-utf8", "is not UTF-8 text", "delete it, or export the world again", source=source
         ) from error
-    known = ("worldgen", _SIZE, *HELD)
-    for key in header.data:
-        if key not in known:
-            raise header.fault(
-                Message(
-                    "unknown-name",
-                    "{name!q} is not a key of a sidecar",
-                    "it has {known!l}",
-                    name=key,
-                    known=list(known),
-                ),
-                key,
-            )
+    _check_keys(header, header.data, ("worldgen", _SIZE, *HELD, _ROBOT))
     if header.data.get("worldgen") != _VERSION:
         raise header.fault(
             Message(
@@ -112,9 +119,48 @@ def read_sidecar(path: Path) -> Sidecar | None:
             ),
             "worldgen",
         )
-    size = _numbers(header, _SIZE)
-    values = {key: _numbers(header, key) for key in HELD if key in header.data}
-    return Sidecar(beside.name, digest(data), (int(size[0]), int(size[1])), values)
+    size = _numbers(header, header.data, _SIZE)
+    values = {key: _numbers(header, header.data, key) for key in HELD if key in header.data}
+    sides = (int(size[0]), int(size[1]))
+    return Sidecar(beside.name, digest(data), sides, values, tuple(_others(header)))
+
+
+def _check_keys(
+    header: Header, table: Mapping[str, object], known: Sequence[str], index: int | None = None
+) -> None:
+    for key in table:
+        if key not in known:
+            message = Message(
+                "unknown-name",
+                "{name!q} is not a key of a sidecar",
+                "it has {known!l}",
+                name=key,
+                known=list(known),
+            )
+            raise _fault(header, message, key, index)
+
+
+def _fault(header: Header, message: Message, key: str, index: int | None) -> FormatError:
+    """Return an error at the line of a key, at the top or in a robot's table."""
+    if index is None:
+        return header.fault(message, key)
+    line = header.line_in_item(_ROBOT, index, key)
+    return FormatError.of(message, line=line, source=header.source)
+
+
+def _others(header: Header) -> Iterator[_Values]:
+    """Yield the values of each robot after the first."""
+    tables = header.data.get(_ROBOT, [])
+    if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
+        message = Message(
+            "wrong-type",
+            "{key} must be tables, one [[{key}]] for each robot after the first",
+            key=_ROBOT,
+        )
+        raise header.fault(message, _ROBOT)
+    for index, table in enumerate(tables):
+        _check_keys(header, table, ROBOT_FACTS, index)
+        yield {key: _numbers(header, table, key, index) for key in ROBOT_FACTS if key in table}
 
 
 def _bytes(path: Path) -> bytes:
@@ -126,9 +172,18 @@ def _bytes(path: Path) -> bytes:
         raise FormatError.of(message, source=str(path)) from error
 
 
-def _numbers(header: Header, key: str) -> tuple[float, ...]:
-    """Return the numbers of a key: the right count, finite, lengths above 0."""
-    value = header.data.get(key)
+def _numbers(
+    header: Header, table: Mapping[str, object], key: str, index: int | None = None
+) -> tuple[float, ...]:
+    """Return the numbers of a key: the right count, finite, lengths above 0.
+
+    Args:
+        header: The sidecar.
+        table: The table that has the key: the sidecar itself, or one robot's.
+        key: Name of the value.
+        index: Number of the robot's table, from 0; None for the sidecar itself.
+    """
+    value = table.get(key)
     items = value if isinstance(value, list) else [value]
     count = 2 if key in (*_PAIRS, _SIZE) else 1
     numbers = tuple(
@@ -142,9 +197,10 @@ def _numbers(header: Header, key: str) -> tuple[float, ...]:
             if count == 2
             else "{key} must be a finite number"
         )
-        raise header.fault(Message("wrong-type", rule, key=key), key)
+        raise _fault(header, Message("wrong-type", rule, key=key), key, index)
     if key in (*_LENGTHS, _SIZE) and min(numbers) <= 0:
-        raise header.fault(Message("not-positive", "{key} must be above 0", key=key), key)
+        message = Message("not-positive", "{key} must be above 0", key=key)
+        raise _fault(header, message, key, index)
     return numbers
 
 
@@ -161,31 +217,98 @@ def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
             "it was ignored; delete it, or export the world again"
         )
         return replace(found, warnings=(*found.warnings, warning))
-    values = sidecar.values
-    start = _joined(values.get("start"), values.get("heading"), found.start)
-    target = _joined(values.get("target"), values.get("target_radius"), found.target)
-    said = ", ".join(HELD[name] for name in values)
+
+    # Find each robot's values.
+    robots = (
+        ForeignRobot(found.start or (), found.target or (), found.robot_radius, found.robot_speed),
+        *found.others,
+    )
+    values, warnings = _values_of_robots(found, sidecar)
+    if found.numbers:
+        half = found.cell_size / 2
+        values = [_unmoved(robot, own, half) for robot, own in zip(robots, values, strict=True)]
+    of_map = {name: value for name, value in sidecar.values.items() if name not in ROBOT_FACTS}
+    used = of_map.keys() | {name for own in values for name in own}
+    if not used:
+        return replace(found, warnings=(*found.warnings, *warnings))
+
+    # Complete the robots, and tell what was used.
+    first, *others = map(_completed, robots, values)
+    origin = of_map.get("origin")
+    said = ", ".join(words for name, words in HELD.items() if name in used)
     return replace(
         found,
-        start=start,
-        target=target,
-        robot_radius=next(_firsts(values, "robot_radius"), found.robot_radius),
-        robot_speed=next(_firsts(values, "robot_speed"), found.robot_speed),
-        origin=(values["origin"][0], values["origin"][1]) if "origin" in values else found.origin,
+        start=first.start or None,
+        target=first.target or None,
+        robot_radius=first.radius,
+        robot_speed=first.speed,
+        others=tuple(others),
+        origin=found.origin if origin is None else (origin[0], origin[1]),
         params={**found.params, "sidecar_sha256": sidecar.sha256},
         notes=(*found.notes, f"{sidecar.name} says {said}"),
+        warnings=(*found.warnings, *warnings),
+    )
+
+
+def _values_of_robots(found: ForeignMap, sidecar: Sidecar) -> tuple[list[_Values], tuple[str, ...]]:
+    """Return the sidecar's values of each of the file's robots, with warnings if some have none."""
+    first = {name: value for name, value in sidecar.values.items() if name in ROBOT_FACTS}
+    known = (first, *sidecar.others)
+    count = 1 + len(found.others)
+    # If the file just lists its robots, a missing one leaves the numbers of the rest unknown.
+    if not found.numbers and count < len(known):
+        warning = (
+            f"{sidecar.name} has values of {len(known)} robots, but the file has {count}; they "
+            f"were ignored; export the world again"
+        )
+        return [{}] * count, (warning,)
+    numbers = found.numbers or range(1, count + 1)
+    absent = [number for number in numbers if number > len(known)]
+    warnings = []
+    if absent and any(known):
+        which = f"robot {absent[0]}" if len(absent) == 1 else f"robots {absent[0]} to {absent[-1]}"
+        warnings.append(f"{sidecar.name} has no values of {which}; export the world again")
+    return [known[number - 1] if number <= len(known) else {} for number in numbers], tuple(
+        warnings
+    )
+
+
+def _unmoved(robot: ForeignRobot, values: _Values, half: float) -> _Values:
+    """Return a robot's values without the places that the file now has in other cells."""
+    kept = dict(values)
+    for name, third, own in (
+        ("start", "heading", robot.start),
+        ("target", "target_radius", robot.target),
+    ):
+        point = values.get(name)
+        # The file has the middle of the cell; a place on its edge belongs to it too.
+        if (
+            point
+            and own
+            and any(
+                abs(at - middle) > half * (1 + 1e-9) for at, middle in zip(point, own, strict=False)
+            )
+        ):
+            del kept[name]
+            kept.pop(third, None)
+    return kept
+
+
+def _completed(robot: ForeignRobot, values: _Values) -> ForeignRobot:
+    return ForeignRobot(
+        _joined(values.get("start"), values.get("heading"), robot.start),
+        _joined(values.get("target"), values.get("target_radius"), robot.target),
+        *(
+            values[name][0] if name in values else own
+            for name, own in (("robot_radius", robot.radius), ("robot_speed", robot.speed))
+        ),
     )
 
 
 def _joined(
-    point: tuple[float, ...] | None, third: tuple[float, ...] | None, own: tuple[float, ...] | None
-) -> tuple[float, ...] | None:
+    point: tuple[float, ...] | None, third: tuple[float, ...] | None, own: tuple[float, ...]
+) -> tuple[float, ...]:
     """Return a point; its third number comes from the sidecar if that has one, else the file."""
-    if point is None and own is None:
-        return None
-    rest = third or (own[2:] if own else ())
-    return (*(point or (own or ())[:2]), *rest)
-
-
-def _firsts(values: Mapping[str, tuple[float, ...]], name: str) -> Iterator[float]:
-    return iter(values.get(name, ()))
+    if point is None and not own:
+        return ()
+    return (*(point or own[:2]), *(third or own[2:]))

@@ -108,6 +108,7 @@ def read_pogema(
         for letter, (row, column) in letters.items()
     }
     others: list[ForeignRobot] = []
+    read = [agent]
     notes: tuple[str, ...] = ()
     if agents == "all":
         for letter in sorted(set(lower) - {agent}):
@@ -121,6 +122,7 @@ def read_pogema(
                     source=source,
                 )
             others.append(ForeignRobot(centres[letter], centres[letter.upper()]))
+            read.append(letter)
     elif len(lower) > 1:
         notes = (
             f"the robot is agent {agent} of {len(lower)}; the others are ignored; --from "
@@ -135,6 +137,7 @@ def read_pogema(
     return ForeignMap(
         flip_rows(drawn == _WALL[0]), cell_size, params, notes,
         start=centres.get(agent), target=centres.get(agent.upper()), others=tuple(others),
+        numbers=tuple(1 + ascii_lowercase.index(letter) for letter in read),
     )  # fmt: skip
 
 
