@@ -294,3 +294,40 @@ def test_a_fault_in_a_robots_table_is_one_message(tmp_path, old, new, code, line
     sidecar.write_text(text.replace(old, new, 1))
     with raises(FormatError, code, line=line):
         read_map(path)
+
+
+def movingai_with_sidecar(tmp_path, robots):
+    """The doorway's map and scenario, and the world."""
+    world = generate("doorway", 5, robots=robots)
+    path = write_export(export_world(world, "movingai", file="w.map"), tmp_path)[0]
+    return world, path
+
+
+@pytest.mark.parametrize("robots", [1, 3])
+def test_a_maps_own_scenario_brings_what_the_sidecar_holds(tmp_path, robots):
+    world, path = movingai_with_sidecar(tmp_path, robots)
+    robot = ImportedRobot(scenario=tmp_path / "w.map.scen", robots=robots)
+    found = import_world(path, robot)
+    assert facts(found.world) == facts(world)
+    assert found.radius_from == "from the file"
+
+
+def test_the_sidecars_values_follow_the_row_of_a_scenario(tmp_path):
+    world, path = movingai_with_sidecar(tmp_path, 3)
+    robot = ImportedRobot(scenario=tmp_path / "w.map.scen", row=2, robots=2)
+    assert facts(import_world(path, robot).world) == facts(world)[1:]
+
+
+def test_another_scenario_does_not_get_the_sidecars_robots(tmp_path):
+    _, path = movingai_with_sidecar(tmp_path, 3)
+    other = (tmp_path / "w.map.scen").rename(tmp_path / "other.scen")
+    found = import_world(path, ImportedRobot(scenario=other, robots=3))
+    assert {robot.radius for robot in found.world.robots} == {0.04}
+    assert not any("says" in note for note in found.notes)
+
+
+def test_a_radius_that_is_given_is_every_robots(tmp_path):
+    _, path = movingai_with_sidecar(tmp_path, 3)
+    robot = ImportedRobot(scenario=tmp_path / "w.map.scen", robots=3, radius=0.06, speed=1.0)
+    found = import_world(path, robot)
+    assert {(one.radius, one.speed) for one in found.world.robots} == {(0.06, 1.0)}

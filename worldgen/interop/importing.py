@@ -10,9 +10,11 @@ from pathlib import Path
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap, ForeignRobot
+from worldgen.interop.format import ROBOT_FACTS
 from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario
 from worldgen.interop.place import heading_towards, is_clear, place
-from worldgen.interop.recognising import read_map
+from worldgen.interop.recognising import read_map_alone
+from worldgen.interop.sidecar import Sidecar, with_sidecar
 from worldgen.lattice import exact
 from worldgen.reach import Decision, decide
 from worldgen.timeline import Timeline
@@ -129,14 +131,19 @@ def import_world(
     """
     # Read the map and complete the robot.
     robot = robot or ImportedRobot()
-    found = read_map(path, name, options)
+    found, sidecar = read_map_alone(path, name, options)
+    if robot.scenario is not None or robot.robots > 1:
+        found = _with_scenario(robot, found)
+    if sidecar is not None:
+        found = with_sidecar(found, _fitting(sidecar, path, robot))
+    found = _as_given(robot, found)
     params = dict(found.params)
     if found.origin != (0.0, 0.0):
         params["origin"] = list(found.origin)
     radius_from = _radius_from(robot, found)
-    if robot.robots > 1:
-        found = _with_more_problems(robot, found, params)
-    robot, notes = _at_programs_start(_complete(_with_scenario(robot, found, params), found), found)
+    if robot.scenario is not None:
+        robot = replace(robot, start=found.start, target=found.target)
+    robot, notes = _at_programs_start(_complete(robot, found), found)
     world, warnings = _place(robot, found)
 
     # Decide. A path does not count if obstacles could not be read.
@@ -168,41 +175,23 @@ def import_world(
 
 
 def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
-    """Return where the radius chosen by ``_with_scenario`` and ``_complete`` comes from."""
+    """Return where the radius chosen by ``_complete`` comes from."""
     if robot.radius is not None:
         return "as given"
-    if robot.scenario is not None:
+    if robot.scenario is not None and found.robot_radius == _scenario_radius(found):
         return "0.4 cells, like a scenario's agent"
     if found.world is not None or found.robot_radius is not None:
         return "from the file"
     return found.usual_robot.source
 
 
-def _with_scenario(
-    robot: ImportedRobot, found: ForeignMap, params: dict[str, Value]
-) -> ImportedRobot:
-    """Fill in start and target of the scenario, if one is given."""
-    if robot.scenario is None:
-        return robot
-    if found.params.get("format") != "movingai":
-        raise InvalidParameter(
-            "conflict", "scen is for MovingAI maps", "give start and target instead"
-        )
-    if robot.start is not None or robot.target is not None:
-        raise InvalidParameter(
-            "conflict", "scen gives start and target", "omit start and target, or scen"
-        )
-    height, width = found.walls.shape
-    problem = read_scenario(robot.scenario, robot.row, width, height, found.cell_size)
-    params |= {"scenario": robot.scenario.name, "row": robot.row, "optimal": problem.optimal}
-    radius = _first(robot.radius, float(SCENARIO_RADIUS * exact(found.cell_size)))
-    return replace(robot, start=problem.start, target=problem.goal, radius=radius)
+def _scenario_radius(found: ForeignMap) -> float:
+    return float(SCENARIO_RADIUS * exact(found.cell_size))
 
 
-def _with_more_problems(
-    robot: ImportedRobot, found: ForeignMap, params: dict[str, Value]
-) -> ForeignMap:
-    """Return the map with a robot for each of the problems that follow the scenario's first one."""
+def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
+    """Return the map with a robot for each of the chosen problems of the scenario."""
+    # Check that the options belong together.
     if robot.scenario is None:
         raise InvalidParameter(
             "conflict",
@@ -211,13 +200,54 @@ def _with_more_problems(
             at_terminal=True,
             robots=robot.robots,
         )
-    params["robots"] = robot.robots
+    if found.params.get("format") != "movingai":
+        raise InvalidParameter(
+            "conflict", "scen is for MovingAI maps", "give start and target instead"
+        )
+    if robot.start is not None or robot.target is not None:
+        raise InvalidParameter(
+            "conflict", "scen gives start and target", "omit start and target, or scen"
+        )
+
+    # Read the problems.
     height, width = found.walls.shape
-    others = []
-    for row in range(robot.row + 1, robot.row + robot.robots):
-        problem = read_scenario(robot.scenario, row, width, height, found.cell_size)
-        others.append(ForeignRobot(problem.start, problem.goal))
-    return replace(found, others=tuple(others))
+    rows = range(robot.row, robot.row + robot.robots)
+    problems = [read_scenario(robot.scenario, row, width, height, found.cell_size) for row in rows]
+    first = problems[0]
+    params = {**found.params, "scenario": robot.scenario.name, "row": robot.row}
+    if robot.robots > 1:
+        params["robots"] = robot.robots
+    return replace(
+        found,
+        start=first.start,
+        target=first.goal,
+        robot_radius=_scenario_radius(found),
+        others=tuple(ForeignRobot(problem.start, problem.goal) for problem in problems[1:]),
+        numbers=tuple(rows),
+        params=params | {"optimal": first.optimal},
+        # The problem next to the map, of which they tell, does not count.
+        notes=(),
+        warnings=(),
+    )
+
+
+def _fitting(sidecar: Sidecar, path: Path, robot: ImportedRobot) -> Sidecar:
+    """Return a sidecar without its robots if the user names a scenario of other robots."""
+    own = path.with_name(f"{path.name}.scen")
+    if robot.scenario is None or robot.scenario.resolve() == own.resolve():
+        return sidecar
+    of_map = {name: value for name, value in sidecar.values.items() if name not in ROBOT_FACTS}
+    return replace(sidecar, values=of_map, others=())
+
+
+def _as_given(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
+    """Return the map without the values of its other robots that the user gives for all robots."""
+    others = found.others
+    if robot.radius is not None:
+        others = tuple(other._replace(radius=None) for other in others)
+    if robot.speed is not None:
+        others = tuple(other._replace(speed=None) for other in others)
+    return replace(found, others=others)
 
 
 def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:

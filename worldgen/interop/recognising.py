@@ -11,12 +11,12 @@ from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Message
 from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import FORMATS, Format
-from worldgen.interop.sidecar import read_sidecar, with_sidecar
+from worldgen.interop.sidecar import Sidecar, read_sidecar, with_sidecar
 from worldgen.parameters import split_options
 from worldgen.support.bounds import check_between
 from worldgen.world import Value
 
-__all__ = ["find_format", "looks_like_a_map", "read_map", "readable_formats"]
+__all__ = ["find_format", "looks_like_a_map", "read_map", "read_map_alone", "readable_formats"]
 
 # Bytes read to recognise a file.
 _HEAD = 4096
@@ -189,6 +189,17 @@ def read_map(
             format.
         InvalidParameter: If the format is unknown, or lacks an option.
     """
+    found, sidecar = read_map_alone(path, name, options)
+    return found if sidecar is None else with_sidecar(found, sidecar)
+
+
+def read_map_alone(
+    path: Path, name: str | None = None, options: Mapping[str, Value | None] | None = None
+) -> tuple[ForeignMap, Sidecar | None]:
+    """Read a map as :func:`read_map` does, but return its sidecar, if any, next to it.
+
+    Only the sidecar's cell size is used.
+    """
     format_name, worded = (None, {}) if name is None else split_options(name)
     known = find_format(path, format_name)
     given = known.accept({**worded, **(options or {})}, out=False)
@@ -202,5 +213,4 @@ def read_map(
     # find_format has already refused it.
     if known.read is None:
         raise InvalidParameter("only-written", "{format} cannot be read", format=known.name)
-    found = replace(known.read(path, **given), usual_robot=known.usual_robot)
-    return found if sidecar is None else with_sidecar(found, sidecar)
+    return replace(known.read(path, **given), usual_robot=known.usual_robot), sidecar
