@@ -1,4 +1,4 @@
-"""POGEMA's text maps: ``#`` is a wall, ``a`` an agent and ``A`` its target.
+"""POGEMA's text maps and configurations: ``#`` is a wall, ``a`` an agent and ``A`` its target.
 
 ``@`` and ``$`` are free cells, not walls.
 
@@ -9,8 +9,9 @@ Source: Skrynnik et al., "POGEMA: A Benchmark Platform for Cooperative Multi-Age
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from string import ascii_lowercase
+from string import ascii_lowercase, ascii_uppercase
 from typing import Literal
 
 import numpy as np
@@ -27,6 +28,7 @@ from worldgen.interop.foreign_map import (
 )
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, cell_of, equal_rows, off_centre
+from worldgen.interop.readers.pogema_config import KEY_LINE, PogemaTask, read_configuration
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
@@ -37,6 +39,7 @@ _WALL = b"#"
 _FREE = b".@$!"
 # Robot radius of GridConfig, cells.
 _MAX_SIDE = 4096
+_MAX_YAML_BYTES = 16 << 20
 _CELL = rb"[.#a-zA-Z@$!]"
 
 
@@ -46,23 +49,26 @@ def read_pogema(
     agent: str = "a",
     agents: Literal["one", "all"] = "one",
     cell_size: float = DEFAULT_CELL_SIZE,
+    map_name: str = "",
 ) -> ForeignMap:
-    """Read a map in the form GridConfig takes, the top row first.
+    """Read a map in the form GridConfig takes, the top row first, or a YAML file with such maps.
 
     One agent is the robot, or all agents are robots.
 
     Args:
-        path: The file; white space around rows and empty rows are ignored.
+        path: The file: a map, of which white space around rows and empty rows are ignored; a
+            configuration in YAML; or a YAML file of named maps.
         agent: Letter of the agent that is the robot, lower case; its target is the same letter in
-            upper case.
+            upper case. In a configuration with agents_xy, b is the second agent.
         agents: one: the other agents and their targets are free cells; all: they are robots too,
-            by letter after the first.
+            in order after the first.
         cell_size: Side of a cell, m.
+        map_name: Name of the map, in a file of several.
 
     Raises:
-        FormatError: If rows differ in length, a character is unknown, or a letter occurs twice.
-        InvalidParameter: If ``agent`` is not a lower-case letter, or is missing from a map that has
-            others.
+        FormatError: If rows differ in length, a character is unknown, or a letter occurs twice; or
+            if POGEMA places the agents of a configuration at random.
+        InvalidParameter: If ``agent`` is not a lower-case letter.
     """
     if not re.fullmatch("[a-z]", agent):
         raise InvalidParameter(
@@ -73,13 +79,119 @@ def read_pogema(
     # Read the rows.
     data = read_bounded(path)
     source = str(path)
-    lines = [
-        (number, line.strip())
-        for number, line in enumerate(unix_text(data).split(b"\n"), 1)
-        if line.strip()
-    ]
-    drawn = equal_rows(lines, source)
-    for (number, line), row in zip(lines, drawn, strict=True):
+    text = unix_text(data)
+    task = _task(text, source, map_name)
+    drawn = _drawn(task.rows, source)
+    walls = drawn == _WALL[0]
+
+    # Find the agents and their targets, by number from 1.
+    letters = _letters(drawn, [number for number, _ in task.rows], source)
+    starts = _numbered(letters, ascii_lowercase)
+    targets = _numbered(letters, ascii_uppercase)
+    warnings: list[str] = []
+    if task.starts:
+        if letters:
+            raise FormatError(
+                "twice",
+                "the agents' places are given both as letters of the map and as agents_xy",
+                "keep one",
+                source=source,
+            )
+        starts = dict(enumerate(task.starts, start=1))
+        targets = dict(enumerate(task.targets, start=1))
+        warnings += _freed(walls, (*task.starts, *task.targets))
+    elif task.places_needed and not starts:
+        raise FormatError(
+            "random-places",
+            "the configuration has no agents_xy and targets_xy, so POGEMA draws the agents' places "
+            "at random",
+            "write down the places that it drew",
+            source=source,
+        )
+    first = 1 + ascii_lowercase.index(agent)
+    if starts and first not in starts:
+        raise FormatError(
+            "unknown-name",
+            "there is no agent {agent!r}",
+            "there are {known!l}",
+            agent=agent,
+            known=[
+                ascii_lowercase[number - 1] for number in sorted(starts)[: len(ascii_lowercase)]
+            ],
+            source=source,
+        )
+
+    # Make robots of them.
+    def centre(cell: tuple[int, int]) -> tuple[float, float]:
+        return cell_centre(cell[1], drawn.shape[0] - 1 - cell[0], cell_size)
+
+    numbers = [first]
+    notes: tuple[str, ...] = ()
+    if agents == "all":
+        numbers += sorted(starts.keys() - {first})
+        absent = [number for number in numbers[1:] if number not in targets]
+        if absent:
+            letter = ascii_lowercase[absent[0] - 1]
+            raise FormatError(
+                "missing-target",
+                "agent {letter} has no target {target}",
+                "draw it, or read one agent only",
+                letter=letter,
+                target=letter.upper(),
+                source=source,
+            )
+    elif len(starts) > 1:
+        notes = (
+            f"the robot is agent {agent} of {len(starts)}; the others are ignored; --from "
+            f"pogema+agents=all reads them all",
+        )
+    params: dict[str, Value] = {
+        "format": "pogema",
+        "source": path.name,
+        "sha256": digest(data),
+        "agent": agent,
+    }
+    if task.map_name is not None:
+        params["map_name"] = task.map_name
+    return ForeignMap(
+        flip_rows(walls), cell_size, params, notes, tuple(warnings),
+        start=centre(starts[first]) if first in starts else None,
+        target=centre(targets[first]) if first in targets else None,
+        others=tuple(
+            ForeignRobot(centre(starts[number]), centre(targets[number])) for number in numbers[1:]
+        ),
+        numbers=tuple(numbers),
+    )  # fmt: skip
+
+
+def _task(text: bytes, source: str, map_name: str) -> PogemaTask:
+    """Return the map's rows and, of a YAML file, the agents."""
+    if KEY_LINE.search(text):
+        if len(text) > _MAX_YAML_BYTES:
+            raise FormatError(
+                "too-large",
+                "is larger than {most} bytes",
+                "cut a smaller map out of it",
+                most=_MAX_YAML_BYTES,
+                source=source,
+            )
+        return read_configuration(text, source, map_name)
+    if map_name:
+        raise FormatError(
+            "unknown-name",
+            "it is a map itself, so there is no map {name!q}",
+            "omit map_name",
+            name=map_name,
+            source=source,
+        )
+    lines = enumerate(text.split(b"\n"), 1)
+    return PogemaTask([(number, line.strip()) for number, line in lines if line.strip()])
+
+
+def _drawn(rows: list[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
+    """Return the characters of the rows, all of which are cells."""
+    drawn = equal_rows(rows, source)
+    for (number, line), row in zip(rows, drawn, strict=True):
         if not re.fullmatch(_CELL + b"*", line):
             column = next(at for at in range(len(row)) if not re.match(_CELL, line[at : at + 1]))
             raise FormatError(
@@ -91,54 +203,26 @@ def read_pogema(
                 line=number,
                 source=source,
             )
-    # Find the agents and their targets.
-    letters = _letters(drawn, [number for number, _ in lines], source)
-    lower = [letter for letter in letters if letter.islower()]
-    if lower and agent not in lower:
-        raise FormatError(
-            "unknown-name",
-            "there is no agent {agent!r}",
-            "there are {known!l}",
-            agent=agent,
-            known=sorted(lower),
-            source=source,
-        )
-    centres = {
-        letter: cell_centre(column, drawn.shape[0] - 1 - row, cell_size)
-        for letter, (row, column) in letters.items()
+    return drawn
+
+
+def _numbered(letters: Mapping[str, tuple[int, int]], alphabet: str) -> dict[int, tuple[int, int]]:
+    """Return the cells of an alphabet's letters by the letters' numbers, from 1."""
+    return {
+        number: letters[letter] for number, letter in enumerate(alphabet, 1) if letter in letters
     }
-    others: list[ForeignRobot] = []
-    read = [agent]
-    notes: tuple[str, ...] = ()
-    if agents == "all":
-        for letter in sorted(set(lower) - {agent}):
-            if letter.upper() not in centres:
-                raise FormatError(
-                    "missing-target",
-                    "agent {letter} has no target {target}",
-                    "draw it, or read one agent only",
-                    letter=letter,
-                    target=letter.upper(),
-                    source=source,
-                )
-            others.append(ForeignRobot(centres[letter], centres[letter.upper()]))
-            read.append(letter)
-    elif len(lower) > 1:
-        notes = (
-            f"the robot is agent {agent} of {len(lower)}; the others are ignored; --from "
-            f"pogema+agents=all reads them all",
+
+
+def _freed(walls: npt.NDArray[np.bool_], places: Iterable[tuple[int, int]]) -> Iterator[str]:
+    """Free the cells of agents and targets that are solid, as POGEMA does, and say so."""
+    solid = {place for place in places if walls[place]}
+    for place in solid:
+        walls[place] = False
+    if solid:
+        yield (
+            f"{len(solid)} cells with an agent or a target are walls in the map; they are free, as "
+            f"in POGEMA"
         )
-    params: dict[str, Value] = {
-        "format": "pogema",
-        "source": path.name,
-        "sha256": digest(data),
-        "agent": agent,
-    }
-    return ForeignMap(
-        flip_rows(drawn == _WALL[0]), cell_size, params, notes,
-        start=centres.get(agent), target=centres.get(agent.upper()), others=tuple(others),
-        numbers=tuple(1 + ascii_lowercase.index(letter) for letter in read),
-    )  # fmt: skip
 
 
 def _letters(
@@ -165,22 +249,21 @@ def _letters(
 def write_pogema(world: World, destination: Destination) -> Exported:
     """Return a map with an agent for each robot, ``a`` to ``A`` and so on, the top row first.
 
+    More robots than there are letters make a configuration in YAML.
+
     Args:
         world: The world.
         destination: Where the file is written.
     """
-    # An agent is a letter, so their number has a limit.
-    if len(world.robots) > len(ascii_lowercase):
-        raise InvalidWorld(
-            "too-many-robots",
-            "{count} robots; a map of POGEMA has letters for {most}",
-            "export it as movingai",
-            count=len(world.robots),
-            most=len(ascii_lowercase),
-        )
-    # Draw each agent and its target, unless they share a cell or a wall is in the way.
+    # Choose the form: letters, as far as they go.
+    notes: tuple[str, ...] = ()
+    if max(world.width, world.height) > _MAX_SIDE:
+        notes = (f"POGEMA itself takes maps of up to {_MAX_SIDE} cells a side",)
     cells = np.where(flip_rows(world.walls), np.uint8(_WALL[0]), np.uint8(_FREE[0]))
+    if len(world.robots) > len(ascii_lowercase):
+        return _configuration(world, cells, destination, notes)
     altered: dict[str, str] = {}
+    # Draw each agent and its target, unless they share a cell or a wall is in the way.
     for number, letter in enumerate(ascii_lowercase[: len(world.robots)], start=1):
         alone = world.alone(number) if world.others else world
         start = cell_of(alone, alone.start.x, alone.start.y)
@@ -202,17 +285,46 @@ def write_pogema(world: World, destination: Destination) -> Exported:
             because = "they are the same cell" if start == target else "one of them is in a wall"
             why = f"start and target are not drawn, because {because}"
             altered = {"start": why, "target": why}
-    notes: tuple[str, ...] = ()
-    if max(world.width, world.height) > _MAX_SIDE:
-        notes = (f"POGEMA itself takes maps of up to {_MAX_SIDE} cells a side",)
     return Exported(
         {destination.name: b"".join(row.tobytes() + b"\n" for row in cells)}, altered, notes
     )
 
 
+def _configuration(
+    world: World, cells: npt.NDArray[np.uint8], destination: Destination, notes: tuple[str, ...]
+) -> Exported:
+    """Return a configuration, which holds any number of agents."""
+    altered: dict[str, str] = {}
+    starts: dict[tuple[int, int], int] = {}
+    targets: dict[tuple[int, int], int] = {}
+    for number in range(1, len(world.robots) + 1):
+        alone = world.alone(number)
+        start = cell_of(alone, alone.start.x, alone.start.y)
+        target = cell_of(alone, alone.target.x, alone.target.y)
+        # Agents may not begin in one cell, or have the same target.
+        free = [int(cells[row, column]) for column, row in (start, target)] == [_FREE[0]] * 2
+        if not free or starts.setdefault(start, number) + targets.setdefault(target, number) != (
+            2 * number
+        ):
+            raise InvalidWorld(
+                "cells-taken",
+                "robot {number}: the cell of its start or target is in a wall, or belongs to "
+                "another robot",
+                "export it as movingai",
+                number=number,
+            )
+        altered |= off_centre(alone, (start, target))
+    lines = ["# A world made by worldgen for POGEMA; positions are [row, column].", "map: |-"]
+    lines += [f"  {row.tobytes().decode()}" for row in cells]
+    lines.append(f"num_agents: {len(world.robots)}")
+    for name, places in (("agents_xy", starts), ("targets_xy", targets)):
+        lines += [f"{name}:", *(f"  - [{row}, {column}]" for column, row in places)]
+    return Exported({destination.name: ("\n".join(lines) + "\n").encode()}, altered, notes)
+
+
 pogema = Format(
     "pogema",
-    "map of POGEMA, one character per cell, .pogema",
+    "map or configuration of POGEMA, .pogema",
     # Also .txt; the contents tell it from a drawing.
     (".pogema",),
     re.compile(
@@ -220,6 +332,10 @@ pogema = Format(
         + _CELL
         + rb"+[ \t]*(?:\r?\n)){1,2}\s*"
         rb"(?=[a-zA-Z@$!]*[.#])" + _CELL + rb"+[ \t]*(?:\r?\n|\Z)"
+        # A configuration, or a file of maps: rows of cells in a block below a key.
+        rb"|(?s:.*\n)?[^\s:#][^:\n]*:[ \t]*\|[-+]?[ \t]*\r?\n(?:[ \t]+"
+        rb"(?=[a-zA-Z@$!]*[.#])" + _CELL + rb"+[ \t]*(?:\r?\n|\Z)){2}"
+        rb"|(?s:.*\n)?agents_xy[ \t]*:"
     ),
     read_pogema,
     write_pogema,

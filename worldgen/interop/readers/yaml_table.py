@@ -81,6 +81,20 @@ class YamlTable:
         """Return an error at the line of a key."""
         return FormatError.of(message, line=self._entries[key].line, source=self.source)
 
+    def line_of(self, key: str) -> int:
+        """Return the line of a key."""
+        return self._entries[key].line
+
+    def lines(self, key: str) -> list[tuple[int, str]] | None:
+        """Return the lines of a key's text with their numbers; None if it is a list or a table."""
+        entry = self._entries[key]
+        if not isinstance(entry.node, yaml.ScalarNode):
+            return None
+        # The text of a block begins in the line after its key; a quoted one may be on one line.
+        block = entry.node.style in ("|", ">")
+        texts = str(entry.node.value).split("\n")
+        return [(entry.line + (1 + index) * block, text) for index, text in enumerate(texts)]
+
     def word(self, key: str) -> str:
         """Return the single value of a key, as written.
 
