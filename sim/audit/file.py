@@ -1,4 +1,4 @@
-"""Read a recorded trajectory from a table of numbers with a header, written by any program."""
+"""Read recorded trajectories from a table of numbers with a header, written by any program."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import csv
 import io
 import math
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,16 +15,30 @@ import numpy.typing as npt
 from sim.audit.judge import Trajectory
 from worldgen.errors import FormatError
 
-__all__ = ["parse_trajectory", "read_trajectory"]
+__all__ = ["parse_trajectories", "read_trajectories"]
 
 COLUMNS = ("t", "x", "y")
+# Column that tells whose a sample is, in a recording of several robots.
+_ROBOT = "robot"
 _DELIMITERS = (",", ";", "\t")
 # A larger file is refused before it fills the memory.
 _MOST_BYTES = 1 << 30
 
 
-def read_trajectory(path: Path) -> Trajectory:
-    """Read a trajectory from a file, or from stdin if the path is ``-``.
+def read_trajectories(
+    path: Path, robots: int = 1, only: int | None = None
+) -> dict[int, Trajectory]:
+    """Read trajectories from a file, or from stdin if the path is ``-``.
+
+    Args:
+        path: The file.
+        robots: Number of robots in the world.
+        only: The robot whose trajectory is wanted; all if omitted.
+
+    Returns:
+        Trajectories by the robots' numbers, from 1. A file without a column ``robot`` has one
+        trajectory, of the first robot or of the wanted one; in a world of one robot, that column is
+        ignored.
 
     Raises:
         FormatError: If it cannot be read, or is not a trajectory.
@@ -58,17 +73,21 @@ def read_trajectory(path: Path) -> Trajectory:
             start=error.start,
             source=name,
         ) from error
-    return parse_trajectory(text, name)
+    return parse_trajectories(text, name, robots, only)
 
 
-def parse_trajectory(text: str, source: str) -> Trajectory:
-    """Read a trajectory from text.
+def parse_trajectories(
+    text: str, source: str, robots: int = 1, only: int | None = None
+) -> dict[int, Trajectory]:
+    """Read trajectories from text.
 
     Args:
         text: A header that names at least the columns t, x and y, then one line per sample. The
             numbers are separated as the names are, by commas, semicolons or tabs. Empty lines are
             ignored.
         source: The file's name, for messages.
+        robots: Number of robots in the world.
+        only: The robot whose trajectory is wanted; all if omitted.
 
     Raises:
         FormatError: If it is not a trajectory; the error names the faulty line.
@@ -83,35 +102,90 @@ def parse_trajectory(text: str, source: str) -> Trajectory:
             break
 
     # Let numpy read the numbers; if it cannot, read line by line to find the one at fault.
-    delimiter, places = _columns(header, max(header_line, 1), source)
+    names = COLUMNS + (_ROBOT,) * (robots > 1 and _has_robots(header))
+    delimiter, places = _columns(header, names, max(header_line, 1), source)
     body = stream.read()
     try:
         values = _quick(body, delimiter, places)
     except ValueError:
-        values = _slow(body, delimiter, places, header_line, source)
+        values = _slow(body, delimiter, dict(zip(names, places, strict=True)), header_line, source)
+
+    # Divide the samples among the robots.
+    if len(names) == len(COLUMNS):
+        samples = {only or 1: np.arange(len(values[0]))}
+    else:
+        owners = values[-1]
+        samples = _samples(owners, robots, only, body, header_line, source)
 
     # Report a fault in the numbers with the line of its sample.
-    fault = Trajectory.fault(*values)
-    if fault is not None:
-        line = _line_of(body, fault[0], header_line) if fault[0] >= 0 else None
-        raise FormatError.of(fault[1], line=line, source=source)
-    return Trajectory(*values)
+    found = {}
+    for robot, rows in samples.items():
+        own = [column[rows] for column in values[: len(COLUMNS)]]
+        fault = Trajectory.fault(*own)
+        if fault is not None:
+            sample, message = fault
+            line = _line_of(body, int(rows[sample]), header_line) if sample >= 0 else None
+            if len(names) > len(COLUMNS):
+                message = message.behind("robot {robot}: ", robot=robot)
+            raise FormatError.of(message, line=line, source=source)
+        found[robot] = Trajectory(*own)
+    return found
 
 
-def _columns(header: str, line: int, source: str) -> tuple[str, list[int]]:
-    """Return the separator of the columns, and the indices of t, x and y."""
-    found: list[str] = []
+def _has_robots(header: str) -> bool:
+    return any(_names(header, delimiter).count(_ROBOT) == 1 for delimiter in _DELIMITERS)
+
+
+def _samples(
+    owners: npt.NDArray[np.float64],
+    robots: int,
+    only: int | None,
+    body: str,
+    header_line: int,
+    source: str,
+) -> dict[int, npt.NDArray[np.int64]]:
+    """Return the rows of each robot's samples."""
+    wrong = np.flatnonzero(~np.isin(owners, np.arange(1, robots + 1)))
+    if len(wrong):
+        raise FormatError(
+            "out-of-range",
+            "robot {robot:g} is not in the world, which has {robots}",
+            "number the robots from 1, or give the world that was driven in",
+            robot=float(owners[wrong[0]]),
+            robots=robots,
+            line=_line_of(body, int(wrong[0]), header_line),
+            source=source,
+        )
+    known = np.unique(owners).astype(int).tolist()
+    if (only is not None and only not in known) or not known:
+        raise FormatError(
+            "too-few-samples",
+            "there is no sample of robot {robot}",
+            "choose a robot that was recorded",
+            robot=only or 1,
+            source=source,
+        )
+    wanted = known if only is None else [only]
+    return {robot: np.flatnonzero(owners == robot) for robot in wanted}
+
+
+def _names(header: str, delimiter: str) -> list[str]:
+    """Return the names of the columns, in lower case."""
+    names = header.strip().lstrip("#").split(delimiter)
+    return [name.strip().strip('"').strip().lower() for name in names]
+
+
+def _columns(header: str, wanted: Sequence[str], line: int, source: str) -> tuple[str, list[int]]:
+    """Return the separator of the columns, and the indices of the wanted ones."""
     for delimiter in _DELIMITERS:
-        names = [
-            name.strip().strip('"').strip() for name in header.strip().lstrip("#").split(delimiter)
-        ]
-        lower = [name.lower() for name in names]
-        if all(lower.count(name) == 1 for name in COLUMNS):
-            return delimiter, [lower.index(name) for name in COLUMNS]
-        found = names if len(names) > len(found) else found
+        lower = _names(header, delimiter)
+        if all(lower.count(name) == 1 for name in wanted):
+            return delimiter, [lower.index(name) for name in wanted]
 
-    # No separator gives all three, so report the one that splits the header furthest.
-    lower = [name.lower() for name in found]
+    # No separator gives all of them, so report the one that splits the header furthest.
+    furthest = max(_DELIMITERS, key=header.count)
+    lower = _names(header, furthest)
+    found = [name.strip().strip('"').strip() for name in header.strip().lstrip("#").split(furthest)]
     wrong = next(name for name in COLUMNS if lower.count(name) != 1)
     how = f"two columns {wrong!r}" if wrong in lower else f"no column {wrong!r}"
     shown = ", ".join(found)[:80]
@@ -128,7 +202,7 @@ def _columns(header: str, line: int, source: str) -> tuple[str, list[int]]:
 
 def _quick(body: str, delimiter: str, places: list[int]) -> tuple[npt.NDArray[np.float64], ...]:
     if not body.strip():
-        return (np.zeros(0),) * 3
+        return (np.zeros(0),) * len(places)
     columns = np.loadtxt(
         io.StringIO(body),
         delimiter=delimiter,
@@ -142,7 +216,7 @@ def _quick(body: str, delimiter: str, places: list[int]) -> tuple[npt.NDArray[np
 
 
 def _slow(
-    body: str, delimiter: str, places: list[int], header_line: int, source: str
+    body: str, delimiter: str, places: Mapping[str, int], header_line: int, source: str
 ) -> tuple[npt.NDArray[np.float64], ...]:
     """Read line by line, to report the line that is not a sample."""
     rows: list[list[float]] = []
@@ -160,23 +234,18 @@ def _slow(
                 line=line,
                 source=source,
             ) from None
-        if len(fields) <= max(places):
+        if len(fields) <= max(places.values()):
             raise FormatError(
                 "line-too-short",
                 "the line ends after field {count}, and the header has t, x or y in field {needed}",
                 "complete it, or remove it",
                 count=len(fields),
-                needed=max(places) + 1,
+                needed=max(places.values()) + 1,
                 line=line,
                 source=source,
             )
-        rows.append(
-            [
-                _number(name, fields[place], line, source)
-                for name, place in zip(COLUMNS, places, strict=True)
-            ]
-        )
-    return tuple(np.array(rows, np.float64).reshape(-1, 3).T)
+        rows.append([_number(name, fields[place], line, source) for name, place in places.items()])
+    return tuple(np.array(rows, np.float64).reshape(-1, len(places)).T)
 
 
 def _number(name: str, text: str, line: int, source: str) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,7 @@ from worldgen import render
 from worldgen.render.overlay import MarkKind
 from worldgen.world import World
 
-__all__ = ["as_lines", "as_object", "draw"]
+__all__ = ["as_lines", "as_object", "draw", "fleet_lines", "fleet_object"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -79,6 +80,35 @@ def as_lines(world: World, audit: Audit) -> list[str]:
     return [*lines, f"{_verdict(audit)}: {_figures(world, audit)}"]
 
 
+def fleet_lines(world: World, audits: Mapping[int, Audit]) -> list[str]:
+    """Return the lines of each robot, by number, and a summary."""
+    lines = [
+        f"robot {robot}: {line}"
+        for robot, audit in audits.items()
+        for line in as_lines(world.alone(robot), audit)
+    ]
+    wrong = [str(robot) for robot, audit in audits.items() if not audit.ok]
+    verdict = f"not possible: {_listed('robot', wrong)}" if wrong else "possible"
+    return [*lines, f"{verdict}; contacts between robots are not judged"]
+
+
+def _listed(noun: str, numbers: Sequence[str]) -> str:
+    """Return "robot 1", or "robots 1, 2 and 4"."""
+    if len(numbers) == 1:
+        return f"{noun} {numbers[0]}"
+    return f"{noun}s {', '.join(numbers[:-1])} and {numbers[-1]}"
+
+
+def fleet_object(audits: Mapping[int, Audit], tolerance: float) -> dict[str, object]:
+    """Return the audits of several robots as the object that ``--json`` prints."""
+    return {
+        "ok": all(audit.ok for audit in audits.values()),
+        "robots": [
+            {"robot": robot} | as_object(audit, tolerance) for robot, audit in audits.items()
+        ],
+    }
+
+
 def _line(world: World, finding: Finding) -> str:
     span = (
         f"{finding.begin:.6g} to {finding.end:.6g} s"
@@ -114,10 +144,10 @@ def _words(world: World, finding: Finding) -> str:
     return f"the first sample is {depth} away from the world's start"
 
 
-def _verdict(audit: Audit) -> str:
-    if audit.ok:
+def _verdict(*audits: Audit) -> str:
+    if all(audit.ok for audit in audits):
         return "possible"
-    counts = Counter(finding.kind for finding in audit.findings)
+    counts = Counter(finding.kind for audit in audits for finding in audit.findings)
     return "not possible, " + ", ".join(
         f"{counts[kind]} {_NOUNS[kind][counts[kind] > 1]}" for kind in KINDS if counts[kind]
     )
@@ -138,11 +168,29 @@ def _figures(world: World, audit: Audit) -> str:
     )
 
 
-def draw(world: World, trajectory: Trajectory, audit: Audit, name: str) -> bytes:
-    """Draw the world, the trajectory and the findings; return the bytes of a PNG file.
+def draw(world: World, recorded: Mapping[int, tuple[Trajectory, Audit]], name: str) -> bytes:
+    """Draw the world, the trajectories and the findings; return the bytes of a PNG file.
 
-    Anything outside the world is drawn on its border.
+    Anything outside the world is drawn on its border. A robot that was not recorded stays at its
+    start.
     """
+    trails = []
+    for number, robot in enumerate(world.robots, start=1):
+        if number in recorded:
+            trails.append(_trail(world, *recorded[number]))
+        else:
+            here = np.array([robot.start.x] * 2), np.array([robot.start.y] * 2)
+            trails.append(render.Trail(*here, None, []))
+    audits = [audit for _, audit in recorded.values()]
+    return render.draw_png(
+        world,
+        trail=trails if world.others else trails[0],
+        title=f"{name}: {_verdict(*audits)}",
+    )
+
+
+def _trail(world: World, trajectory: Trajectory, audit: Audit) -> render.Trail:
+    """Return a trajectory and its findings as they are drawn."""
     # Positions are clipped to the middle of the frame around the world.
     frame = render.Frame.of(world)
     border = 0.5 * frame.band / frame.scale
@@ -160,11 +208,7 @@ def draw(world: World, trajectory: Trajectory, audit: Audit, name: str) -> bytes
     pixels = np.round(np.stack([x, y]) / grain)
     fresh = np.concatenate([[True], (np.diff(pixels, axis=1) != 0).any(axis=0)])
     fresh[-1] = True
-    return render.draw_png(
-        world,
-        trail=render.Trail(x[fresh], y[fresh], None, marks),
-        title=f"{name}: {_verdict(audit)}",
-    )
+    return render.Trail(x[fresh], y[fresh], None, marks)
 
 
 def _cut_off(

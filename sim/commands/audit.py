@@ -45,6 +45,12 @@ PATH = click.Path(path_type=Path)
     "--from-start", is_flag=True, help="Require that the first sample is the world's start."
 )
 @click.option(
+    "--robot",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Judge this robot alone.  [default: every robot of the recording]",
+)
+@click.option(
     "--picture",
     type=PATH,
     metavar="OUT.png",
@@ -59,20 +65,22 @@ def audit(
     slack: float | None,
     straight: bool,
     from_start: bool,
+    robot: int | None,
     picture: Path | None,
     as_json: bool,
     force: bool,
 ) -> None:
     """Check whether a trajectory from any simulator was possible.
 
-    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up); - is stdin. It
-    reports walls that the centre went through (tunnel) or the disc cut into (overlap), paths
-    outside the grid, jumps faster than the robot, and touched fire; docs/howto/audit.md describes
-    them. Exits with 0 if it was possible, with 1 if not.
+    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up) and, for several
+    robots, robot; - is stdin. It reports walls that the centre went through (tunnel) or the disc
+    cut into (overlap), paths outside the grid, jumps faster than the robot, and touched fire;
+    docs/howto/audit.md describes them. Exits with 0 if it was possible, with 1 if not.
     """
     from sim.audit import audit as audit_trajectory
-    from sim.audit.file import read_trajectory
-    from sim.audit.report import as_lines, as_object, draw
+    from sim.audit.file import read_trajectories
+    from sim.audit.report import as_lines, as_object, draw, fleet_lines, fleet_object
+    from worldgen.errors import InvalidParameter
     from worldgen.files.grid import read_world
     from worldgen.files.whole import check_output
 
@@ -83,23 +91,45 @@ def audit(
         check_output(picture, force)
     # Read and audit.
     world = read_world(world_path)
-    trajectory = read_trajectory(trajectory_path)
-    with working(f"auditing {trajectory_path}"):
-        result = audit_trajectory(
-            world,
-            trajectory,
-            tolerance=tolerance,
-            slack=slack,
-            straight=straight,
-            from_start=from_start,
+    if robot is not None and robot > len(world.robots):
+        raise InvalidParameter(
+            "out-of-range",
+            "robot {robot} is not in the world, which has {robots}",
+            "give a lower number",
+            robot=robot,
+            robots=len(world.robots),
         )
-    # Report and draw; the exit code tells whether the trajectory was possible.
-    if as_json:
-        emit_json(as_object(result, tolerance))
+    trajectories = read_trajectories(trajectory_path, len(world.robots), robot)
+    with working(f"auditing {trajectory_path}"):
+        audits = {
+            number: audit_trajectory(
+                world.alone(number) if world.others else world,
+                trajectory,
+                tolerance=tolerance,
+                slack=slack,
+                straight=straight,
+                from_start=from_start,
+            )
+            for number, trajectory in trajectories.items()
+        }
+
+    # Report; a recording of one robot needs no numbers.
+    if len(audits) > 1:
+        found = fleet_object(audits, tolerance)
+        lines = fleet_lines(world, audits)
     else:
-        click.echo("\n".join(as_lines(world, result)))
+        ((number, result),) = audits.items()
+        found = as_object(result, tolerance)
+        lines = as_lines(world.alone(number) if world.others else world, result)
+    if as_json:
+        emit_json(found)
+    else:
+        click.echo("\n".join(lines))
+
+    # Draw; the exit code tells whether the trajectories were possible.
     if picture is not None:
-        write_bytes(picture, draw(world, trajectory, result, trajectory_path.name), force=force)
+        recorded = {number: (trajectories[number], audits[number]) for number in audits}
+        write_bytes(picture, draw(world, recorded, trajectory_path.name), force=force)
         note(f"wrote {picture}")
-    if not result.ok:
+    if not all(result.ok for result in audits.values()):
         raise SystemExit(1)

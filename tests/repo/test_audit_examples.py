@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sim.audit import audit
-from sim.audit.file import read_trajectory
+from sim.audit.file import read_trajectories
 from worldgen import read_world
 
 FOLDER = Path(__file__).parents[2] / "examples" / "audits"
@@ -17,7 +17,7 @@ FAST = ["irsim-fast", "mujoco-fast", "mujoco-unseen"]
 
 def report(name):
     return audit(
-        read_world(FOLDER / "wall.grid"), read_trajectory(FOLDER / "recorded" / f"{name}.csv")
+        read_world(FOLDER / "wall.grid"), read_trajectories(FOLDER / "recorded" / f"{name}.csv")[1]
     )
 
 

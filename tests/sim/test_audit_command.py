@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from sim.audit import KINDS, audit
-from sim.audit.file import parse_trajectory
+from sim.audit.file import parse_trajectories
 from tests.helpers.audit_room import ROOM, path, room
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
@@ -22,6 +22,7 @@ from worldgen import (
     Pose,
     Target,
     World,
+    generate,
     write_world,
 )
 
@@ -51,7 +52,7 @@ from worldgen import (
 )
 def test_a_recording_that_cannot_be_read_is_named_with_its_line(text, line, expected):
     with raises(FormatError, **expected) as raised:
-        parse_trajectory(text, "bad.csv")
+        parse_trajectories(text, "bad.csv")[1]
     assert raised.value.line == line
 
 
@@ -67,7 +68,7 @@ def test_a_recording_that_cannot_be_read_is_named_with_its_line(text, line, expe
     ],
 )
 def test_columns_go_by_name_whatever_stands_between(text):
-    read = parse_trajectory(text, "good.csv")
+    read = parse_trajectories(text, "good.csv")[1]
     assert [list(values) for values in (read.times, read.x, read.y)] == [
         [0.0, 0.5],
         [1.5, 3.0],
@@ -176,3 +177,82 @@ def test_the_picture_marks_the_tunnel(files):
 def test_bad_input_is_one_line(files, arguments, message):
     result = worldgen("audit", *(text.format(files) for text in arguments))
     assert result.code == 2 and message in result.err and "Traceback" not in result.err
+
+
+@pytest.fixture
+def fleet(tmp_path):
+    """A world of two robots, and what ``run`` recorded in it."""
+    write_world(generate("doorway", 5, robots=2), tmp_path / "d.grid")
+    trace = ["--trace", tmp_path / "own.csv"]
+    done = worldgen("run", tmp_path / "d.grid", "--controller", "turn-right", *trace)
+    # The second robot never arrives.
+    assert done.code == 1
+    return tmp_path
+
+
+def test_a_recording_by_run_of_several_robots_is_possible(fleet):
+    done = worldgen("audit", fleet / "d.grid", fleet / "own.csv")
+    assert done.code == 0
+    lines = done.out.splitlines()
+    assert [line.split(":")[0] for line in lines if "samples" in line] == ["robot 1", "robot 2"]
+    assert lines[-1] == "possible; contacts between robots are not judged"
+
+
+def test_one_robot_of_a_recording_can_be_chosen(fleet):
+    done = worldgen("audit", fleet / "d.grid", fleet / "own.csv", "--robot", "2", "--json")
+    found = json.loads(done.out)
+    both = json.loads(worldgen("audit", fleet / "d.grid", fleet / "own.csv", "--json").out)
+    assert both["ok"]
+    assert [one.pop("robot") for one in both["robots"]] == [1, 2]
+    assert found == both["robots"][1]
+
+
+def test_the_robot_with_a_finding_is_named(fleet):
+    lines = (fleet / "own.csv").read_text().splitlines()
+    at = next(number for number, line in enumerate(lines) if line.startswith("2,")) + 3
+    fields = lines[at].split(",")
+    lines[at] = ",".join([*fields[:2], "-1.0", *fields[3:]])
+    (fleet / "bad.csv").write_text("\n".join(lines))
+    out = fleet / "bad.png"
+    done = worldgen("audit", fleet / "d.grid", fleet / "bad.csv", "--picture", out)
+    assert done.code == 1
+    assert "robot 2: outside" in done.out
+    assert "robot 1: outside" not in done.out
+    assert done.out.splitlines()[-1].startswith("not possible: robot 2;")
+    assert out.read_bytes().startswith(b"\x89PNG")
+    assert worldgen("audit", fleet / "d.grid", fleet / "bad.csv", "--robot", "1").code == 0
+
+
+def test_a_recording_without_numbers_is_of_the_chosen_robot(fleet):
+    lines = (fleet / "own.csv").read_text().splitlines()
+    own = [line.split(",", 1)[1] for line in lines if line.startswith(("robot", "2,"))]
+    (fleet / "two.csv").write_text("\n".join(own))
+    arguments = ["audit", fleet / "d.grid", fleet / "two.csv", "--from-start"]
+    assert worldgen(*arguments, "--robot", "2").code == 0
+    assert "start" in worldgen(*arguments).out
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "message"),
+    [
+        ("robot,t,x,y\n1,0,1,1\n3,0,1,1\n", [], ":3: robot 3 is not in the world"),
+        ("robot,t,x,y\n1,0,1,1\n0.5,0,1,1\n", [], ":3: robot 0.5 is not in the world"),
+        ("robot,t,x,y\n1,0,1,1\n2,0,1,1\n1,1,1,1\n", [], "robot 2: a trajectory needs"),
+        ("robot,t,x,y\n1,0,1,1\n1,1,1,1\n", ["--robot", "2"], "no sample of robot 2"),
+        ("robot,t,x,y\n", [], "no sample of robot 1"),
+        ("robot,t,x,y\n1,0,1,1\n2,1,1,1\n2,0,1,1\n1,2,1,1\n", [], ":4: robot 2: t = 0.0 s"),
+        ("robot,t,x,y\none,0,1,1\n", [], "robot 'one' is not a number"),
+        ("robot,t,x,y\n1,0,1,1\n1,1,1,1\n", ["--robot", "3"], "robot 3 is not in the world"),
+    ],
+)
+def test_a_fault_in_a_recording_of_several_robots_is_one_line(fleet, text, options, message):
+    (fleet / "bad.csv").write_text(text)
+    done = worldgen("audit", fleet / "d.grid", fleet / "bad.csv", *options)
+    assert done.code == 2
+    assert message in done.err
+    assert len(done.err.strip().splitlines()) == 1
+
+
+def test_in_a_world_of_one_robot_a_column_of_names_is_ignored(files):
+    (files / "named.csv").write_text("robot,t,x,y\nburger,0,3.5,3.5\nburger,1,3.5,5.0\n")
+    assert worldgen("audit", files / "w.grid", files / "named.csv").code == 0
