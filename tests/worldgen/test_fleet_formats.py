@@ -14,6 +14,7 @@ from worldgen.interop import (
     FORMATS,
     ImportedRobot,
     export_world,
+    find_format,
     import_world,
     read_map,
     write_export,
@@ -331,3 +332,23 @@ def test_a_radius_that_is_given_is_every_robots(tmp_path):
     robot = ImportedRobot(scenario=tmp_path / "w.map.scen", robots=3, radius=0.06, speed=1.0)
     found = import_world(path, robot)
     assert {(one.radius, one.speed) for one in found.world.robots} == {(0.06, 1.0)}
+
+
+ROBOT = "{kinematics: {name: diff}, state: [1, 1, 0], goal: [3, 3, 0]}"
+DRIVER = "{type: unicycle_first_order_0_sphere, start: [1, 1, 0], goal: [3, 3, 0]}"
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        (f"world: {{height: 4, width: 4}}\nrobot:\n  - {ROBOT}\n  - {ROBOT}\n", "irsim"),
+        (f"robot:\n  - {ROBOT}\n  - {ROBOT}\nworld: {{height: 4, width: 4}}\n", "irsim"),
+        ("world:\n  height: 4\nenvironment:\n  wind: 1\n", "irsim"),
+        (f"robots:\n  - {DRIVER}\nenvironment: {{min: [0, 0], max: [4, 4]}}\n", "dbcbs"),
+        ("environment:\n  max: [4, 4]\n  min: [0, 0]\n  obstacles:\n" + " \n" * 5000, "dbcbs"),
+    ],
+)
+def test_yaml_files_are_recognised_by_their_own_keys(tmp_path, text, name):
+    path = tmp_path / "w.yaml"
+    path.write_text(text)
+    assert find_format(path).name == name

@@ -83,7 +83,7 @@ def test_more_places_than_agents_are_cut_as_pogema_does(write):
 def test_an_agent_in_a_wall_frees_its_cell(write):
     found = read_map(write(CONFIG.replace("[2, 2]", "[2, 1]")), ALL)
     assert rows_of(found)[2] == "....#"
-    assert "1 cells" in found.warnings[0]
+    assert "walls in the map: 1;" in found.warnings[0]
 
 
 @pytest.mark.parametrize("name", ["puzzle-01", ""])

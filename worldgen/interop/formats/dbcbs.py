@@ -215,7 +215,11 @@ dbcbs = Format(
     "dbcbs",
     "problem of db-CBS or dynobench, .yaml",
     (".yaml", ".yml"),
-    re.compile(rb"(?s)(.*\n)?environment[ \t]*:[ \t]*(#[^\n]*)?\r?\n"),
+    # Many obstacles may stand before the robots, so the limits of the environment will do.
+    re.compile(
+        rb"(?s)(?=(.*\n)?environment[ \t]*:[ \t]*(\{|(#[^\n]*)?\r?\n))"
+        rb"((.*\n)?robots[ \t]*:|(?=.*[\s{,]min[ \t]*:).*[\s{,]max[ \t]*:)"
+    ),
     read_dbcbs,
     write_dbcbs,
     holds=frozenset({"start", "heading", "target", "robot_radius", "robot_speed", "origin"}),

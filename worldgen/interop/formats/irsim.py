@@ -170,7 +170,7 @@ irsim = Format(
     "irsim",
     "IR-SIM world, .yaml",
     (".yaml", ".yml"),
-    re.compile(rb"(?s)(?!.*?(?m:^)image[ \t]*:)(.*\n)?world[ \t]*:[ \t]*(#[^\n]*)?\r?\n"),
+    re.compile(rb"(?s)(?!.*?(?m:^)image[ \t]*:)(.*\n)?world[ \t]*:[ \t]*(\{|(#[^\n]*)?\r?\n)"),
     read_irsim,
     write_irsim,
     holds=frozenset(HELD),

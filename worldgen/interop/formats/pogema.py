@@ -220,8 +220,8 @@ def _freed(walls: npt.NDArray[np.bool_], places: Iterable[tuple[int, int]]) -> I
         walls[place] = False
     if solid:
         yield (
-            f"{len(solid)} cells with an agent or a target are walls in the map; they are free, as "
-            f"in POGEMA"
+            f"cells with an agent or a target that are walls in the map: {len(solid)}; they are "
+            f"free, as in POGEMA"
         )
 
 
