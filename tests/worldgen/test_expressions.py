@@ -55,7 +55,7 @@ def test_whole_numbers_stay_whole():
         ("1 + size > 3", {"code": "wrong-form"}, 0),
         ("least(size > 3)", {"code": "wrong-form"}, 6),
         ("least(not size)", {"code": "wrong-form"}, 6),
-        ("3m", {"code": "unknown-name", "name": "m", "known": ["k"]}, 1),
+        ("3m", {"code": "unknown-name", "name": "m", "known": "k"}, 1),
     ],
 )
 def test_what_is_not_a_number_is_refused_with_a_mark_under_it(text, expected, place):

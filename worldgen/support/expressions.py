@@ -275,7 +275,7 @@ class _Reader:
                     "{name!r} is not a unit",
                     "write {known}" if units else "leave it out",
                     name=unit,
-                    known=self._language.unit_words,
+                    known=self._language.unit_words or ", ".join(units),
                 ),
                 token.start("unit"),
             )
