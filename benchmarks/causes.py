@@ -153,7 +153,7 @@ def _row(row: Sorted) -> str:
     held = "" if row.fault in DESIGN else "yes"
     return (
         f"| `{row.fault}` | {held} | {row.failures} | {row.classes} | {row.main} | "
-        f"{_percent(row.completeness)} | {others} |"
+        f"{_percent(row.completeness) if row.failures else '-'} | {others} |"
     )
 
 

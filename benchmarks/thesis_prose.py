@@ -25,6 +25,7 @@ from benchmarks.thesis_symmetric import CELL, SIDE, START, have_arrived
 from sim import simulate, simulate_many
 from sim.evidence import LoopEvidence
 from worldgen import write_world
+from worldgen.files.whole import check_output
 from worldgen.reach import decide
 from worldgen.world import Target, World
 
@@ -344,6 +345,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1, help="of all that is drawn (default 1)")
     parser.add_argument("--out", type=Path, help="write the best world")
     options = parser.parse_args()
+    if options.out is not None:
+        check_output(options.out, force=False)
     search = Search(CONFIGURATIONS[options.configuration], random.Random(options.seed))
     for _ in range(options.rounds):
         search.climb()
