@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from sim.controllers.behaviours import chart
+
 FUZZ = Path(__file__).parents[2] / "fuzz"
 PAGES = {
     "#player": FUZZ / "player" / "page",
@@ -97,8 +99,10 @@ def test_what_is_declared_is_used(module):
 def test_every_class_in_a_style_is_on_some_element(style):
     makers = [path for path in sorted(FUZZ.rglob("*")) if path.suffix in (".js", ".html")]
     pages = "\n".join(
-        path.read_text("utf-8") for path in (*makers, FUZZ / "player" / "runs.py")
-    )  # kinds of marks there
+        path.read_text("utf-8")
+        # Kinds of marks, and shapes of a flow chart.
+        for path in (*makers, FUZZ / "player" / "runs.py", Path(chart.__file__))
+    )
     selectors = re.sub(r"\{[^{}]*\}|/\*.*?\*/", "", style.read_text("utf-8"), flags=re.DOTALL)
     names = {
         re.sub(r"^robot-\d$", "robot-", name)
