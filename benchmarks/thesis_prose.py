@@ -345,11 +345,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1, help="of all that is drawn (default 1)")
     parser.add_argument("--out", type=Path, help="write the best world")
     options = parser.parse_args()
+
+    # Search, after a look at where the result goes.
     if options.out is not None:
         check_output(options.out, force=False)
     search = Search(CONFIGURATIONS[options.configuration], random.Random(options.seed))
     for _ in range(options.rounds):
         search.climb()
+
+    # Count how many meet each demand.
     met = [one for one in search.tried.values() if one.miss < NEAR]
     full = [one for one in met if one.lacks == 0.0]
     fits = search.found()
@@ -357,6 +361,8 @@ def main() -> None:
         f"of {len(search.tried):,} drawings {len(met)} meet the times of rules 1 and 2, "
         f"{len(full)} of them do what the prose says, and {len(fits)} of those fit rule 3"
     )
+
+    # Print the best, and write the very best with its certificate.
     for one, drawing in fits[:10]:
         click.echo(f"miss {one.miss:.4f}, rule 3 {one.median:g} ticks: {drawing.numbers}")
     world = fits[0][1].world() if fits else None
