@@ -138,8 +138,9 @@ def test_totals_add_up_and_compare_times_only_where_everybody_arrives(table):
     assert 2 not in table.common
 
 
-def test_a_controller_that_draws_random_numbers_runs_with_every_seed(tmp_path):
-    (tmp_path / "mine.py").write_text(
+def waverer(folder):
+    """Return the name of a controller that draws random numbers."""
+    (folder / "mine.py").write_text(
         "from sim import Command\n"
         "class Waverer:\n"
         "    def reset(self):\n"
@@ -148,7 +149,11 @@ def test_a_controller_that_draws_random_numbers_runs_with_every_seed(tmp_path):
         "        return Command(observation.top_speed, 20.0 * observation.random - 10.0, "
         "used_random=True), memory\n"
     )
-    name = f"{tmp_path}/mine.py:Waverer"
+    return f"{folder}/mine.py:Waverer"
+
+
+def test_a_controller_that_draws_random_numbers_runs_with_every_seed(tmp_path):
+    name = waverer(tmp_path)
     cell = compare([EMPTY], scenarios(name, motion="swept"), seeds=3, steps=300).cells[0][0]
     assert cell.random and [run.seed for run in cell.runs] == [0, 1, 2]
     assert cell.interval == interval_95(cell.reached, 3)
@@ -344,17 +349,18 @@ def test_each_controller_drives_all_robots_of_a_world():
 
 
 def test_a_python_controller_that_draws_runs_fleets_with_every_seed(tmp_path):
-    (tmp_path / "mine.py").write_text(
-        "from sim import Command\n"
-        "class Waverer:\n"
-        "    def reset(self):\n"
-        "        return ()\n"
-        "    def act(self, observation, memory):\n"
-        "        return Command(1.0, observation.random - 0.5, used_random=True), memory\n"
-    )
-    name = f"{tmp_path}/mine.py:Waverer"
+    name = waverer(tmp_path)
     cell = compare([FLEET], scenarios(name, motion="swept"), seeds=3, steps=40).cells[0][0]
     assert cell.random and [run.seed for run in cell.runs] == [0, 1, 2]
+
+
+def test_the_legend_of_a_picture_is_never_cut_off():
+    names = ["bug2", "three-layer+beam_noise=0.1", "thesis-3+slip=0.2"]
+    drawn = draw_comparison(compare([EMPTY], scenarios(*names, motion="swept"), steps=5))
+    picture = np.asarray(Image.open(io.BytesIO(drawn)).convert("L"))
+    # In the legend's line, something is drawn up to near the right edge, and nothing on it.
+    ink = np.flatnonzero((picture[14:36] < 250).any(axis=0))
+    assert picture.shape[1] - 40 < ink.max() < picture.shape[1] - 2
 
 
 def test_the_command_compares_fleets_as_text_csv_json_and_picture(tmp_path):

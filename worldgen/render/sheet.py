@@ -40,6 +40,8 @@ _TYPE = 15
 _SMALL_TYPE = 12
 # Width of a robot's path, px.
 _WIDTH = 2.2
+# The end of the legend.
+_DOT = "dot: where the run ended"
 
 
 @dataclass(frozen=True)
@@ -91,12 +93,16 @@ def draw_sheet(
     width = max(image.width for image in drawn)
     rows = [drawn[k : k + columns] for k in range(0, len(drawn), columns)]
     heights = [max(image.height for image in row) + _GAP for row in rows]
-    legend = _LINE + _GAP if robots else 0
-    sheet = Image.new("RGB", (columns * (width + _GAP) + _GAP, legend + sum(heights) + _GAP), PAPER)
+    # A sheet of few worlds is as wide as its legend.
+    wide = columns * (width + _GAP)
+    top = _GAP
+    if robots:
+        wide = max(wide, math.ceil(_legend_width(robots)))
+        top += _LINE + _GAP
+    sheet = Image.new("RGB", (wide + _GAP, top + sum(heights)), PAPER)
     if robots:
         _draw_legend(sheet, robots)
     # Paste the panels.
-    top = legend + _GAP
     for row, height in zip(rows, heights, strict=True):
         for k, image in enumerate(row):
             sheet.paste(image, (_GAP + k * (width + _GAP), top))
@@ -179,6 +185,12 @@ def _way(trail: Trail | None, frame: Frame, shift: float, colour: str) -> list[P
     ]
 
 
+def _legend_width(robots: Sequence[str]) -> float:
+    """Return where the legend ends, px from the left."""
+    font = ImageFont.load_default(_TYPE)
+    return _GAP + sum(60 + font.getlength(name) for name in robots) + font.getlength(_DOT)
+
+
 def _draw_legend(sheet: Image.Image, robots: Sequence[str]) -> None:
     pen = ImageDraw.Draw(sheet)
     font = ImageFont.load_default(_TYPE)
@@ -188,4 +200,4 @@ def _draw_legend(sheet: Image.Image, robots: Sequence[str]) -> None:
         pen.line((x, y, x + 26, y), fill=rgb(COLOURS[k]), width=4)
         pen.text((x + 34, y), name, fill=rgb(INK), font=font, anchor="lm")
         x += 34 + font.getlength(name) + 26
-    pen.text((x, y), "dot: where the run ended", fill=rgb(GREY), font=font, anchor="lm")
+    pen.text((x, y), _DOT, fill=rgb(GREY), font=font, anchor="lm")
