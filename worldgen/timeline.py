@@ -178,7 +178,7 @@ class Timeline(HoldsFrozen):
         """Return the timeline with its events in other cells.
 
         Args:
-            to: Returns the new columns and rows, (n,) int64, for the old ones.
+            to: Maps columns and rows, (n,) int64, to the new columns and rows.
         """
         ix, iy = to(self.ix, self.iy)
         return replace(self, ix=ix, iy=iy)

@@ -111,7 +111,7 @@ class UnitSearch(ABC, Generic[Result, Event]):
 
     @abstractmethod
     def _hand_out_one(self, executor: Executor) -> bool:
-        """Begin one piece of work, or return False if there is none that may begin now."""
+        """Begin one piece of work, or return False if nothing may begin now."""
 
     @abstractmethod
     def _merge(self, unit: int, submitted: Submitted[Result]) -> Iterator[Event]:

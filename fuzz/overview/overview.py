@@ -56,7 +56,7 @@ def write_overview(overview: Overview, folder: Path) -> None:
 
 
 def read_overview(folder: Path) -> OverviewTable | None:
-    """Return the overview in a campaign's folder; ``None`` if there is none.
+    """Return the overview in a campaign's folder, or ``None`` if it has no such file.
 
     The form is checked, so that pages can rely on it whatever the file's origin.
 

@@ -160,8 +160,8 @@ def _samples(
     if (only is not None and only not in known) or not known:
         raise FormatError(
             "too-few-samples",
-            "there is no sample of robot {robot}",
-            "choose a robot that was recorded",
+            "the file has no samples of robot {robot}",
+            "choose a robot that was recorded" if known else "record a run first",
             robot=only or 1,
             source=source,
         )

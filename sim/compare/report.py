@@ -315,7 +315,7 @@ def as_json(comparison: Comparison, beside: Agreement | None = None) -> dict[str
 
 
 def _json_robots(world: World) -> dict[str, int]:
-    """Return the number of robots, which is left out for a world with one."""
+    """Return the number of robots; rows of worlds with one robot omit it."""
     return {"robots": len(world.robots)} if world.others else {}
 
 

@@ -102,10 +102,10 @@ def export_world(
         key: said for key, said in _missing(still, known, destination) if key not in written.altered
     }
     files = dict(written.files)
-    beside = f"{destination.name}{SUFFIX}" if sidecar and (missing or written.altered) else None
-    if beside is not None:
+    companion = f"{destination.name}{SUFFIX}" if sidecar and (missing or written.altered) else None
+    if companion is not None:
         others = still.others if known.robots else ()
-        files[beside] = sidecar_text(still, destination, [*missing, *written.altered], others)
+        files[companion] = sidecar_text(still, destination, [*missing, *written.altered], others)
     # Tell the user what was lost.
     lost = [f"not stored: {', '.join(missing.values())}"] if missing else []
     notes = (
@@ -113,7 +113,7 @@ def export_world(
         *_notes(world, known, at, destination),
         *_too_large(known, written.data),
     )
-    return Export(known, files, (*lost, *dict.fromkeys(written.altered.values())), beside, notes)
+    return Export(known, files, (*lost, *dict.fromkeys(written.altered.values())), companion, notes)
 
 
 def _check_robots(world: World, known: Format) -> None:

@@ -94,14 +94,14 @@ def read_sidecar(path: Path) -> Sidecar | None:
     Raises:
         FormatError: If it isn't a sidecar, with the line at fault.
     """
-    beside = path.with_name(path.name + SUFFIX)
+    companion = path.with_name(path.name + SUFFIX)
     try:
-        if not beside.exists():
+        if not companion.exists():
             return None
     except (OSError, ValueError):
         return None
-    data = _bytes(beside)
-    source = str(beside)
+    data = _bytes(companion)
+    source = str(companion)
     try:
         header = Header(data.decode("utf-8-sig"), 1, source, "the sidecar")
     except UnicodeDecodeError as error:
@@ -122,7 +122,7 @@ def read_sidecar(path: Path) -> Sidecar | None:
     size = _numbers(header, header.data, _SIZE)
     values = {key: _numbers(header, header.data, key) for key in HELD if key in header.data}
     sides = (int(size[0]), int(size[1]))
-    return Sidecar(beside.name, digest(data), sides, values, tuple(_others(header)))
+    return Sidecar(companion.name, digest(data), sides, values, tuple(_others(header)))
 
 
 def _check_keys(

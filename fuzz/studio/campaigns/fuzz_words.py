@@ -196,7 +196,7 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
 def options() -> dict[str, dict[str, Any]]:
     """Return the command's options by name, with ``help`` and ``default``.
 
-    What the command alone says of an option, such as that code in files can be named, is left out.
+    Help that holds only at the command line is omitted, such as how to name a class in a file.
     """
     declared = {option.name: option.help for option in CampaignOptions.declared()}
     return {
