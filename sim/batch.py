@@ -30,6 +30,7 @@ from sim.runners.many import run_many
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT
+from worldgen.support.arrays import Bools, Floats, Ints, Words
 from worldgen.world import Pose, Value, World
 
 __all__ = ["VERDICTS", "Runs", "simulate_many"]
@@ -52,9 +53,6 @@ _GROUP_BYTES = 1 << 26
 _LOG_BYTES = 1 << 30
 _MOST_WORKERS = 1024
 _CODE = {verdict: np.int8(code) for code, verdict in enumerate(VERDICTS)}
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +77,14 @@ class Runs:
     world: Ints
     controller: Ints
     start: Ints
-    seed: npt.NDArray[np.uint64]
+    seed: Words
     verdict: npt.NDArray[np.int8]
     steps: Ints
     time: Floats
     path_length: Floats
     collisions: Ints
     area_covered: Floats
-    digest: npt.NDArray[np.uint64]
+    digest: Words
     names: tuple[str, ...]
 
     def __len__(self) -> int:
@@ -98,9 +96,9 @@ class Runs:
         return np.array(VERDICTS)[self.verdict]
 
     @property
-    def reached(self) -> npt.NDArray[np.bool_]:
+    def reached(self) -> Bools:
         """(n,) True where the target was reached."""
-        found: npt.NDArray[np.bool_] = self.verdict == _CODE[Verdict.REACHED]
+        found: Bools = self.verdict == _CODE[Verdict.REACHED]
         return found
 
     def to_numpy(self) -> npt.NDArray[Any]:
@@ -224,7 +222,7 @@ def _run_side_by_side(jobs: Sequence[_RunBlock], threads: int, runs: Runs, diges
             raise
 
 
-def _empty(worlds: int, names: Sequence[str], starts: int, seeds: npt.NDArray[np.uint64]) -> Runs:
+def _empty(worlds: int, names: Sequence[str], starts: int, seeds: Words) -> Runs:
     shape = (worlds, len(names), starts, len(seeds))
     world, controller, start, seed = (axis.ravel() for axis in np.indices(shape))
     count = len(world)

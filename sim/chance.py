@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers import CompiledController, Controller, controller_of
@@ -29,6 +28,7 @@ from sim.runners.core_calls import CoreEpisode, Driver
 from sim.runners.lattice import LatticeRun
 from sim.trace import Trace
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Ints
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import World
 
@@ -49,7 +49,6 @@ _DRAWS = 4
 # The ending of a step that has not been simulated yet.
 _NOT_DONE = -1
 
-Ints = npt.NDArray[np.int64]
 Following: TypeAlias = tuple[tuple[int, int], ...]
 
 

@@ -14,9 +14,10 @@ from sim.evidence import (
     WallEvidence,
     evidence_table,
 )
-from sim.trace import Trace, Words
+from sim.trace import Trace
 from sim.verdict import AT_ONCE, Verdict
 from worldgen.lattice import exact
+from worldgen.support.arrays import Words
 from worldgen.world import World
 
 __all__ = [

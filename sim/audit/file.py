@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.judge import Trajectory
 from worldgen.errors import FormatError
+from worldgen.support.arrays import Floats, Ints
 
 __all__ = ["parse_trajectories", "read_trajectories"]
 
@@ -137,13 +137,13 @@ def _has_robots(header: str) -> bool:
 
 
 def _samples(
-    owners: npt.NDArray[np.float64],
+    owners: Floats,
     robots: int,
     only: int | None,
     body: str,
     header_line: int,
     source: str,
-) -> dict[int, npt.NDArray[np.int64]]:
+) -> dict[int, Ints]:
     """Return the rows of each robot's samples."""
     wrong = np.flatnonzero(~np.isin(owners, np.arange(1, robots + 1)))
     if len(wrong):
@@ -200,7 +200,7 @@ def _columns(header: str, wanted: Sequence[str], line: int, source: str) -> tupl
     )
 
 
-def _quick(body: str, delimiter: str, places: list[int]) -> tuple[npt.NDArray[np.float64], ...]:
+def _quick(body: str, delimiter: str, places: list[int]) -> tuple[Floats, ...]:
     if not body.strip():
         return (np.zeros(0),) * len(places)
     columns = np.loadtxt(
@@ -217,7 +217,7 @@ def _quick(body: str, delimiter: str, places: list[int]) -> tuple[npt.NDArray[np
 
 def _slow(
     body: str, delimiter: str, places: Mapping[str, int], header_line: int, source: str
-) -> tuple[npt.NDArray[np.float64], ...]:
+) -> tuple[Floats, ...]:
     """Read line by line, to report the line that is not a sample."""
     rows: list[list[float]] = []
     for line, text in enumerate(body.split("\n"), header_line + 1):

@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.path import AuditPath
 from sim.audit.scan import Hits, Scan, merged, scan
 from worldgen.errors import InvalidParameter, Message
+from worldgen.support.arrays import Floats
 from worldgen.world import World
 
 __all__ = [
@@ -28,7 +28,6 @@ __all__ = [
     "audit",
 ]
 
-Floats = npt.NDArray[np.float64]
 
 KINDS = ("tunnel", "overlap", "outside", "jump", "burned", "start")
 # Depth up to which a cut is not reported, m.

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.exact import Move, decimal, is_beyond
 from sim.audit.geometry import Parts, slab
+from worldgen.support.arrays import Bools, Floats
 from worldgen.world import World
 
 __all__ = ["AuditPath"]
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 # Cells. Longer moves are examined in pieces of at most this length.
 _PIECE = 2.0
@@ -101,9 +99,7 @@ class AuditPath:
         return Move(begin, end, *places)
 
 
-def _coordinate(
-    metres: Floats, count: int, cell_size: float
-) -> tuple[Floats, npt.NDArray[np.bool_]]:
+def _coordinate(metres: Floats, count: int, cell_size: float) -> tuple[Floats, Bools]:
     """Return coordinates in cells, and exactly which of them are outside a grid of ``count``."""
     size = decimal(cell_size)
     if max(size.numerator, size.denominator) < 2**53:

@@ -7,16 +7,15 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.judge import KINDS, Audit, Finding, Trajectory
 from worldgen import render
 from worldgen.render.overlay import MarkKind
+from worldgen.support.arrays import Floats
 from worldgen.world import World
 
 __all__ = ["as_lines", "as_object", "draw", "fleet_lines", "fleet_object"]
 
-Floats = npt.NDArray[np.float64]
 
 _MOST_LINES = 40
 # Limit on marks of one kind; more of them would hide the picture.

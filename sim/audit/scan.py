@@ -10,18 +10,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.cells import Pairs, Surroundings
 from sim.audit.exact import meet_inside, run_along, run_between
 from sim.audit.geometry import deepest, nearest, slab, within
 from sim.audit.path import AuditPath
+from worldgen.support.arrays import Bools, Floats, Indices, Ints
 from worldgen.timeline import CellState
 
 __all__ = ["Hits", "Scan", "merged", "scan"]
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 # Sizes of the arrays that are worked on at once, in pieces and in pairs, to limit memory.
 _PIECES_AT_ONCE = 60_000
@@ -66,7 +64,7 @@ class Hits:
     ix: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     iy: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
 
-    def of_moves(self, rows: npt.NDArray[np.intp]) -> Hits:
+    def of_moves(self, rows: Indices) -> Hits:
         """Return the stretches on the path, if the places are fractions of these moves."""
         begin, end, worst = (rows + place for place in (self.begin, self.end, self.worst))
         return replace(self, begin=begin, end=end, worst=worst)
@@ -148,8 +146,8 @@ class _Measured:
     """Pairs of a piece and a cell, with their distance; (n,) each."""
 
     pairs: Pairs
-    row: npt.NDArray[np.intp]
-    burning: npt.NDArray[np.bool_]
+    row: Indices
+    burning: Bools
     # Fractions of the move at which the piece begins and ends while the cell is blocked.
     low: Floats
     high: Floats
@@ -201,9 +199,7 @@ def scan(way: AuditPath, radius: float, tolerance: float, *, straight: bool) -> 
     return result
 
 
-def _portions(
-    pieces: Ints, rows: npt.NDArray[np.intp], rows_each: float
-) -> Iterator[npt.NDArray[np.intp]]:
+def _portions(pieces: Ints, rows: Indices, rows_each: float) -> Iterator[Indices]:
     """Yield the moves in portions that fit into memory."""
     most = max(1, min(_PIECES_AT_ONCE, int(_ROWS_AT_ONCE / rows_each)))
     total = np.cumsum(pieces[rows])
@@ -216,7 +212,7 @@ def _portions(
 
 
 def _measure(
-    way: AuditPath, around: Surroundings, rows: npt.NDArray[np.intp], reach: float, least: Floats
+    way: AuditPath, around: Surroundings, rows: Indices, reach: float, least: Floats
 ) -> _Measured:
     """Measure the distances of some moves to the cells around them.
 
@@ -255,8 +251,8 @@ def _measure(
 
 
 def _windows(
-    way: AuditPath, around: Surroundings, pairs: Pairs, row: npt.NDArray[np.intp]
-) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
+    way: AuditPath, around: Surroundings, pairs: Pairs, row: Indices
+) -> tuple[Floats, Floats, Bools]:
     """Return the fractions of the move between which each cell is blocked, and if it burns."""
     since = np.zeros(len(row))
     until = np.ones(len(row))
@@ -280,10 +276,10 @@ def _windows(
 def _measured(
     way: AuditPath,
     pairs: Pairs,
-    row: npt.NDArray[np.intp],
+    row: Indices,
     shares: tuple[Floats, Floats],
     window: tuple[Floats, Floats],
-    burning: npt.NDArray[np.bool_],
+    burning: Bools,
 ) -> _Measured:
     low, high = shares
     parts = way.moves.take(row).between(low, high).seen_from(pairs.ix, pairs.iy)
@@ -359,18 +355,18 @@ def _overlaps(
     return {"overlap": _some(hits, ~burning), "burned": _some(hits, burning)}
 
 
-def _some(hits: Hits, rows: npt.NDArray[np.bool_]) -> Hits:
+def _some(hits: Hits, rows: Bools) -> Hits:
     return Hits(*(getattr(hits, n)[rows] for n in ("begin", "end", "depth", "worst", "ix", "iy")))
 
 
 def _shaved(
     measured: _Measured,
     way: AuditPath,
-    hit: npt.NDArray[np.intp],
+    hit: Indices,
     radius: float,
     tolerance: float,
     result: Scan,
-) -> npt.NDArray[np.bool_]:
+) -> Bools:
     """Return which hits are cuts by a line no longer than the radius, with both ends clear.
 
     A robot that slides around a corner between two samples leaves such a line. The line cuts by at
@@ -451,8 +447,8 @@ def _doubt(measured: _Measured, way: AuditPath, around: Surroundings) -> Floats:
 
 
 def _along_a_free_cell(
-    measured: _Measured, index: npt.NDArray[np.intp], way: AuditPath, around: Surroundings
-) -> npt.NDArray[np.bool_]:
+    measured: _Measured, index: Indices, way: AuditPath, around: Surroundings
+) -> Bools:
     """Return where the centre moves along a face with a cell behind it that is never blocked.
 
     Those are not close calls. A robot that drives along a wall does this with every sample, so each
@@ -530,7 +526,7 @@ def _widest(way: AuditPath, around: Surroundings, least: Floats, result: Scan) -
         result.note_clearance(measured.distance, measured.row + measured.nearest)
 
 
-def _distinct(way: AuditPath, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+def _distinct(way: AuditPath, rows: Indices) -> Indices:
     """Return the moves, keeping only one of several equal ones if the world does not change."""
     if way.world.is_dynamic or not len(rows):
         return rows

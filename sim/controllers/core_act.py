@@ -12,17 +12,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
 from sim.controllers.controller_error import ControllerError
 from sim.verdict import Verdict
+from worldgen.support.arrays import Floats
 from worldgen.world import Value
 
 __all__ = ["CoreAct", "controller_error_of", "default_of", "memory_at_reset", "place", "size_of"]
 
-Floats = npt.NDArray[np.float64]
 
 ffi: Any = _ffi
 lib: Any = _lib

@@ -15,11 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from worldgen.errors import InvalidParameter
 from worldgen.files.whole import expanded
+from worldgen.support.arrays import Floats
 
 __all__ = [
     "LEARNED",
@@ -32,7 +30,6 @@ __all__ = [
     "read_learned",
 ]
 
-Floats = npt.NDArray[np.float64]
 
 LEARNED = "learned"
 """The option that gives a controller the numbers of such a file: ``mine.py:Mine+learned=FILE``."""

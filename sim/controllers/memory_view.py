@@ -11,13 +11,11 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats
 
 __all__ = ["MemoryField", "MemoryMap", "check_fields"]
-
-Floats = npt.NDArray[np.float64]
 
 
 class MemoryField(NamedTuple):

@@ -19,7 +19,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.behaviours.arbitration import Arbitration, PartFacts, in_words
@@ -27,6 +26,7 @@ from sim.controllers.behaviours.library import TURN_WORDS, TURNS, collide, drive
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.memory_view import MemoryField
 from sim.thesis.options import ThesisOptions
+from worldgen.support.arrays import Floats, Ints
 
 __all__ = ["RANDOM", "thesis_arbitration", "turn_left", "turn_random", "turn_right"]
 
@@ -52,7 +52,7 @@ _PARTS = (collide, seek, drive)
 _SEEK = _PARTS.index(seek)
 
 
-def _acted(memories: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+def _acted(memories: Floats) -> Ints:
     """Return the behaviour that acted in each step; see ``Arbitration``."""
     behaviour = memories[:, _BEHAVIOUR].astype(np.int64)
     before = behaviour[:-1]

@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import Controller
 from sim.drawing.wall_penetrations import penetrated_cells
@@ -23,6 +22,7 @@ from worldgen.plugins.registry import user_code
 from worldgen.reach import reachable_cells
 from worldgen.render import Drive, EventMark, Trail
 from worldgen.render.overlay import Disturbances, MarkKind, Remembered, Shove
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 __all__ = [
@@ -141,7 +141,7 @@ def drives_of(episode: Episode, world: World) -> list[Drive]:
     ]
 
 
-def _missed(trace: Trace, world: World | None) -> npt.NDArray[np.bool_] | None:
+def _missed(trace: Trace, world: World | None) -> Bools | None:
     """Return the cells of a coverage task that the robot missed."""
     if trace.task != COVER or world is None:
         return None

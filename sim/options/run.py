@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.motion import MOTIONS, THESIS, Motion
 from sim.options.disturbances import delay_of
@@ -21,6 +20,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
 from worldgen.parameters import parameters_of_fields
 from worldgen.reach.still.cells import reachable_cells
+from worldgen.support.arrays import Words
 from worldgen.support.bounds import Bounds, check_choice
 from worldgen.support.plain_text import quote
 from worldgen.world import JointWitness, Pose, Value, Witness, World
@@ -390,7 +390,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
     return poses
 
 
-def seeds_of(seeds: object) -> npt.NDArray[np.uint64]:
+def seeds_of(seeds: object) -> Words:
     """Return the given seeds, or those from 0 if a count is given.
 
     Raises:

@@ -20,6 +20,7 @@ from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.flat_act import flat_address
 from sim.controllers.shared import guarded
 from sim.controllers.shared.guarded import PRIVATE, ControllerDied, CoreMemory, before_start, call
+from worldgen.support.arrays import Bytes, Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
 __all__ = [
@@ -40,9 +41,6 @@ __all__ = [
     "ray_table",
 ]
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
-Cells = npt.NDArray[np.uint8]
 Table = npt.NDArray[np.int32]
 
 # Numbers of an observation before its beams.
@@ -95,7 +93,7 @@ def headings() -> Ints:
     return table
 
 
-def near_masks(cells: Cells) -> Table:
+def near_masks(cells: Bytes) -> Table:
     """Return (height, width) int32, masks of the cells around each cell that are not free."""
     near = np.zeros(cells.shape, np.int32)
     lib.wg_near_masks(grid_of(cells), writable(ffi, near, np.int32))
@@ -127,7 +125,7 @@ class BeamTables(NamedTuple):
     spread: Ints
 
 
-def beam_tables(cells: Cells, settings: Any, memory: CoreMemory = PRIVATE) -> BeamTables | None:
+def beam_tables(cells: Bytes, settings: Any, memory: CoreMemory = PRIVATE) -> BeamTables | None:
     """Return the tables for beams, or None if it has no beams or the grid is too large.
 
     Args:
@@ -145,7 +143,7 @@ def beam_tables(cells: Cells, settings: Any, memory: CoreMemory = PRIVATE) -> Be
     return BeamTables(runs, spread)
 
 
-def grid_of(cells: Cells) -> Any:
+def grid_of(cells: Bytes) -> Any:
     """Return the WgGrid of some cells, which must outlive it."""
     return ffi.new("WgGrid *", (pointer(ffi, cells, np.uint8), cells.shape[1], cells.shape[0]))[0]
 
@@ -194,13 +192,13 @@ class CoreArena:
 
     def __init__(
         self,
-        cells: Cells,
+        cells: Bytes,
         near: Table,
         clearance: Table,
         events: Ints,
-        visited: Cells,
+        visited: Bytes,
         beams: BeamTables | None = None,
-        wanted: Cells | None = None,
+        wanted: Bytes | None = None,
         memory: CoreMemory = PRIVATE,
     ) -> None:
         self.cells = cells = memory.own(cells)
@@ -404,7 +402,7 @@ class CoreEpisode(EpisodeHandle):
         """First step of the loop with which the run ended; -1 if it ended otherwise."""
         return int(lib.wg_episode_entry(self.c))
 
-    def known_words(self) -> npt.NDArray[np.uint64]:
+    def known_words(self) -> Words:
         """Return (words,) the state at the entry of a loop that was proved."""
         return np.frombuffer(ffi.buffer(self.c.search.known, 8 * self.words), np.uint64).copy()
 

@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi
 from sim.controllers.shared.guarded import CoreMemory
@@ -15,12 +14,12 @@ from sim.options.robot import RobotOptions
 from sim.runners.core_calls import headings
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import TURN, UNIT, exact, heading_to_lattice, in_cells, metres_to_lattice
+from worldgen.support.arrays import Ints
 from worldgen.support.ccall import pointer
 from worldgen.world import World
 
 __all__ = ["PackedDisturbances"]
 
-Ints = npt.NDArray[np.int64]
 
 _PUSH_FIELDS = 6  # of a WgPush
 _SCALE_BITS = 30  # of the table of headings

@@ -7,7 +7,6 @@ from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController
@@ -18,6 +17,7 @@ from sim.runners.lattice import LatticeRun
 from sim.runners.packing import disc_numbers, target_sq
 from sim.verdict import Verdict
 from worldgen.lattice import metres_to_lattice
+from worldgen.support.arrays import Ints
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import CellState
 from worldgen.world import World
@@ -32,8 +32,6 @@ _STEPS_AT_ONCE = 200_000
 # Columns of an event.
 _IX = 2
 _IY = 3
-
-Ints = npt.NDArray[np.int64]
 
 
 class EditKind(IntEnum):

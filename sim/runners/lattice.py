@@ -41,7 +41,7 @@ from sim.runners.packing import STEP_TIME, event_time, start_overlaps
 from sim.runners.python_loop import PythonLoop
 from sim.runners.recording import FIRST_OF_STATE, POINT_FIELDS, trace_of
 from sim.runners.settings import fill_settings
-from sim.trace import Trace, Words
+from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import (
@@ -50,14 +50,13 @@ from worldgen.lattice import (
     metres_to_lattice,
 )
 from worldgen.reach.still.cells import reachable_cells
+from worldgen.support.arrays import Bytes, Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import CellState
 from worldgen.world import Pose, World
 
 __all__ = ["LatticeRun"]
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 # Lattice units that robots of a fleet look further than they move, and what rounding adds to that.
 _FLEET_SLACK = 40
@@ -118,7 +117,7 @@ class LatticeRun:
         if len(self.events) == 0:
             self._beams = beam_tables(self._cells, self.settings, self.memory)
 
-    def _cells_to_cover(self) -> npt.NDArray[np.uint8] | None:
+    def _cells_to_cover(self) -> Bytes | None:
         """Return the cells that a coverage task asks for; ``None`` for another task.
 
         The target then ends no run, so its disc gets a squared radius that no distance has.
@@ -331,7 +330,7 @@ class LatticeRun:
 
     def arena(self) -> CoreArena:
         """Return the surroundings before the first event, with the start marked as visited."""
-        visited: npt.NDArray[np.uint8] = np.zeros_like(self._cells)
+        visited: Bytes = np.zeros_like(self._cells)
         height, width = visited.shape
         row = min(int(self.settings.start_y) // UNIT, height - 1)
         visited[row, min(int(self.settings.start_x) // UNIT, width - 1)] = 1

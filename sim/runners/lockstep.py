@@ -19,12 +19,11 @@ from sim.runners.lattice import LatticeRun
 from sim.runners.python_loop import hidden_state
 from sim.runners.stopping import OutOfTime
 from worldgen.lattice import UNIT
+from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
 __all__ = ["ControllerRaised", "LockstepRun", "its_own_fault"]
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 Reports = npt.NDArray[Any]
 
 
@@ -45,7 +44,7 @@ class LockstepRun:
         runs: Sequence[LatticeRun],
         world: Ints,
         starts: Ints,
-        seeds: npt.NDArray[np.uint64],
+        seeds: Words,
     ) -> None:
         self._controller = controller
         self._runs = runs

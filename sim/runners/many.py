@@ -12,11 +12,11 @@ from sim.controllers.base import CompiledController
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.runners.core_calls import REPORT, CoreEpisode, Driver, copy_of
 from sim.runners.lattice import LatticeRun
+from worldgen.support.arrays import Ints, Words
 from worldgen.support.ccall import check, pointer
 
 __all__ = ["run_many"]
 
-Ints = npt.NDArray[np.int64]
 Reports = npt.NDArray[Any]
 
 # Runs in one call of the core.
@@ -27,7 +27,7 @@ def run_many(
     run: LatticeRun,
     controller: CompiledController,
     starts: Ints,
-    seeds: npt.NDArray[np.uint64],
+    seeds: Words,
     *,
     digest: bool,
     stop: Ints | None = None,
@@ -88,7 +88,7 @@ def _run_many_guarded(
     episode: CoreEpisode,
     settings: Any,
     starts: Ints,
-    seeds: npt.NDArray[np.uint64],
+    seeds: Words,
     stop: Ints,
 ) -> Reports:
     """Do the same in another process, one run at a time, to notice a request to stop."""

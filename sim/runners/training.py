@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import Controller
 from sim.controllers.learning import Episodes, Learned, Learning
@@ -24,12 +23,12 @@ from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.registry import user_code
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Floats
 from worldgen.support.bounds import check_between
 from worldgen.world import World
 
 __all__ = ["Progress", "TrainingOptions", "train"]
 
-Floats = npt.NDArray[np.float64]
 Progress = Callable[[int], None]
 
 # Number of trials during training, in addition to the one before it.

@@ -6,7 +6,6 @@ import time
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController
 from sim.controllers.base import Command, Commands, Memory, Observation, Observations
@@ -16,6 +15,7 @@ from sim.outcome import Outcome
 from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats
 from worldgen.world import Pose, Target, World
 
 __all__ = ["EMPTY_ARENA", "try_out"]
@@ -43,9 +43,7 @@ class _IdleMany:
     def reset(self) -> Memory:
         return ()
 
-    def act_many(
-        self, _observation: Observations, memory: npt.NDArray[np.float64]
-    ) -> tuple[Commands, npt.NDArray[np.float64]]:
+    def act_many(self, _observation: Observations, memory: Floats) -> tuple[Commands, Floats]:
         return Commands(), memory
 
 

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
+from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
 __all__ = [
@@ -34,8 +35,6 @@ __all__ = [
 ]
 
 Cells = npt.NDArray[np.int32]
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.void]
 
 # Pixels per cell; the listing calls it `length`.
@@ -188,7 +187,7 @@ class ThesisEpisode:
             if self.run.ending != _lib.WG_LIMIT or self.run.steps >= last:
                 return bool(self.run.ending != _lib.WG_NEEDS_DRAWS)
 
-    def proved_state(self) -> npt.NDArray[np.uint64]:
+    def proved_state(self) -> Words:
         """Return the state to which a proved loop returns, in the words of a trace."""
         words = self._known.copy()
         words[_FIRST_COUNT:] = (

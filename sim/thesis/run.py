@@ -33,11 +33,12 @@ from sim.thesis.core_calls import (
     signal_map,
 )
 from sim.thesis.options import ARBITERS, SIGNALS, ThesisOptions
-from sim.trace import Trace, Words
+from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import exact, in_cells, metres_to_lattice, radius_in_cells
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Floats, Ints, Words
 from worldgen.support.ccall import pointer
 from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState
@@ -45,7 +46,6 @@ from worldgen.world import World
 
 __all__ = ["ThesisRun", "signal_in"]
 
-Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.int32]
 Rows = npt.NDArray[np.void]
 
@@ -141,12 +141,12 @@ class ThesisRun:
             seed=RandomStream(options.seed).child("slip and sensor").next64() >> 1,
         )
 
-    def _solid(self) -> npt.NDArray[np.bool_]:
+    def _solid(self) -> Bools:
         """Return (width, height) bool, the walls in the thesis's frame."""
         walls = np.pad(self.world.walls, 1, constant_values=True) if self._pad else self.world.walls
         return np.ascontiguousarray(flip_rows(walls).T)
 
-    def _target_cell(self, solid: npt.NDArray[np.bool_]) -> tuple[int, int]:
+    def _target_cell(self, solid: Bools) -> tuple[int, int]:
         """Return the target's cell in the thesis's frame."""
         world = self.world
         target_x = math.floor(in_cells(world.target.x, world.cell_size)) + self._pad
@@ -166,9 +166,7 @@ class ThesisRun:
             )
         return target_x, target_y
 
-    def _signal(
-        self, solid: npt.NDArray[np.bool_], target_x: int, target_y: int
-    ) -> tuple[Cells, Cells]:
+    def _signal(self, solid: Bools, target_x: int, target_y: int) -> tuple[Cells, Cells]:
         """Return the signal map with walls, and without."""
         light = signal_map(solid.shape[0], self._height, target_x, target_y)
         cells = np.ascontiguousarray(np.where(solid, np.int32(WALL), light))
@@ -176,7 +174,7 @@ class ThesisRun:
             add_noise(cells, light)
         return cells, light
 
-    def _event_rows(self) -> npt.NDArray[np.int64]:
+    def _event_rows(self) -> Ints:
         rows = [
             (
                 event_step(event, self.options.time_step),
@@ -389,7 +387,7 @@ def _table(rows: Rows) -> Floats:
     return rows.view(np.float64).reshape(len(rows), -1)
 
 
-def _digest_words(rows: Rows) -> npt.NDArray[np.uint64]:
+def _digest_words(rows: Rows) -> Words:
     """Return (n, 7) words, for each tick those from which recorded digests are computed."""
     words = np.zeros((len(rows), 7), np.uint64)
     for k, name in enumerate(("x", "y", "heading", "target_heading", "speed")):

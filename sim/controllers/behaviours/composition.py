@@ -20,7 +20,6 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
@@ -35,14 +34,13 @@ from sim.controllers.learning import Learning
 from sim.controllers.memory_view import MemoryField
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats, Ints
 
 __all__ = ["composed", "composition_named"]
 
 ffi: Any = _ffi
 lib: Any = _lib
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 MOST_PARTS = int(lib.WG_MOST_PARTS)
 ACTED = place("WgComposition", "acted")

@@ -8,13 +8,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.core_act import place, size_of
+from worldgen.support.arrays import Floats
 
 __all__ = ["NODES", "SHOWN", "blocked_edges", "memory_size", "neighbour", "planned_moves"]
 
-Floats = npt.NDArray[np.float64]
 
 SIDE = place("WgMapperMemory", "side")
 WINDOW_X = place("WgMapperMemory", "window_x")

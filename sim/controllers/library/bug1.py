@@ -19,17 +19,14 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.library import _boundary as body
 from sim.controllers.memory_view import MemoryField, MemoryMap
+from worldgen.support.arrays import Floats
 
 __all__ = ["bug1"]
 
-Floats = npt.NDArray[np.float64]
 
 MODE = place("WgBug1Memory", "mode")
 HIT = place("WgBug1Memory", "hit")

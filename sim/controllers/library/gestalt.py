@@ -19,18 +19,17 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
+from worldgen.support.arrays import Floats
 from worldgen.support.bounds import Bounds
 
 __all__ = ["GestaltOptions", "gestalt", "gestalt_robot"]
 
-Floats = npt.NDArray[np.float64]
 
 SIDE = place("WgGestaltMemory", "side")
 PITCH = place("WgGestaltMemory", "pitch")

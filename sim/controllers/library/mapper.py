@@ -21,7 +21,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, place
@@ -29,10 +28,10 @@ from sim.controllers.library import _boundary as body
 from sim.controllers.library import _lattice_map as lattice
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats
 
 __all__ = ["PITCH", "mapper", "mapper_small", "mapping", "shown_map"]
 
-Floats = npt.NDArray[np.float64]
 
 # Distance between two nodes, m: half a cell of the families' worlds.
 PITCH = 0.05

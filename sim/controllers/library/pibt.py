@@ -34,6 +34,7 @@ from sim.controllers.memory_view import MemoryField
 from sim.options.robot import RobotOptions
 from worldgen.lattice import radius_in_cells
 from worldgen.reach.still.lattice_graph import build_graph
+from worldgen.support.arrays import Bools
 from worldgen.support.grid_search import steps_from
 from worldgen.world import World
 
@@ -397,7 +398,7 @@ class _Field:
 
 
 @functools.lru_cache(maxsize=16)
-def _clear_nodes(grid: _Map) -> npt.NDArray[np.bool_]:
+def _clear_nodes(grid: _Map) -> Bools:
     """Return (rows, columns) where a robot alone is clear of walls."""
     words = np.array(grid.words).astype(np.uint64)
     bits = (words[:, np.newaxis] >> np.arange(_BITS, dtype=np.uint64)) & np.uint64(1)
@@ -428,7 +429,7 @@ def _distances(
     return _Field(steps.reshape(clear.shape))
 
 
-def _nearest(x: float, y: float, clear: npt.NDArray[np.bool_]) -> Node | None:
+def _nearest(x: float, y: float, clear: Bools) -> Node | None:
     """Return the clear node nearest to a place; ``None`` if no node is clear."""
     rows, columns = clear.shape
     rounded = (round(x), round(y))

@@ -22,9 +22,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
 from sim.controllers.base import CompiledController
@@ -32,10 +29,10 @@ from sim.controllers.core_act import CoreAct, place, size_of
 from sim.controllers.learning import Learning
 from sim.controllers.library.q_learning import NEEDS, SENSES
 from sim.controllers.memory_view import MemoryField
+from worldgen.support.arrays import Floats
 
 __all__ = ["AT_RESET", "LEARNING", "q_learner"]
 
-Floats = npt.NDArray[np.float64]
 
 ffi: Any = _ffi
 lib: Any = _lib

@@ -19,12 +19,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim import _core
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, size_of
 from sim.options.robot import RobotOptions
+from worldgen.support.arrays import Ints
 
 __all__ = [
     "AT_RESET",
@@ -37,7 +37,6 @@ __all__ = [
     "q_learning_robot",
 ]
 
-Ints = npt.NDArray[np.int64]
 
 _lib: Any = _core.lib
 

@@ -24,18 +24,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.library import bug2, mapper, three_layer
 from sim.controllers.memory_view import MemoryField, MemoryMap
+from worldgen.support.arrays import Floats
 from worldgen.support.bounds import check_positive
 
 __all__ = ["odometry_bug", "signal_mapper", "signal_three_layer", "signal_three_layer_robot"]
 
-Floats = npt.NDArray[np.float64]
 
 SIZE = size_of("WgReckoning")
 CELL = place("WgReckoning", "cell")

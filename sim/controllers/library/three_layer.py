@@ -23,16 +23,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, place, size_of
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.options.robot import RobotOptions
+from worldgen.support.arrays import Floats
 
 __all__ = ["SIDE", "ThreeLayer", "three_layer", "three_layer_robot"]
 
-Floats = npt.NDArray[np.float64]
 
 _DEFAULT = default_of("wg_three_layer_default")
 LAID = place("WgThreeLayerMemory", "laid")

@@ -13,18 +13,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import Observation
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.programs.program import shown
 from sim.kernels import layout
 from sim.verdict import Verdict
+from worldgen.support.arrays import Floats, Ints
 
 __all__ = ["MOST_ROBOTS", "Offer", "batch_line", "fill_commands", "read_offer", "reset_batch_line"]
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 MOST_ROBOTS = 1_024
 """Limit on the robots that are driven at the same time; their commands fit into one line."""

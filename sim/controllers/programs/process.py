@@ -17,9 +17,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, BinaryIO
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.programs.batch import (
@@ -33,6 +30,7 @@ from sim.controllers.programs.program import Program, ProgramLimits, find_progra
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import split_headed, split_options
+from worldgen.support.arrays import Floats, Ints
 
 __all__ = [
     "PROGRAM_OPTIONS",
@@ -44,8 +42,6 @@ __all__ = [
     "read_command",
 ]
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 PROTOCOL_VERSION = 1
 PROGRAM_OPTIONS = ("deadline", "start", "memory")

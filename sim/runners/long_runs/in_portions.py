@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import lib
 from sim.controllers.base import CompiledController
 from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, copy_of, most_points
+from worldgen.support.arrays import Ints
 
 __all__ = ["MOST_HELD", "Portion", "portions"]
 
@@ -19,9 +19,6 @@ MOST_HELD = 1 << 26
 
 # Rows of a portion.
 _MOST_ROWS = 1 << 16
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 
 class Portion(NamedTuple):
