@@ -9,25 +9,18 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.controllers.controller_error import ControllerError
+from sim.kernels.layout import OBS_SIZE, place
 from sim.verdict import Verdict
 from worldgen.support.arrays import Floats
 from worldgen.world import Value
 
 __all__ = ["CoreAct", "controller_error_of", "default_of", "memory_at_reset", "place", "size_of"]
 
-
-ffi: Any = _ffi
-lib: Any = _lib
-
-# Numbers of an observation before its beams.
-SENSES = 17
 
 # Bytes of a number.
 _NUMBER = 8
@@ -65,10 +58,10 @@ class CoreAct:
             ControllerError: If the controller reports that it cannot continue.
         """
         # The struct holds the numbers in the array's order, so one copy of bytes fills it.
-        beams = np.ascontiguousarray(observation[SENSES:], np.float64)
+        beams = np.ascontiguousarray(observation[OBS_SIZE:], np.float64)
         seen = ffi.new("WgObservation *")
-        ffi.buffer(seen, SENSES * _NUMBER)[:] = np.ascontiguousarray(
-            observation[:SENSES], np.float64
+        ffi.buffer(seen, OBS_SIZE * _NUMBER)[:] = np.ascontiguousarray(
+            observation[:OBS_SIZE], np.float64
         ).tobytes()
         seen.beams = ffi.from_buffer("double[]", beams) if beams.size else ffi.NULL
         seen.beam_count = beams.size
@@ -100,11 +93,6 @@ def controller_error_of(error: str) -> ControllerError:
     _, colon, message = error.partition(": ")
     facts: dict[str, Value] = {"exception": name} if name.isidentifier() else {}
     return ControllerError(Verdict.CRASH, error, facts | ({"message": message} if colon else {}))
-
-
-def place(struct: str, *fields: str | int) -> int:
-    """Return the index in a memory of a field of its struct; several names descend into it."""
-    return int(ffi.offsetof(struct, *fields)) // _NUMBER
 
 
 def size_of(struct: str) -> int:

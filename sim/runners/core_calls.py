@@ -20,6 +20,7 @@ from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.flat_act import flat_address
 from sim.controllers.shared import guarded
 from sim.controllers.shared.guarded import PRIVATE, ControllerDied, CoreMemory, before_start, call
+from sim.kernels.layout import OBS_SIZE
 from worldgen.support.arrays import Bytes, Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
@@ -42,9 +43,6 @@ __all__ = [
 ]
 
 Table = npt.NDArray[np.int32]
-
-# Numbers of an observation before its beams.
-SENSES = 17
 
 # Words of a state before the controller's memory.
 STATE_WORDS = 5
@@ -278,7 +276,7 @@ class Workspace:
     def __init__(self, episode: Any) -> None:
         c = episode.c
         size = int(c.controller.memory_size)
-        numbers = SENSES + int(c.workspace.observation.beam_count)
+        numbers = OBS_SIZE + int(c.workspace.observation.beam_count)
         self.observation: Floats = np.frombuffer(_buffer(episode, c.workspace.flat, numbers))
         self.memory = (
             np.frombuffer(_buffer(episode, c.robot.body.memory, size)) if size else np.zeros(0)

@@ -22,7 +22,6 @@ from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, c
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.core_calls import (
     EVENT_FIELDS,
-    SENSES,
     STATE_WORDS,
     CoreArena,
     CoreEpisode,
@@ -317,7 +316,7 @@ class LatticeRun:
         """
         settings = copy_of(self.settings)
         settings.senses &= lib.WG_SENSE_SIGNAL | lib.WG_SENSE_SIGNAL_HEADING | lib.WG_SENSE_BEAMS
-        seen = np.zeros((len(states), SENSES + self.options.robot.beams))
+        seen = np.zeros((len(states), layout.OBS_SIZE + self.options.robot.beams))
         poses = np.ascontiguousarray(states)
         arena = self.arena()
         starts = ffi.cast("WgStart *", pointer(ffi, poses, np.int64))

@@ -14,7 +14,8 @@ from sim._core import ffi, lib
 from sim.controllers.base import VectorController
 from sim.controllers.contract import flat_memory
 from sim.controllers.vector import Asker
-from sim.runners.core_calls import REPORT, SENSES, Driver
+from sim.kernels.layout import OBS_SIZE
+from sim.runners.core_calls import REPORT, Driver
 from sim.runners.lattice import LatticeRun
 from sim.runners.python_loop import hidden_state
 from sim.runners.stopping import OutOfTime
@@ -162,7 +163,7 @@ class _Group:
         for k, index in enumerate(world.tolist()):
             self.settings[k] = runs[index].settings[0]
             self._arenas[k] = self._fresh[index].c[0]
-        self.observation = np.full((n, SENSES + runs[0].options.robot.beams), np.nan)
+        self.observation = np.full((n, OBS_SIZE + runs[0].options.robot.beams), np.nan)
         self.memory = np.zeros((n, memory.size))
         self.command = np.zeros((n, 3))
 

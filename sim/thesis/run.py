@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.evidence import BudgetEvidence
 from sim.options.run import RunOptions, check_step_length
 from sim.outcome import ENDINGS, Outcome
@@ -52,15 +51,15 @@ Rows = npt.NDArray[np.void]
 # Random numbers that a run of the random rule gets at first; if they run out, it gets more.
 _FIRST_DRAWS = 256
 _CAUSES = {
-    _lib.WG_STRAIGHT: "",
-    _lib.WG_SLIDE: "slide",
-    _lib.WG_BACK_OFF: "back-off",
-    _lib.WG_CORNER: "corner",
+    lib.WG_STRAIGHT: "",
+    lib.WG_SLIDE: "slide",
+    lib.WG_BACK_OFF: "back-off",
+    lib.WG_CORNER: "corner",
 }
 _REPAIR_BITS = {
-    "repair_slide": _lib.WG_REPAIR_SLIDE,
-    "repair_back_off": _lib.WG_REPAIR_BACK_OFF,
-    "repair_corner": _lib.WG_REPAIR_CORNER,
+    "repair_slide": lib.WG_REPAIR_SLIDE,
+    "repair_back_off": lib.WG_REPAIR_BACK_OFF,
+    "repair_corner": lib.WG_REPAIR_CORNER,
 }
 # Pixels and rad. Poses that differ by less than this count as the same.
 _DRIFT = 1e-6
@@ -196,12 +195,12 @@ class ThesisRun:
         # models.
         solid = np.array(world.walls, np.uint8, order="C")
         grid = {
-            "cells": pointer(_ffi, solid, np.uint8),
+            "cells": pointer(ffi, solid, np.uint8),
             "width": world.width,
             "height": world.height,
         }
-        if not _lib.wg_disc_is_clear(
-            grid, _lib.WG_SOLID, {"clear_sq": clear_sq, "reach": reach}, x, y
+        if not lib.wg_disc_is_clear(
+            grid, lib.WG_SOLID, {"clear_sq": clear_sq, "reach": reach}, x, y
         ):
             raise start_overlaps(world)
 
@@ -218,13 +217,13 @@ class ThesisRun:
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Simulate up to ``steps`` ticks from the start; see :meth:`sim.outcome.Runnable.run`."""
         seeks = find_loop and not self.options.thesis.random
-        search = _lib.WG_SEEK_LOOP if seeks else _lib.WG_NO_LOOP
+        search = lib.WG_SEEK_LOOP if seeks else lib.WG_NO_LOOP
         return self._run(steps, record=record, find_loop=search, digest=int(digest))[0]
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`."""
         outcome, episode = self._run(
-            entry + period, record=record, find_loop=_lib.WG_PROVE_LOOP, loop_entry=entry
+            entry + period, record=record, find_loop=lib.WG_PROVE_LOOP, loop_entry=entry
         )
         return (outcome, episode.proved_state()) if outcome.ending == Verdict.LOOP else None
 
@@ -243,7 +242,7 @@ class ThesisRun:
 
     def _go_on(self, episode: ThesisEpisode, until: int, rows: Rows, first_row: int) -> None:
         """Continue until the run is decided or a step is done, with as many draws as that takes."""
-        count = _FIRST_DRAWS if self._setup.rule == _lib.WG_RULE_RANDOM else 0
+        count = _FIRST_DRAWS if self._setup.rule == lib.WG_RULE_RANDOM else 0
         while not episode.go(until, self._draws(count), rows, first_row):
             count *= 4
 

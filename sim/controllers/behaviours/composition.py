@@ -21,8 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import lib
 from sim.controllers.base import CompiledController, Controller, Memory, Observation
 from sim.controllers.behaviours.arbitration import Arbitration, PartFacts, in_words
 from sim.controllers.behaviours.base import Behaviour, Layer
@@ -37,9 +36,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Floats, Ints
 
 __all__ = ["composed", "composition_named"]
-
-ffi: Any = _ffi
-lib: Any = _lib
 
 
 MOST_PARTS = int(lib.WG_MOST_PARTS)

@@ -9,8 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.controllers.behaviours.arbitration import ALWAYS
 from sim.controllers.behaviours.base import UNTIL_DONE, Behaviour
 from sim.options.robot import RobotOptions
@@ -32,8 +31,6 @@ __all__ = [
     "wander",
 ]
 
-ffi: Any = _ffi
-lib: Any = _lib
 
 TURNS = {"right": 1.0, "left": 2.0, "random": 3.0}
 """Words for the turn of ``collide``, with the thesis's numbers for its rules."""

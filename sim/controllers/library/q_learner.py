@@ -20,10 +20,7 @@ Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thes
 
 from __future__ import annotations
 
-from typing import Any
-
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, place, size_of
 from sim.controllers.learning import Learning
@@ -33,9 +30,6 @@ from worldgen.support.arrays import Floats
 
 __all__ = ["AT_RESET", "LEARNING", "q_learner"]
 
-
-ffi: Any = _ffi
-lib: Any = _lib
 
 # Reward for arriving, in thousandths; the same as in the training of its first table.
 _ARRIVED = 30_000.0

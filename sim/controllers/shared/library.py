@@ -9,9 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from sim._core import ffi, lib
 from sim.containment import is_contained
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Observation, bits_of
-from sim.controllers.core_act import CoreAct, ffi, lib
+from sim.controllers.core_act import CoreAct
 from sim.controllers.shared.object_file import declares, info_of
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
