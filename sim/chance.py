@@ -20,7 +20,7 @@ import numpy as np
 from sim._core import ffi, lib
 from sim.controllers import CompiledController, Controller, controller_of
 from sim.controllers.base import robot_for, senses_of
-from sim.controllers.shared.guarded import ControllerDied, call
+from sim.controllers.shared.guarded import ControllerDied
 from sim.motion import MOTIONS
 from sim.options.noise import is_noisy
 from sim.options.run import TARGET, RunOptions
@@ -29,7 +29,7 @@ from sim.runners.lattice import LatticeRun
 from sim.trace import Trace
 from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Ints
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.ccall import check, pointer
 from worldgen.world import World
 
 __all__ = ["ARRIVED", "ENDED", "UNSEEN", "Outcomes", "explore", "states_of", "why_not_explored"]
@@ -262,55 +262,22 @@ class _Search:
 
     def _step(self, states: Ints, values: Ints) -> tuple[Ints, Ints, Ints]:
         """Return the states after one step, the endings, and whether the random number was used."""
-        count = len(states)
+        # Move all arrays to memory that the core can use, in this process or in another.
         episode = self._episode()
-        if episode.guarded:
-            return self._step_guarded(episode, states, values)
-        after = np.empty_like(states)
-        endings = np.zeros(count, np.int64)
-        drew = np.zeros(count, np.int64)
-        check(
-            lib.wg_outcomes(
-                episode.c,
-                pointer(ffi, states, np.int64),
-                pointer(ffi, values, np.int64),
-                count,
-                writable(ffi, after, np.int64),
-                writable(ffi, endings, np.int64),
-                writable(ffi, drew, np.int64),
-            )
-        )
-        return after, endings, drew
-
-    def _step_guarded(
-        self, episode: CoreEpisode, states: Ints, values: Ints
-    ) -> tuple[Ints, Ints, Ints]:
-        """Do the same in another process, which the controller may crash.
-
-        If it does, it fails in the first state that has no ending yet; the search records a crash
-        there and resumes with the state after it.
-        """
-        # Move all arrays to memory that the other process shares.
         memory = self._run.memory
-        after = memory.own(states)
+        after = memory.zeros(states.shape, np.int64)
         drew = memory.zeros(len(states), np.int64)
         endings = memory.zeros(len(states), np.int64)
         endings[...] = _NOT_DONE
         arrays = (memory.own(states), memory.own(values), after, endings, drew)
-        # If the process dies, record a crash for that state and resume after it.
+        # If another process dies, the controller failed in the first state without an ending: record
+        # a crash for it, and resume after it.
         done = 0
         while done < len(states):
             objects = (episode.c, *(pointer(ffi, array[done:], np.int64) for array in arrays))
-            report = ffi.addressof(episode.report)
             made = ffi.from_buffer(endings[done:])
             try:
-                work = ffi.addressof(lib, "wg_call_outcomes")
-                left = len(states) - done
-                check(
-                    call(
-                        work, episode.guarded, objects, left, report=report, progress=(made,)
-                    ).result
-                )
+                check(episode.call("wg_call_outcomes", objects, len(states) - done, (made,)).result)
                 done = len(states)
             except ControllerDied:
                 done += int((endings[done:] == _NOT_DONE).argmax())

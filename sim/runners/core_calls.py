@@ -19,7 +19,14 @@ from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.flat_act import flat_address
 from sim.controllers.shared import guarded
-from sim.controllers.shared.guarded import PRIVATE, ControllerDied, CoreMemory, before_start, call
+from sim.controllers.shared.guarded import (
+    PRIVATE,
+    CallResult,
+    ControllerDied,
+    CoreMemory,
+    before_start,
+    call,
+)
 from sim.kernels.layout import OBS_SIZE
 from worldgen.support.arrays import Bytes, Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
@@ -404,14 +411,32 @@ class CoreEpisode(EpisodeHandle):
         """Return (words,) the state at the entry of a loop that was proved."""
         return np.frombuffer(ffi.buffer(self.c.search.known, 8 * self.words), np.uint64).copy()
 
+    def call(
+        self, name: str, objects: Sequence[Any], number: int, progress: Sequence[Any] = ()
+    ) -> CallResult:
+        """Make a call of the core about this episode, in the other process if that runs it.
+
+        Args:
+            name: ``wg_call_run`` or another function of that type.
+            objects: Its pointer arguments.
+            number: The number that it takes.
+            progress: Structs that change as the work progresses, besides this episode's report.
+
+        Raises:
+            ControllerDied: If the other process ended, or a step did not return.
+        """
+        if self.guarded:
+            work = ffi.addressof(lib, name)
+            report = ffi.addressof(self.report)
+            return call(work, self.guarded, objects, number, report=report, progress=progress)
+        arguments = [ffi.cast("void *", one) for one in objects]
+        asked = ffi.new("WgCall *", {"objects": arguments, "number": number})
+        return CallResult(int(getattr(lib, name)(asked)), "")
+
     def run(self, steps: int) -> bool:
         """Run at most this many steps; return True if the episode is not over."""
-        if not self.guarded:
-            return bool(lib.wg_episode_run(self.c, steps) == lib.WG_GOES_ON)
-        work = ffi.addressof(lib, "wg_call_run")
-        report = ffi.addressof(self.report)
         try:
-            answer = call(work, self.guarded, (self.c,), steps, report=report)
+            answer = self.call("wg_call_run", (self.c,), steps)
         except ControllerDied as death:
             self._fail(death)
             return False
