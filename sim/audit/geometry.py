@@ -20,7 +20,6 @@ from worldgen.support.arrays import Bools, Floats, Indices, Ints
 
 __all__ = ["Parts", "deepest", "nearest", "slab", "within"]
 
-
 _CORNERS = ((-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5))
 
 

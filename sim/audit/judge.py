@@ -28,7 +28,6 @@ __all__ = [
     "audit",
 ]
 
-
 KINDS = ("tunnel", "overlap", "outside", "jump", "burned", "start")
 # Depth up to which a cut is not reported, m.
 DEFAULT_TOLERANCE = 1e-6

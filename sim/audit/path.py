@@ -11,7 +11,6 @@ from worldgen.world import World
 
 __all__ = ["AuditPath"]
 
-
 # Cells. Longer moves are examined in pieces of at most this length.
 _PIECE = 2.0
 

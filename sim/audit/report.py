@@ -16,7 +16,6 @@ from worldgen.world import World
 
 __all__ = ["as_lines", "as_object", "draw", "fleet_lines", "fleet_object"]
 
-
 _MOST_LINES = 40
 # Limit on marks of one kind; more of them would hide the picture.
 _MOST_MARKS = 400

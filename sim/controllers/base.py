@@ -352,7 +352,6 @@ class VectorController(Protocol):
 
 Controller: TypeAlias = CompiledController | PythonController | VectorController
 
-
 # Senses that the core computes only on request, because they cost time.
 _COSTLY_SENSES: dict[str, int] = {
     "bump_bearing": lib.WG_SENSE_BUMP_BEARING,

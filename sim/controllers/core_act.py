@@ -9,6 +9,8 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -19,8 +21,15 @@ from sim.verdict import Verdict
 from worldgen.support.arrays import Floats
 from worldgen.world import Value
 
-__all__ = ["CoreAct", "controller_error_of", "default_of", "memory_at_reset", "place", "size_of"]
-
+__all__ = [
+    "CoreAct",
+    "controller_error_of",
+    "default_of",
+    "fields_of",
+    "memory_at_reset",
+    "place",
+    "size_of",
+]
 
 # Bytes of a number.
 _NUMBER = 8
@@ -93,6 +102,12 @@ def controller_error_of(error: str) -> ControllerError:
     _, colon, message = error.partition(": ")
     facts: dict[str, Value] = {"exception": name} if name.isidentifier() else {}
     return ControllerError(Verdict.CRASH, error, facts | ({"message": message} if colon else {}))
+
+
+def fields_of(struct: str) -> Any:
+    """Return the indices in a memory of all fields of its struct, as attributes."""
+    names = (name for name, _ in ffi.typeof(struct).fields)
+    return SimpleNamespace(**{name: place(struct, name) for name in names})
 
 
 def size_of(struct: str) -> int:

@@ -30,7 +30,6 @@ __all__ = [
     "read_learned",
 ]
 
-
 LEARNED = "learned"
 """The option that gives a controller the numbers of such a file: ``mine.py:Mine+learned=FILE``."""
 _PREFIX = f"{LEARNED}:"

@@ -20,7 +20,6 @@ from worldgen.world import World
 
 __all__ = ["penetrated_cells"]
 
-
 # Cells. No motion model reports a shallower cut of the disc.
 _TOLERANCE = 0.1
 

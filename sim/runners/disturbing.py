@@ -20,7 +20,6 @@ from worldgen.world import World
 
 __all__ = ["PackedDisturbances"]
 
-
 _PUSH_FIELDS = 6  # of a WgPush
 _SCALE_BITS = 30  # of the table of headings
 _LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits

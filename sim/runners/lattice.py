@@ -56,7 +56,6 @@ from worldgen.world import Pose, World
 
 __all__ = ["LatticeRun"]
 
-
 # Lattice units that robots of a fleet look further than they move, and what rounding adds to that.
 _FLEET_SLACK = 40
 

@@ -38,7 +38,6 @@ from worldgen.world import World
 
 __all__ = ["PythonLoop", "crash_of", "driver_of", "hidden_state", "memory_at_start", "plans"]
 
-
 # Characters of a controller's exception that are kept.
 _LONGEST_ERROR = 500
 

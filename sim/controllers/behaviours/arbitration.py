@@ -26,7 +26,6 @@ __all__ = [
     "shares",
 ]
 
-
 # Number of memories that are read at once.
 _PORTION = 4096
 

@@ -37,7 +37,6 @@ from worldgen.support.arrays import Floats, Ints
 
 __all__ = ["composed", "composition_named"]
 
-
 MOST_PARTS = int(lib.WG_MOST_PARTS)
 ACTED = place("WgComposition", "acted")
 _WORDS: dict[str, dict[str, float]] = {"turn": TURNS, "hand": HANDS}

@@ -31,7 +31,6 @@ __all__ = [
     "wander",
 ]
 
-
 TURNS = {"right": 1.0, "left": 2.0, "random": 3.0}
 """Words for the turn of ``collide``, with the thesis's numbers for its rules."""
 

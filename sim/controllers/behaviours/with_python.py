@@ -20,7 +20,6 @@ from sim.options.robot import RobotOptions
 
 __all__ = ["ComposedController"]
 
-
 # The C type of a trigger and of an action.
 _CALL = dict(ffi.typeof("WgBehaviour").fields)["trigger"].type
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, place, size_of
+from sim.controllers.core_act import CoreAct, fields_of, size_of
 from sim.controllers.learning import Learning
 from sim.controllers.library.q_learning import NEEDS, SENSES
 from sim.controllers.memory_view import MemoryField
@@ -30,12 +30,12 @@ from worldgen.support.arrays import Floats
 
 __all__ = ["AT_RESET", "LEARNING", "q_learner"]
 
+AT = fields_of("WgQLearnerMemory")
 
 # Reward for arriving, in thousandths; the same as in the training of its first table.
 _ARRIVED = 30_000.0
 
 _SIZE = size_of("WgQLearnerMemory")
-_VALUES = place("WgQLearnerMemory", "values")
 
 
 def _at_reset() -> tuple[float, ...]:
@@ -50,9 +50,9 @@ def _arrives(memory: Floats) -> None:
 
 AT_RESET = _at_reset()
 LEARNING = Learning(
-    _VALUES,
-    _SIZE - _VALUES,
-    explore=place("WgQLearnerMemory", "explore"),
+    AT.values,
+    _SIZE - AT.values,
+    explore=AT.explore,
     arrives=_arrives,
     whole=True,
 )
@@ -64,8 +64,8 @@ q_learner = CompiledController(
     senses=(*SENSES, "target_distance"),
     needs=NEEDS,
     memory_fields=(
-        MemoryField("situation", place("WgQLearnerMemory", "situation")),
-        MemoryField("turn", place("WgQLearnerMemory", "choice")),
+        MemoryField("situation", AT.situation),
+        MemoryField("turn", AT.choice),
     ),
     learning=LEARNING,
 )

@@ -35,7 +35,6 @@ __all__ = [
     "q_learning_robot",
 ]
 
-
 SITUATIONS = int(lib.WG_Q_SITUATIONS)
 TURNS = tuple(lib.wg_q_turn_of)
 """Turns to choose from, in eighths of a turn, counter-clockwise; the first wins a tie."""

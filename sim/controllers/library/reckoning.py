@@ -25,7 +25,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
+from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_of
 from sim.controllers.library import bug2, mapper, three_layer
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from worldgen.support.arrays import Floats
@@ -33,12 +33,9 @@ from worldgen.support.bounds import check_positive
 
 __all__ = ["odometry_bug", "signal_mapper", "signal_three_layer", "signal_three_layer_robot"]
 
+AT = fields_of("WgReckoning")
 
 SIZE = size_of("WgReckoning")
-CELL = place("WgReckoning", "cell")
-KNOWN = place("WgReckoning", "known")
-X = place("WgReckoning", "x")
-TARGET_X = place("WgReckoning", "target_x")
 
 # Distance at which the signal falls to a half in the families' worlds, m.
 _CELL = 0.1
@@ -67,17 +64,20 @@ def _reckoning(
         """Return the other's map, and the estimates, in m."""
         shown = MemoryMap() if read is None else read(memory[SIZE:])
         places = dict(shown.places)
-        if memory[KNOWN] != 0.0:
-            places["target, estimated"] = (float(memory[TARGET_X]), float(memory[TARGET_X + 1]))
+        if memory[AT.known] != 0.0:
+            places["target, estimated"] = (
+                float(memory[AT.target_x]),
+                float(memory[AT.target_x + 1]),
+            )
             if shows_itself:
-                places["itself, estimated"] = (float(memory[X]), float(memory[X + 1]))
+                places["itself, estimated"] = (float(memory[AT.x]), float(memory[AT.x + 1]))
         return replace(shown, places=places)
 
     return replace(
         driven,
         name=name,
         act=CoreAct(name),
-        memory=(*memory_at_reset(SIZE, {CELL: cell}), *driven.memory),
+        memory=(*memory_at_reset(SIZE, {AT.cell: cell}), *driven.memory),
         senses=senses,
         memory_fields=tuple(
             MemoryField(one.name, one.place + SIZE, one.words, one.least)
@@ -85,11 +85,11 @@ def _reckoning(
         ),
         memory_map=shown_map,
         memory_map_on=(
-            KNOWN,
-            X,
-            X + 1,
-            TARGET_X,
-            TARGET_X + 1,
+            AT.known,
+            AT.x,
+            AT.x + 1,
+            AT.target_x,
+            AT.target_x + 1,
             *(at + SIZE for at in driven.memory_map_on),
         ),
     )

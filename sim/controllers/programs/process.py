@@ -42,7 +42,6 @@ __all__ = [
     "read_command",
 ]
 
-
 PROTOCOL_VERSION = 1
 PROGRAM_OPTIONS = ("deadline", "start", "memory")
 """Options that only a program has."""
@@ -349,7 +348,6 @@ def observation_line(observation: Observation) -> bytes:
 
 
 _encode = json.JSONEncoder(allow_nan=False, check_circular=False, separators=(",", ":")).encode
-
 
 _decode = json.JSONDecoder().decode
 

@@ -42,7 +42,6 @@ __all__ = [
     "renew",
 ]
 
-
 DEADLINE = 1.0
 """Processor time that a controller may take for a step, s."""
 
