@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import check_out, emit_json, force_option, json_option, write_out
 from worldgen.support.progress import working
 
 __all__ = ["audit"]
@@ -82,13 +82,9 @@ def audit(
     from sim.audit.report import as_lines, as_object, draw, fleet_lines, fleet_object
     from worldgen.errors import InvalidParameter
     from worldgen.files.grid import read_world
-    from worldgen.files.whole import check_output
 
     # Refuse bad output before the work.
-    if picture is not None and picture.suffix != ".png":
-        raise click.UsageError(f"--picture {picture}: name a .png file")
-    if picture is not None:
-        check_output(picture, force)
+    check_out("--picture", picture, ".png", force=force)
     # Read and audit.
     world = read_world(world_path)
     if robot is not None and robot > len(world.robots):
@@ -129,7 +125,6 @@ def audit(
     # Draw; the exit code tells whether the trajectories were possible.
     if picture is not None:
         recorded = {number: (trajectories[number], audits[number]) for number in audits}
-        write_bytes(picture, draw(world, recorded, trajectory_path.name), force=force)
-        note(f"wrote {picture}")
+        write_out(picture, draw(world, recorded, trajectory_path.name), force=force)
     if not all(result.ok for result in audits.values()):
         raise SystemExit(1)

@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING
 import click
 
 from sim.commands.notes import note_unused
-from worldgen.cli.output import emit_json, force_option, json_option, named_also, note, write_bytes
+from worldgen.cli.output import (
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    named_also,
+    note,
+    write_out,
+)
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -106,14 +114,10 @@ def compare(
     from sim.compare.published import agreement
     from sim.compare.report import as_csv, as_text
     from sim.compare.report import as_json as plain
-    from worldgen.files.whole import check_output
 
     # Refuse bad output before the work.
-    if picture is not None and picture.suffix != ".png":
-        raise click.UsageError(f"--picture {picture}: name a .png file")
-    for out in (table, picture):
-        if out is not None:
-            check_output(out, force)
+    check_out("--picture", picture, ".png", force=force)
+    check_out("--csv", table, force=force)
     if table is not None and picture is not None and table.resolve() == picture.resolve():
         raise click.UsageError(f"--csv and --picture both name {table}; give two names")
     # Read the figures, the controllers and the worlds.
@@ -137,13 +141,11 @@ def compare(
     else:
         click.echo(as_text(comparison, beside), nl=False)
     if table is not None:
-        write_bytes(table, as_csv(comparison).encode(), force=force)
-        note(f"wrote {table}")
+        write_out(table, as_csv(comparison).encode(), force=force)
     if picture is not None:
         with working(f"drawing {picture}"):
             drawn = draw_comparison(comparison)
-        write_bytes(picture, drawn, force=force)
-        note(f"wrote {picture}")
+        write_out(picture, drawn, force=force)
 
 
 def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow, ...]:

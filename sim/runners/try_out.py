@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController
-from sim.controllers.base import Command, Commands, Memory, Observation, Observations
+from sim.controllers import CONTROLLERS, CompiledController, ProcessController
+from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.contract import check_contract
 from sim.episode import prepare
 from sim.outcome import Outcome
 from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.support.arrays import Floats
 from worldgen.world import Pose, Target, World
 
 __all__ = ["EMPTY_ARENA", "try_out"]
@@ -35,16 +34,6 @@ class _Idle:
 
     def act(self, _observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         return Command(), memory
-
-
-class _IdleMany:
-    """Stands still, for many robots."""
-
-    def reset(self) -> Memory:
-        return ()
-
-    def act_many(self, _observation: Observations, memory: Floats) -> tuple[Commands, Floats]:
-        return Commands(), memory
 
 
 def try_out(
@@ -71,8 +60,7 @@ def try_out(
         outcome = _two_steps(scenario, controller, world)
     else:
         # Load the simulator first, with a controller that costs nothing.
-        idle = _IdleMany() if isinstance(controller, VectorController) else _Idle()
-        _two_steps(scenario, idle, world)
+        _two_steps(scenario, _Idle(), world)
         end = time.monotonic() + seconds
         try:
             with stopping_when(lambda: time.monotonic() > end):
