@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 
 import numpy as np
 
@@ -42,31 +43,19 @@ def as_object(audit: Audit, tolerance: float) -> dict[str, object]:
     t, x, y = audit.nearest
     return {
         "ok": audit.ok,
-        "findings": [
-            {
-                "kind": finding.kind,
-                "t": finding.t,
-                "x": finding.x,
-                "y": finding.y,
-                "depth": finding.depth,
-                "cell": None if finding.cell is None else list(finding.cell),
-                "t_begin": finding.begin,
-                "t_end": finding.end,
-                "sample": finding.sample,
-            }
-            for finding in audit.findings
-        ],
-        "notes": list(audit.notes),
-        "samples": audit.samples,
-        "reached": audit.reached,
-        "path_length": audit.path_length,
-        "duration": audit.duration,
-        "clearance": audit.clearance,
+        **asdict(audit),
+        "findings": [_as_object(finding) for finding in audit.findings],
         "nearest": {"t": t, "x": x, "y": y},
-        "shaved": audit.shaved,
-        "shaved_depth": audit.shaved_depth,
         "tolerance": tolerance,
     }
+
+
+def _as_object(finding: Finding) -> dict[str, object]:
+    """Return a finding without its speed, which only its sentence tells."""
+    names = {"begin": "t_begin", "end": "t_end"}
+    plain = asdict(finding)
+    del plain["speed"]
+    return {names.get(name, name): value for name, value in plain.items()}
 
 
 def as_lines(world: World, audit: Audit) -> list[str]:

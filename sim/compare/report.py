@@ -7,6 +7,7 @@ import io
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from sim.compare.comparison import PERCENTILES, Cell, Comparison, Total, standing
@@ -360,19 +361,8 @@ def _json_figure(cell: Cell, figure: PublishedRow) -> dict[str, Any]:
 
 
 def _json_total(total: Total) -> dict[str, Any]:
-    return {
-        "controller": total.label,
-        "random": total.random,
-        "runs": total.runs,
-        "reached": total.reached,
-        "interval": list(total.interval) if total.interval else None,
-        "failures": dict(total.failures),
-        "wins": total.wins,
-        "shared_wins": total.shared_wins,
-        "mean_time": total.mean_time,
-        "median_time": total.median_time,
-        "mean_area": total.mean_area,
-    }
+    figures = asdict(total)
+    return {"controller": figures.pop("label"), **figures}
 
 
 def _json_agreement(beside: Agreement) -> dict[str, Any]:

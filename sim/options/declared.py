@@ -56,6 +56,11 @@ class OptionSet:
         return tuple(one.name for one in cls.declared())
 
     @classmethod
+    def words(cls) -> frozenset[str]:
+        """Return the options' names, and the names that switch on several."""
+        return frozenset((*cls.names(), *cls.TOGETHER))
+
+    @classmethod
     def of(cls, values: Mapping[str, Value]) -> Self:
         """Return options from names and values.
 

@@ -60,11 +60,6 @@ __all__ = ["LatticeRun"]
 _FLEET_SLACK = 40
 
 
-def _memory_of(episode: CoreEpisode) -> Floats:
-    """Return (m,) the memory of an episode that has ended."""
-    return episode.state_words()[STATE_WORDS:].view(np.float64)
-
-
 class LatticeRun:
     """One world, controller and set of options, ready to run any number of times.
 
@@ -203,16 +198,23 @@ class LatticeRun:
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Simulate up to ``steps`` steps from the start; see :meth:`sim.outcome.Runnable.run`."""
+        return self._run(steps, find_loop=find_loop, record=record, digest=digest)[0]
+
+    def _run(
+        self, steps: int, *, find_loop: bool, record: bool, digest: bool
+    ) -> tuple[Outcome, CoreEpisode | None]:
+        """Run once; there is no episode if the controller failed before it began."""
         self.settings.steps = steps
         self.settings.digest = int(digest)
         self.settings.find_loop = (
             lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
         )
         if isinstance(self.controller, CompiledController):
-            return self._run_compiled(self.controller, record)[0]
+            return self._run_compiled(self.controller, record)
         loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
         loop.run(steps, record=record)
-        return self.outcome_of(loop.episode, loop.recording(), loop.complete, loop.fault)
+        recording = loop.recording()
+        return self.outcome_of(loop.episode, recording, loop.complete, loop.fault), loop.episode
 
     def run_and_recall(self, steps: int, *, find_loop: bool) -> tuple[Outcome, Floats]:
         """Simulate a controller from the start, and return its memory at the end, too.
@@ -223,25 +225,16 @@ class LatticeRun:
         Raises:
             InvalidParameter: If the controller itself fails.
         """
-        self.settings.steps = steps
-        self.settings.digest = 0
-        self.settings.find_loop = (
-            lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
-        )
-        if isinstance(self.controller, CompiledController):
-            outcome, ended = self._run_compiled(self.controller, record=False)
-            return outcome, _memory_of(ended)
-        loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
-        loop.run(steps, record=False)
-        if loop.fault is not None or loop.episode is None:
+        outcome, ended = self._run(steps, find_loop=find_loop, record=False, digest=False)
+        in_python = not isinstance(self.controller, CompiledController)
+        if ended is None or (outcome.fault is not None and in_python):
             raise InvalidParameter(
                 "code-failed",
                 "the controller fails in training: {reason}",
                 "run it, and fuzz it, before you train it",
-                reason="" if loop.fault is None else loop.fault.error,
+                reason="" if outcome.fault is None else outcome.fault.error,
             )
-        outcome = self.outcome_of(loop.episode, None, loop.complete, None)
-        return outcome, _memory_of(loop.episode)
+        return outcome, ended.state_words()[STATE_WORDS:].view(np.float64)
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`.

@@ -56,11 +56,6 @@ def _kind(name: str) -> int:
 
 
 @dataclass(frozen=True)
-class _NoOptions:
-    """No options."""
-
-
-@dataclass(frozen=True)
 class CollideOptions:
     """How ``collide`` turns.
 
@@ -134,7 +129,7 @@ class EscapeOptions:
 
 
 def _behaviour(name: str, **fields: Any) -> Behaviour:
-    return Behaviour(name, kind=_kind(name), **({"options": _NoOptions} | fields))
+    return Behaviour(name, kind=_kind(name), **fields)
 
 
 collide = _behaviour(
