@@ -20,7 +20,7 @@ import numpy.typing as npt
 from sim._core import lib
 from sim.controllers import CompiledController, Controller, VectorController
 from sim.controllers.catalogue import called, controller_of
-from sim.episode import Episode, simulate
+from sim.episode import simulate
 from sim.motion import LATTICE, MOTIONS
 from sim.options.run import RunOptions, options_from, poses_of, seeds_of, whole, worlds_of
 from sim.outcome import ENDINGS
@@ -134,6 +134,14 @@ class _RunBlock:
     starts: tuple[Pose, ...]
     options: RunOptions
 
+    @property
+    def kind(self) -> type | None:
+        """Class of the controller, if its runs can be made together."""
+        kinds = (CompiledController, VectorController)
+        on_lattice = MOTIONS.get(self.options.motion).kernel == LATTICE
+        found = (kind for kind in kinds if on_lattice and isinstance(self.controller, kind))
+        return next(found, None)
+
 
 def simulate_many(
     worlds: World | Sequence[World],
@@ -198,13 +206,13 @@ def simulate_many(
     places = 1 if poses is None else len(poses)
     runs = _empty(len(found), [called(one) for one in named], places, numbers)
     jobs = list(_jobs(found, drivers, poses, len(numbers), options, settings))
-    threaded = [job for job in jobs if _is_threaded(job)]
+    threaded = [job for job in jobs if job.kind is CompiledController]
     _run_side_by_side(
         threaded, _at_once(threads, (job.options.steps for job in threaded)), runs, digest
     )
-    _run_in_lockstep([job for job in jobs if _is_vector(job)], runs, digest)
+    _run_in_lockstep([job for job in jobs if job.kind is VectorController], runs, digest)
     for job in jobs:
-        if not _is_threaded(job) and not _is_vector(job):
+        if job.kind is None:
             _run_each(job, job.rows, runs, digest)
     return runs
 
@@ -267,20 +275,6 @@ def _jobs(
 def _at_once(most: int, steps: Iterable[int]) -> int:
     """Return the number of runs of this many steps, up to ``most``, whose logs fit into memory."""
     return max(1, min(most, _LOG_BYTES // (8 * (max(steps, default=0) + 1))))
-
-
-def _is_threaded(job: _RunBlock) -> bool:
-    return (
-        isinstance(job.controller, CompiledController)
-        and MOTIONS.get(job.options.motion).kernel == LATTICE
-    )
-
-
-def _is_vector(job: _RunBlock) -> bool:
-    return (
-        isinstance(job.controller, VectorController)
-        and MOTIONS.get(job.options.motion).kernel == LATTICE
-    )
 
 
 def _run_in_lockstep(jobs: Sequence[_RunBlock], runs: Runs, digest: bool) -> None:
@@ -393,15 +387,8 @@ def _run_each(job: _RunBlock, rows: range, runs: Runs, digest: bool) -> None:
     for row in rows:
         world = replace(job.world, start=job.starts[runs.start[row]])
         episode = simulate(world, job.controller, replace(job.options, seed=int(runs.seed[row])))
-        _fill_one(runs, row, episode, digest)
-
-
-def _fill_one(runs: Runs, row: int, episode: Episode, digest: bool) -> None:
-    runs.verdict[row] = _CODE[episode.verdict]
-    runs.steps[row] = episode.steps
-    runs.time[row] = episode.time
-    runs.path_length[row] = episode.path_length
-    runs.collisions[row] = episode.collisions
-    runs.area_covered[row] = episode.area_covered
-    if digest:
-        runs.digest[row] = int(episode.trace_digest, 16)
+        runs.verdict[row] = _CODE[episode.verdict]
+        for name in ("steps", "time", "path_length", "collisions", "area_covered"):
+            getattr(runs, name)[row] = getattr(episode, name)
+        if digest:
+            runs.digest[row] = int(episode.trace_digest, 16)

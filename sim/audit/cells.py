@@ -43,13 +43,9 @@ class Pairs:
 
     def followed_by(self, other: Pairs) -> Pairs:
         """Return these pairs and the others, in one record."""
-        columns = (
-            (self.piece, other.piece),
-            (self.ix, other.ix),
-            (self.iy, other.iy),
-            (self.span, other.span),
-        )
-        return Pairs(*(np.concatenate(both) for both in columns))
+        names = ("piece", "ix", "iy", "span")
+        both = ((getattr(self, name), getattr(other, name)) for name in names)
+        return Pairs(*map(np.concatenate, both))
 
 
 class Surroundings:

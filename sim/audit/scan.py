@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -71,12 +72,19 @@ class Hits:
     @classmethod
     def of(cls, many: Sequence[Hits]) -> Hits:
         """Return all of the stretches in one record."""
-        names = ("begin", "end", "depth", "worst", "ix", "iy")
-        return (
-            cls(*(np.concatenate([getattr(hits, name) for hits in many]) for name in names))
-            if many
-            else cls()
-        )
+        if not many:
+            return cls()
+        columns = zip(*(hits.columns for hits in many), strict=True)
+        return cls(*map(np.concatenate, columns))
+
+    @property
+    def columns(self) -> tuple[Any, ...]:
+        """The fields in their order."""
+        return self.begin, self.end, self.depth, self.worst, self.ix, self.iy
+
+    def take(self, rows: Bools) -> Hits:
+        """Return some of the stretches."""
+        return Hits(*(column[rows] for column in self.columns))
 
 
 def merged(hits: Hits, grain: float = 1e-9) -> Hits:
@@ -351,11 +359,7 @@ def _overlaps(
     depth = radius - measured.distance[hit]
     hits = Hits(begin, end, depth, at, pairs.ix, pairs.iy).of_moves(row)
     burning = measured.burning[hit]
-    return {"overlap": _some(hits, ~burning), "burned": _some(hits, burning)}
-
-
-def _some(hits: Hits, rows: Bools) -> Hits:
-    return Hits(*(getattr(hits, n)[rows] for n in ("begin", "end", "depth", "worst", "ix", "iy")))
+    return {"overlap": hits.take(~burning), "burned": hits.take(burning)}
 
 
 def _shaved(

@@ -208,15 +208,11 @@ class Cell:
 
     def share_until(self, time: float) -> float:
         """Return the fraction of all runs that arrived no later than ``time``, s."""
-        return sum(run.verdict in ARRIVALS and run.time <= time + _SAME for run in self.runs) / len(
-            self.runs
-        )
+        return sum(run.time <= time + _SAME for run in self.arrivals) / len(self.runs)
 
     def share_before(self, time: float) -> float:
         """Return the fraction of all runs that arrived earlier than ``time``, s."""
-        return sum(run.verdict in ARRIVALS and run.time < time - _SAME for run in self.runs) / len(
-            self.runs
-        )
+        return sum(run.time < time - _SAME for run in self.arrivals) / len(self.runs)
 
 
 @dataclass(frozen=True)

@@ -61,11 +61,6 @@ class PackedDisturbances:
         timed = self._pushes[self._places :]
         return int(timed[-1, 0]) if len(timed) else 0
 
-    @property
-    def corners(self) -> int:
-        """Largest number of pushes in one step."""
-        return len(self._pushes)
-
     def fill(self, settings: Any) -> None:
         """Write them into a WgSettings, which this object must outlive."""
         settings.disturbed = int(self._moved)
