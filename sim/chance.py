@@ -24,7 +24,6 @@ from sim.controllers.shared.guarded import ControllerDied
 from sim.motion import MOTIONS
 from sim.options.noise import is_noisy
 from sim.options.run import TARGET, RunOptions
-from sim.runners.core_calls import CoreEpisode, Driver
 from sim.runners.lattice import LatticeRun
 from sim.trace import Trace
 from worldgen.errors import InvalidParameter
@@ -190,7 +189,7 @@ class _Search:
         self._controller = controller
         self._most = most
         self.coin = max(run.options.robot.coin, 1)
-        start = self._start()
+        start = run.episode(controller).state_words()
         self._numbers: dict[tuple[bytes, int], int] = {(start.tobytes(), UNSEEN): 0}
         self._states = [start]
         self._faces = [UNSEEN]
@@ -211,15 +210,6 @@ class _Search:
         following = tuple(self._following)
         faces = np.array(self._faces, np.int64)
         return Outcomes(self.coin, np.array(self._states), faces, following, _ranks(following))
-
-    def _start(self) -> Ints:
-        return self._episode().state_words()
-
-    def _episode(self) -> CoreEpisode:
-        run = self._run
-        return CoreEpisode(
-            run.arena(), run.settings, Driver(self._controller, self._controller.memory)
-        )
 
     def _entries(self, states: Ints, faces: Ints) -> Iterator[Following]:
         """Yield the successors of each state, in order."""
@@ -263,7 +253,7 @@ class _Search:
     def _step(self, states: Ints, values: Ints) -> tuple[Ints, Ints, Ints]:
         """Return the states after one step, the endings, and whether the random number was used."""
         # Move all arrays to memory that the core can use, in this process or in another.
-        episode = self._episode()
+        episode = self._run.episode(self._controller)
         memory = self._run.memory
         after = memory.zeros(states.shape, np.int64)
         drew = memory.zeros(len(states), np.int64)

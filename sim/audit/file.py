@@ -133,7 +133,7 @@ def parse_trajectories(
 
 
 def _has_robots(header: str) -> bool:
-    return any(_names(header, delimiter).count(_ROBOT) == 1 for delimiter in _DELIMITERS)
+    return any(_names(header.lower(), delimiter).count(_ROBOT) == 1 for delimiter in _DELIMITERS)
 
 
 def _samples(
@@ -170,22 +170,22 @@ def _samples(
 
 
 def _names(header: str, delimiter: str) -> list[str]:
-    """Return the names of the columns, in lower case."""
+    """Return the names of the columns."""
     names = header.strip().lstrip("#").split(delimiter)
-    return [name.strip().strip('"').strip().lower() for name in names]
+    return [name.strip().strip('"').strip() for name in names]
 
 
 def _columns(header: str, wanted: Sequence[str], line: int, source: str) -> tuple[str, list[int]]:
     """Return the separator of the columns, and the indices of the wanted ones."""
     for delimiter in _DELIMITERS:
-        lower = _names(header, delimiter)
+        lower = _names(header.lower(), delimiter)
         if all(lower.count(name) == 1 for name in wanted):
             return delimiter, [lower.index(name) for name in wanted]
 
     # No separator gives all of them, so report the one that splits the header furthest.
     furthest = max(_DELIMITERS, key=header.count)
-    lower = _names(header, furthest)
-    found = [name.strip().strip('"').strip() for name in header.strip().lstrip("#").split(furthest)]
+    found = _names(header, furthest)
+    lower = [name.lower() for name in found]
     wrong = next(name for name in COLUMNS if lower.count(name) != 1)
     how = f"two columns {wrong!r}" if wrong in lower else f"no column {wrong!r}"
     shown = ", ".join(found)[:80]

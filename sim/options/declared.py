@@ -35,11 +35,10 @@ class OptionSet:
 
     def changed(self) -> dict[str, Value]:
         """Return the options that differ from their defaults, in order of declaration."""
-        values = {one.name: getattr(self, one.name) for one in self.declared()}
         return {
-            one.name: list(values[one.name]) if isinstance(one.default, tuple) else values[one.name]
+            one.name: list(value) if isinstance(value, tuple) else value
             for one in self.declared()
-            if values[one.name] != one.default
+            if (value := getattr(self, one.name)) != one.default
         }
 
     @classmethod

@@ -34,12 +34,11 @@ from sim.runners.core_calls import (
     memory_for,
     near_masks,
 )
-from sim.runners.disturbing import PackedDisturbances
 from sim.runners.long_runs import MOST_HELD, portions
 from sim.runners.packing import STEP_TIME, event_time, start_overlaps
 from sim.runners.python_loop import PythonLoop
 from sim.runners.recording import FIRST_OF_STATE, POINT_FIELDS, trace_of
-from sim.runners.settings import fill_settings
+from sim.runners.settings import PackedDisturbances, fill_settings
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
@@ -345,7 +344,7 @@ class LatticeRun:
     ) -> tuple[Outcome, CoreEpisode]:
         # Run once for the verdict. Only if a recording is wanted, run again with room for exactly
         # the steps and path points that there are.
-        episode = self._episode(controller)
+        episode = self.episode(controller)
         episode.run_to_the_end()
         fault = self._fault(controller, episode) if episode.report.ending == lib.WG_CRASH else None
         if not record:
@@ -357,7 +356,7 @@ class LatticeRun:
             return replace(outcome, trace=self._lean_trace(controller, done, points)), episode
         rows = self.memory.zeros((done + 1, FIRST_OF_STATE + episode.words), np.int64)
         path = self.memory.zeros((points, POINT_FIELDS), np.int64)
-        episode = self._episode(controller)
+        episode = self.episode(controller)
         rows[0, FIRST_OF_STATE:] = episode.state_words()
         episode.record(rows[1:], path)
         episode.run_to_the_end()
@@ -367,8 +366,15 @@ class LatticeRun:
             path = path[(path[:, 0] > 0) & (path[:, 0] < done)]
         return self.outcome_of(episode, (rows, path), fault=fault), episode
 
-    def _episode(self, controller: CompiledController) -> CoreEpisode:
-        return CoreEpisode(self.arena(), self.settings, Driver(controller, controller.memory))
+    def episode(self, controller: CompiledController, settings: Any = None) -> CoreEpisode:
+        """Return an episode of the run at its start.
+
+        Args:
+            controller: The controller.
+            settings: WgSettings other than the run's own.
+        """
+        driver = Driver(controller, controller.memory)
+        return CoreEpisode(self.arena(), settings or self.settings, driver)
 
     def _fault(self, controller: CompiledController, failed: CoreEpisode) -> ControllerError:
         """Return the fault of an episode's last step.
@@ -382,7 +388,7 @@ class LatticeRun:
             return controller_error_of(ffi.string(failed.report.error).decode("utf-8", "replace"))
         settings = copy_of(self.settings)
         settings.find_loop = lib.WG_NO_LOOP
-        episode = CoreEpisode(self.arena(), settings, Driver(controller, controller.memory))
+        episode = self.episode(controller, settings)
         episode.run(int(failed.report.steps) - 1)
         # Without a function the episode stops where the controller is to act.
         episode.c.controller.act = ffi.NULL

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController
 from sim.controllers.shared.guarded import ControllerDied
-from sim.runners.core_calls import REPORT, CoreEpisode, Driver, copy_of
+from sim.runners.core_calls import REPORT, copy_of
 from sim.runners.lattice import LatticeRun
 from worldgen.support.arrays import Ints, Words
 from worldgen.support.ccall import check, pointer
@@ -52,7 +52,7 @@ def run_many(
     settings.steps = run.options.steps
     settings.digest = int(digest)
     settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
-    episode = CoreEpisode(run.arena(), settings, Driver(controller, controller.memory))
+    episode = run.episode(controller, settings)
     fresh = run.arena()
     reports = memory.zeros(len(seeds), REPORT)
     own_starts = memory.own(np.ascontiguousarray(starts))

@@ -120,35 +120,30 @@ class ThesisEpisode:
         seeks = setup.find_loop == lib.WG_SEEK_LOOP
         self._log = np.zeros(setup.steps + 1 if seeks else 1, np.uint64)
         self._known = np.zeros(lib.WG_THESIS_WORDS, np.uint64)
-        self._arena = ffi.new("WgThesisArena *", self._arena_fields())
-        self._settings = ffi.new("WgThesisSettings *", setup._asdict())
-        self._search = ffi.new("WgSearch *", self._search_fields())
-        self.run: Any = ffi.new("WgThesisRun *")
-        lib.wg_thesis_begin(self.run, *start, setup.speed)
-
-    def _arena_fields(self) -> dict[str, Any]:
-        width, height = self.cells.shape
-        if self._light.shape != self.cells.shape:
+        if self._light.shape != cells.shape:
             raise ValueError(
-                f"light is {self._light.shape}, cells are {self.cells.shape}; give both one shape"
+                f"light is {self._light.shape}, cells are {cells.shape}; give both one shape"
             )
-        return {
-            "width": width,
-            "height": height,
+        arena = {
+            "width": cells.shape[0],
+            "height": cells.shape[1],
             "cells": writable(ffi, self.cells, np.int32),
             "light": pointer(ffi, self._light, np.int32),
             "events": ffi.cast("WgThesisEvent *", pointer(ffi, self._events, np.int64)),
             "event_count": len(self._events),
             "visited": writable(ffi, self.visited, np.uint8),
         }
-
-    def _search_fields(self) -> dict[str, Any]:
-        return {
+        search = {
             "log": writable(ffi, self._log, np.uint64),
             "log_size": self._log.size,
             "known": writable(ffi, self._known, np.uint64),
             "words": self._known.size,
         }
+        self._arena = ffi.new("WgThesisArena *", arena)
+        self._settings = ffi.new("WgThesisSettings *", setup._asdict())
+        self._search = ffi.new("WgSearch *", search)
+        self.run: Any = ffi.new("WgThesisRun *")
+        lib.wg_thesis_begin(self.run, *start, setup.speed)
 
     def go(self, until: int, draws: Floats, rows: Rows, first_row: int = 0) -> bool:
         """Continue until the run is decided or a step is done.

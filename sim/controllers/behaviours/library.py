@@ -12,11 +12,13 @@ from typing import Annotated, Any, Literal
 from sim._core import ffi, lib
 from sim.controllers.behaviours.arbitration import ALWAYS
 from sim.controllers.behaviours.base import UNTIL_DONE, Behaviour
+from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
 from worldgen.support.bounds import Bounds
 
 __all__ = [
     "HANDS",
+    "IDLE",
     "TURNS",
     "TURN_WORDS",
     "approach",
@@ -43,6 +45,14 @@ TURN_WORDS = {
 
 HANDS = {"left": 1.0, "right": -1.0}
 """Words for the side on which ``follow`` keeps its wall."""
+
+IDLE = {
+    place("WgShared", "behaviour"): -1.0,
+    place("WgShared", "target"): -1.0,
+    place("WgShared", "speed"): 1.0,
+    place("WgShared", "old_speed"): 1.0,
+}
+"""What the arbiter's memory holds at reset: no behaviour in control, no target, the top speed."""
 
 _STEER = ("heading", "time_step", "top_speed")
 

@@ -140,7 +140,7 @@ class Pibt:
         y = world.start.y / edge
         start = _nearest(x, y, _clear_nodes(grid)) or (round(x), round(y))
         # The start makes priorities differ, unless two robots start off the grid at the same node.
-        to_go = _distances(grid, target).get(start) or 0
+        to_go = _edges_from(start, _distances(grid, target)) or 0
         priority = to_go * len(bits) + start[1] * grid.columns + start[0]
         return (
             0.0,
@@ -188,7 +188,7 @@ class Pibt:
         if node is None:
             return x, y
         # The last part of the path leads off the grid, unless a node lies in the target.
-        if _distances(grid, target).get(node) == 0:
+        if _edges_from(node, _distances(grid, target)) == 0:
             return target.x, target.y
         # Something pushed the robot off the grid, or it started there.
         if math.hypot(x - node[0], y - node[1]) > _NEAR:
@@ -293,10 +293,10 @@ class _JointMove:
             False if no move is free, so that whoever pushes it must look for another move.
         """
         field = _distances(self._grid, agent.target, agent.radius, self._parked)
-        if field.get(agent.node) is None:
+        if _edges_from(agent.node, field) is None:
             # Arrived robots block its path; get as close as possible.
             field = _distances(self._grid, agent.target)
-        to_go = {move: field.get(agent.after(move)) for move in _MOVES}
+        to_go = {move: _edges_from(agent.after(move), field) for move in _MOVES}
         moves = sorted(
             (move for move in _MOVES if to_go[move] is not None), key=lambda move: to_go[move] or 0
         )
@@ -379,22 +379,17 @@ def _touch_at(x: float, y: float, dx: float, dy: float, together: float) -> bool
     return math.hypot(x + at * dx, y + at * dy) < together - 1e-9
 
 
-class _Field:
-    """The edges from each node to a target.
+def _edges_from(node: Node, steps: npt.NDArray[np.int32]) -> int | None:
+    """Return the edges from a node to a target; ``None`` if there is no path, or no such node.
 
     Args:
-        steps: (rows, columns) int32, -1 at nodes from which no path leads there.
+        node: The node.
+        steps: (rows, columns) edges from each node, -1 where no path leads to the target.
     """
-
-    def __init__(self, steps: npt.NDArray[np.int32]) -> None:
-        self._steps = steps
-
-    def get(self, node: Node) -> int | None:
-        """Return the edges from a node; ``None`` if there is no path, or no such node."""
-        x, y = node
-        rows, columns = self._steps.shape
-        found = int(self._steps[y, x]) if 0 <= x < columns and 0 <= y < rows else -1
-        return None if found < 0 else found
+    x, y = node
+    rows, columns = steps.shape
+    found = int(steps[y, x]) if 0 <= x < columns and 0 <= y < rows else -1
+    return None if found < 0 else found
 
 
 @functools.lru_cache(maxsize=16)
@@ -409,7 +404,7 @@ def _clear_nodes(grid: _Map) -> Bools:
 @functools.lru_cache(maxsize=128)
 def _distances(
     grid: _Map, target: _Target, radius: float = 0.0, parked: tuple[_Bystander, ...] = ()
-) -> _Field:
+) -> npt.NDArray[np.int32]:
     """Return the edges from each node to the clear node nearest to a target.
 
     Args:
@@ -424,9 +419,9 @@ def _distances(
         clear &= np.hypot(x - one.x, y - one.y) >= radius + one.radius - 1e-9
     source = _nearest(target.x, target.y, clear)
     if source is None:
-        return _Field(np.full(clear.shape, -1, np.int32))
+        return np.full(clear.shape, -1, np.int32)
     steps, _ = steps_from(clear, source[1] * grid.columns + source[0])
-    return _Field(steps.reshape(clear.shape))
+    return steps.reshape(clear.shape)
 
 
 def _nearest(x: float, y: float, clear: Bools) -> Node | None:
