@@ -181,12 +181,9 @@ def simulate_many(
     """
     # Turn each argument into a list, and refuse a call that would run nothing.
     found = worlds_of(worlds)
-    named = (
-        [controllers]
-        if isinstance(controllers, str) or not isinstance(controllers, Sequence)
-        else controllers
-    )
-    drivers = [controller_of(one) for one in named]
+    if isinstance(controllers, str) or not isinstance(controllers, Sequence):
+        controllers = [controllers]
+    drivers = [controller_of(one) for one in controllers]
     numbers = seeds_of(seeds)
     poses = None if starts is None else poses_of(starts)
     threads = (
@@ -204,7 +201,7 @@ def simulate_many(
     # Plan all runs. Compiled controllers share the threads, vector controllers run in lockstep, and
     # everything else runs one at a time.
     places = 1 if poses is None else len(poses)
-    runs = _empty(len(found), [called(one) for one in named], places, numbers)
+    runs = _empty(len(found), [called(one) for one in controllers], places, numbers)
     jobs = list(_jobs(found, drivers, poses, len(numbers), options, settings))
     threaded = [job for job in jobs if job.kind is CompiledController]
     _run_side_by_side(

@@ -271,17 +271,8 @@ def _findings(kind: str, hits: Hits, way: AuditPath, unit: float) -> list[Findin
     t, x, y = way.place(hits.worst)
     begin = way.place(hits.begin)[0]
     end = way.place(hits.end)[0]
-    columns = (
-        t,
-        x,
-        y,
-        hits.depth * unit,
-        hits.ix,
-        hits.iy,
-        begin,
-        end,
-        np.floor(hits.worst).astype(int),
-    )
+    sample = np.floor(hits.worst).astype(int)
+    columns = (t, x, y, hits.depth * unit, hits.ix, hits.iy, begin, end, sample)
     return [
         Finding(kind, t, x, y, depth, (ix, iy), begin, end, sample)
         for t, x, y, depth, ix, iy, begin, end, sample in zip(

@@ -36,11 +36,9 @@ class AuditPath:
         self.moves = Parts(self.x[:-1], self.y[:-1], np.diff(self.x), np.diff(self.y))
         self.leaving = np.flatnonzero(self.beyond[:-1] | self.beyond[1:])
         # A burning cell may touch a disc whose centre is outside the grid.
-        margin = (
-            min(world.robot_radius / world.cell_size, self.height + self.width)
-            if world.is_dynamic
-            else 0.0
-        )
+        margin = 0.0
+        if world.is_dynamic:
+            margin = min(world.robot_radius / world.cell_size, self.height + self.width)
         self.low = np.zeros(len(self.moves.x))
         self.high = np.ones(len(self.moves.x))
         self.low[self.leaving], self.high[self.leaving] = self.in_grid(margin)

@@ -122,11 +122,9 @@ def _words(world: World, finding: Finding) -> str:
     if finding.kind == "outside":
         return f"the centre is up to {depth} outside the grid"
     if finding.kind == "jump":
-        speed = (
-            f"at {finding.speed:.6g} m/s"
-            if finding.speed < math.inf
-            else "in no time, at infinite speed"
-        )
+        speed = "in no time, at infinite speed"
+        if finding.speed < math.inf:
+            speed = f"at {finding.speed:.6g} m/s"
         return f"up to {depth} farther in one step than {world.robot_speed:g} m/s allow, {speed}"
     return f"the first sample is {depth} away from the world's start"
 

@@ -269,13 +269,12 @@ def _windows(
         span = pairs.span[timed]
         begin = way.times[row[timed]]
         end = way.times[row[timed] + 1]
-        lasts = np.where(end > begin, end - begin, 1.0)
-        since[timed] = np.where(
-            end > begin, np.clip((around.since[span] - begin) / lasts, 0.0, 1.0), 0.0
-        )
-        until[timed] = np.where(
-            end > begin, np.clip((around.until[span] - begin) / lasts, 0.0, 1.0), 1.0
-        )
+        lasts = end > begin
+        duration = np.where(lasts, end - begin, 1.0)
+        enter = np.clip((around.since[span] - begin) / duration, 0.0, 1.0)
+        leave = np.clip((around.until[span] - begin) / duration, 0.0, 1.0)
+        since[timed] = np.where(lasts, enter, 0.0)
+        until[timed] = np.where(lasts, leave, 1.0)
         burning[timed] = around.state[span] == int(CellState.BURNING)
     return since, until, burning
 

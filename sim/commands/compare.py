@@ -159,14 +159,9 @@ def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow,
     for path in dict.fromkeys(paths):
         place = (path if path.is_dir() else path.parent) / PUBLISHED
         if place.is_file():
-            figures = read_figures(
-                read_text(place), str(place), folder=str(path) if path.is_dir() else ""
-            )
-            found += (
-                figures
-                if path.is_dir()
-                else [figure for figure in figures if figure.world == _stem(path)]
-            )
+            folder = str(path) if path.is_dir() else ""
+            figures = read_figures(read_text(place), str(place), folder)
+            found += [one for one in figures if path.is_dir() or one.world == _stem(path)]
     return tuple(found)
 
 

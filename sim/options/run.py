@@ -340,11 +340,8 @@ def check_world(world: object) -> World:
     """
     if isinstance(world, World):
         return world
-    way = (
-        "read it: worldgen.read_world({path!r})"
-        if isinstance(world, str | Path)
-        else "give a World"
-    )
+    is_path = isinstance(world, str | Path)
+    way = "read it: worldgen.read_world({path!r})" if is_path else "give a World"
     raise InvalidParameter(
         "wrong-type", "{world} is not a world", way, world=quote(world), path=str(world)
     )
