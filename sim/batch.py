@@ -319,8 +319,7 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
         if found is None:
             warnings.warn(
                 f"{called(controller)} raised for some of many robots, or changed what is outside "
-                f"its memory; "
-                "it runs for one robot at a time, which takes far longer",
+                "its memory; it runs for one robot at a time, which takes far longer",
                 stacklevel=2,
             )
             for row, which in zip(rows[part].tolist(), world[part].tolist(), strict=True):

@@ -200,8 +200,7 @@ class Episode:
         )
         return (
             f"{self.verdict}: {self.steps} steps, {self.time:g} s, {self.path_length:.3f} m "
-            f"driven, "
-            f"{self.collisions} collisions, trace {self.trace_digest}{evidence}"
+            f"driven, {self.collisions} collisions, trace {self.trace_digest}{evidence}"
         )
 
 

@@ -231,11 +231,9 @@ def audit(
     # Collect findings along the path, of moves that are too fast, and of the start.
     way = AuditPath(world, trajectory.times, trajectory.x, trajectory.y)
     result = scan(way, world.robot_radius / size, tolerance / size, straight=straight)
-    findings = [
-        finding
-        for kind, hits in result.hits.items()
-        for finding in _findings(kind, hits, way, size)
-    ]
+    findings: list[Finding] = []
+    for kind, hits in result.hits.items():
+        findings += _findings(kind, hits, way, size)
     findings += _jumps(world, trajectory, slack)
     elsewhere = _elsewhere(world, trajectory, max(tolerance, slack))
     findings += elsewhere if from_start else []
@@ -340,8 +338,7 @@ def _report(
     if result.shaved:
         notes.append(
             f"{result.shaved} straight line{'s' if result.shaved > 1 else ''} between clear "
-            f"samples cut a corner, by "
-            f"up to {depth:.3g} m; --straight counts them"
+            f"samples cut a corner, by up to {depth:.3g} m; --straight counts them"
         )
     nearest = way.place(np.array([result.nearest]))
     return Audit(

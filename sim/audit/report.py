@@ -97,11 +97,8 @@ def fleet_object(audits: Mapping[int, Audit], tolerance: float) -> dict[str, obj
 
 
 def _line(world: World, finding: Finding) -> str:
-    span = (
-        f"{finding.begin:.6g} to {finding.end:.6g} s"
-        if finding.end > finding.begin
-        else f"{finding.begin:.6g} s"
-    )
+    until = f" to {finding.end:.6g}" if finding.end > finding.begin else ""
+    span = f"{finding.begin:.6g}{until} s"
     where = f"at t = {finding.t:.6g} s, ({finding.x:.6g}, {finding.y:.6g}) m"
     return f"{finding.kind} {span}: {_words(world, finding)}, {where}"
 
@@ -139,17 +136,14 @@ def _verdict(*audits: Audit) -> str:
 
 
 def _figures(world: World, audit: Audit) -> str:
-    reached = (
-        "target not reached"
-        if audit.reached is None
-        else f"target reached at {audit.reached:.6g} s"
-    )
+    reached = "target not reached"
+    if audit.reached is not None:
+        reached = f"target reached at {audit.reached:.6g} s"
     t, x, y = audit.nearest
     return (
         f"{audit.samples} samples, {audit.duration:.6g} s, {audit.path_length:.6g} m, {reached}; "
         f"smallest clearance {audit.clearance:.6g} m at t = {t:.6g} s, ({x:.6g}, {y:.6g}) m, "
-        f"radius "
-        f"{world.robot_radius:g} m"
+        f"radius {world.robot_radius:g} m"
     )
 
 

@@ -82,7 +82,7 @@ class Hits:
         """The fields in their order."""
         return self.begin, self.end, self.depth, self.worst, self.ix, self.iy
 
-    def take(self, rows: Bools) -> Hits:
+    def take(self, rows: Indices | Bools) -> Hits:
         """Return some of the stretches."""
         return Hits(*(column[rows] for column in self.columns))
 
@@ -108,14 +108,7 @@ def merged(hits: Hits, grain: float = 1e-9) -> Hits:
     depth = np.round(hits.depth[order] / grain)
     ranked = order[np.lexsort((hits.worst[order], -depth, group))][first]
     ends = np.append(first[1:], len(group)) - 1
-    return Hits(
-        begin=hits.begin[order][first],
-        end=reached[ends],
-        depth=hits.depth[ranked],
-        worst=hits.worst[ranked],
-        ix=hits.ix[ranked],
-        iy=hits.iy[ranked],
-    )
+    return replace(hits.take(ranked), begin=hits.begin[order][first], end=reached[ends])
 
 
 @dataclass
@@ -326,11 +319,9 @@ def _outside(way: AuditPath) -> Hits:
         sample = rows[own] + share
         ix = np.clip(np.floor(way.x[sample]), -1, width).astype(np.int64)
         iy = np.clip(np.floor(way.y[sample]), -1, height).astype(np.int64)
-        found.append(
-            Hits(
-                begin[own], end[own], depth[sample], np.full(len(ix), float(share)), ix, iy
-            ).of_moves(rows[own])
-        )
+        worst = np.full(len(ix), float(share))
+        hits = Hits(begin[own], end[own], depth[sample], worst, ix, iy)
+        found.append(hits.of_moves(rows[own]))
     return merged(Hits.of(found))
 
 

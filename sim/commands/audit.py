@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import click
@@ -96,18 +97,12 @@ def audit(
             robots=len(world.robots),
         )
     trajectories = read_trajectories(trajectory_path, len(world.robots), robot)
+    driven = {number: world.alone(number) if world.others else world for number in trajectories}
+    judge = partial(
+        audit_trajectory, tolerance=tolerance, slack=slack, straight=straight, from_start=from_start
+    )
     with working(f"auditing {trajectory_path}"):
-        audits = {
-            number: audit_trajectory(
-                world.alone(number) if world.others else world,
-                trajectory,
-                tolerance=tolerance,
-                slack=slack,
-                straight=straight,
-                from_start=from_start,
-            )
-            for number, trajectory in trajectories.items()
-        }
+        audits = {number: judge(driven[number], own) for number, own in trajectories.items()}
 
     # Report; a recording of one robot needs no numbers.
     if len(audits) > 1:
@@ -116,7 +111,7 @@ def audit(
     else:
         ((number, result),) = audits.items()
         found = as_object(result, tolerance)
-        lines = as_lines(world.alone(number) if world.others else world, result)
+        lines = as_lines(driven[number], result)
     if as_json:
         emit_json(found)
     else:

@@ -72,14 +72,8 @@ def _list_library(as_json: bool) -> None:
     for name in BEHAVIOURS:
         one = BEHAVIOURS.get(name)
         own = [option for option in options_of(one) if option.name not in _OF_EVERY_PART]
-        rows.append(
-            {
-                "name": name,
-                "when": one.applies,
-                "does": one.does,
-                "options": {option.name: option.default for option in own},
-            }
-        )
+        defaults = {option.name: option.default for option in own}
+        rows.append({"name": name, "when": one.applies, "does": one.does, "options": defaults})
     if as_json:
         emit_json({"behaviours": rows})
         return

@@ -59,11 +59,8 @@ def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force:
     word = _word(name)
     path = _place(out, word, kind)
     example = f"library{_suffix(kind)}" if kind in _COMPILERS else f"{kind}.py"
-    text = (
-        importlib.resources.files("sim.controllers.examples")
-        .joinpath(example)
-        .read_text(encoding="utf-8")
-    )
+    folder = importlib.resources.files("sim.controllers.examples")
+    text = folder.joinpath(example).read_text(encoding="utf-8")
     write_bytes(path, _renamed(text, word).encode(), force=force)
     if kind == "process":
         path.chmod(path.stat().st_mode | 0o111 & ~_umask())

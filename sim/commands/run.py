@@ -111,16 +111,9 @@ def run(
     # Read the world and the controllers.
     world = read_world(path)
     duration = RunOptions.time_step if time_step is None else time_step
-    scenarios = [
-        Scenario.parse(
-            part,
-            motion=motion,
-            time_step=duration,
-            seed=seed,
-            task=task or RunOptions.task,
-        )
-        for part in controllers_in(controller, len(world.robots))
-    ]
+    common = {"time_step": duration, "seed": seed, "task": task or RunOptions.task}
+    parts = controllers_in(controller, len(world.robots))
+    scenarios = [Scenario.parse(part, motion=motion, **common) for part in parts]
     note_unused(list(dict.fromkeys(scenarios)), seeds=["seed"])
     # Refuse bad output before the run.
     check_transcript(scenarios, transcript)

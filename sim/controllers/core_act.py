@@ -69,9 +69,8 @@ class CoreAct:
         # The struct holds the numbers in the array's order, so one copy of bytes fills it.
         beams = np.ascontiguousarray(observation[OBS_SIZE:], np.float64)
         seen = ffi.new("WgObservation *")
-        ffi.buffer(seen, OBS_SIZE * _NUMBER)[:] = np.ascontiguousarray(
-            observation[:OBS_SIZE], np.float64
-        ).tobytes()
+        plain = np.ascontiguousarray(observation[:OBS_SIZE], np.float64)
+        ffi.buffer(seen, OBS_SIZE * _NUMBER)[:] = plain.tobytes()
         seen.beams = ffi.from_buffer("double[]", beams) if beams.size else ffi.NULL
         seen.beam_count = beams.size
         asked = ffi.new("WgCommand *")

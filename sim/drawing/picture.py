@@ -173,11 +173,10 @@ def disturbances_in(trace: Trace) -> Disturbances:
         x = float(trace.path_x[first + best])
         y = float(trace.path_y[first + best])
         pushes.append(Shove(x, y, float(dx[best]), float(dy[best])))
+    places = (Shove(one.x, one.y, one.dx, one.dy) for one in pushing_places_of(robot))
     return Disturbances(
         pushes=tuple(pushes),
-        places=tuple(
-            Shove(place.x, place.y, place.dx, place.dy) for place in pushing_places_of(robot)
-        ),
+        places=tuple(places),
         decoys=tuple((decoy.x, decoy.y) for decoy in decoys_of(robot)),
         drift_heading=robot.drift_heading if robot.drift > 0.0 else None,
     )
@@ -189,12 +188,7 @@ def drive_of(episode: Episode, world: World, name: str = "") -> Drive:
     trail = trail_of(episode, world)
     if trace is None or trail is None:
         start = world.start
-        return Drive(
-            name,
-            Trail(np.array([start.x]), np.array([start.y])),
-            np.zeros(1),
-            np.array([start.heading]),
-            1.0,
-        )
+        trail = Trail(np.array([start.x]), np.array([start.y]))
+        return Drive(name, trail, np.zeros(1), np.array([start.heading]), 1.0)
     times = np.maximum(trace.path_step - 1 + trace.path_share, 0.0) * trace.time_step
     return Drive(name, trail, times, trace.heading, trace.time_step)

@@ -52,15 +52,11 @@ def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
     if isinstance(evidence, WallEvidence):
         named = evidence.cell
         first[named] = min(evidence.step, trace.steps)
-    return [
-        WallPenetration(
-            ix,
-            iy,
-            step * trace.time_step,
-            _broken_in(trace, world, step, ix, iy) if (ix, iy) == named else None,
-        )
-        for (ix, iy), step in sorted(first.items(), key=lambda item: (item[1], item[0]))
-    ]
+    found = []
+    for cell, step in sorted(first.items(), key=lambda item: (item[1], item[0])):
+        place = _broken_in(trace, world, step, *cell) if cell == named else None
+        found.append(WallPenetration(*cell, step * trace.time_step, place))
+    return found
 
 
 def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:

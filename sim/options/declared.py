@@ -67,12 +67,8 @@ class OptionSet:
             InvalidParameter: If a name is unknown, or a value has the wrong type or is out of
                 range.
         """
-        return cls(
-            **{
-                find_parameter(name, cls.declared(), cls.OWNER).name: value
-                for name, value in values.items()
-            }
-        )
+        found = {name: find_parameter(name, cls.declared(), cls.OWNER).name for name in values}
+        return cls(**{found[name]: value for name, value in values.items()})
 
     @classmethod
     def parse(cls, name: str, text: str | None, also: tuple[str, ...] = ()) -> dict[str, Value]:

@@ -311,11 +311,8 @@ class LatticeRun:
         poses = np.ascontiguousarray(states)
         arena = self.arena()
         starts = ffi.cast("WgStart *", pointer(ffi, poses, np.int64))
-        check(
-            lib.wg_sensed_of_walls(
-                arena.c, settings, starts, len(poses), writable(ffi, seen, np.float64)
-            )
-        )
+        into = writable(ffi, seen, np.float64)
+        check(lib.wg_sensed_of_walls(arena.c, settings, starts, len(poses), into))
         return seen
 
     def arena(self) -> CoreArena:
@@ -396,12 +393,9 @@ class LatticeRun:
         lib.wg_episode_step(episode.c)
         workspace = Workspace(episode)
         act = compiled_act(controller.act)
+        command = np.zeros(layout.CMD_SIZE + layout.MESSAGE_SIZE)
         try:
-            act(
-                workspace.observation,
-                workspace.memory,
-                np.zeros(layout.CMD_SIZE + layout.MESSAGE_SIZE),
-            )
+            act(workspace.observation, workspace.memory, command)
         except Exception as error:  # noqa: BLE001 - a controller may raise anything
             facts = crash_facts(error, controller) or {"message": str(error)}
             name = type(error).__name__
@@ -433,18 +427,9 @@ class LatticeRun:
                 for step in at[begin:end].tolist():
                     take(step, memories[step - first])
 
-        return replace(
-            trace_of(
-                self.world,
-                self.options,
-                rows[: steps + 1],
-                path[:filled],
-                complete=True,
-                lean=True,
-            ),
-            recall=recall,
-            recalled=size,
-        )
+        seen = (rows[: steps + 1], path[:filled])
+        trace = trace_of(self.world, self.options, *seen, complete=True, lean=True)
+        return replace(trace, recall=recall, recalled=size)
 
     def outcome_of(
         self,

@@ -192,22 +192,11 @@ class _Group:
                 arena.near = writable(ffi, self._near[k], np.int32)
 
         # Reserve a log for each robot whose loops are looked for.
-        seeks = [settings.find_loop == lib.WG_SEEK_LOOP for settings in self.settings]
-        logs = np.array(
-            [settings.steps * seek for settings, seek in zip(self.settings, seeks, strict=True)],
-            np.int64,
-        )
-        n = len(self.settings)
-        check(
-            lib.wg_lockstep_new(
-                self._arenas,
-                self.settings,
-                self._driver.c,
-                pointer(ffi, logs, np.int64),
-                n,
-                self._episodes,
-            )
-        )
+        seek = lib.WG_SEEK_LOOP
+        steps = [one.steps if one.find_loop == seek else 0 for one in self.settings]
+        logs = pointer(ffi, np.array(steps, np.int64), np.int64)
+        robots = (self._arenas, self.settings, self._driver.c)
+        check(lib.wg_lockstep_new(*robots, logs, len(steps), self._episodes))
         ffi.memmove(self._slots, self._episodes, ffi.sizeof(self._episodes))
 
     def step(self, count: int, after: Floats) -> int:
@@ -221,28 +210,17 @@ class _Group:
         Returns:
             How many robots must act now; they are in the first slots.
         """
-        return int(
-            lib.wg_lockstep_step(
-                self._slots,
-                count,
-                pointer(ffi, self.command, np.float64),
-                pointer(ffi, after, np.float64),
-                writable(ffi, self.observation, np.float64),
-                writable(ffi, self.memory, np.float64),
-            )
-        )
+        read = (pointer(ffi, array, np.float64) for array in (self.command, after))
+        filled = (writable(ffi, array, np.float64) for array in (self.observation, self.memory))
+        return int(lib.wg_lockstep_step(self._slots, count, *read, *filled))
 
     def reports(self) -> tuple[Reports, Ints]:
         """Return (n,) reports, and (n,) the first step of each loop, or -1 without a loop."""
         n = len(self.settings)
         reports = np.zeros(n, REPORT)
         entries = np.zeros(n, np.int64)
-        lib.wg_lockstep_reports(
-            self._episodes,
-            n,
-            ffi.cast("WgReport *", ffi.from_buffer(reports)),
-            writable(ffi, entries, np.int64),
-        )
+        into = ffi.cast("WgReport *", ffi.from_buffer(reports))
+        lib.wg_lockstep_reports(self._episodes, n, into, writable(ffi, entries, np.int64))
         return reports, entries
 
     def close(self) -> None:

@@ -299,12 +299,8 @@ def _data_of_functions(things: Iterable[Any]) -> list[Any]:
 
 
 def _around(function: types.FunctionType) -> dict[str, Any]:
-    cells = function.__closure__ or ()
-    return {
-        str(number): cell.cell_contents
-        for number, cell in enumerate(cells)
-        if cell != types.CellType()
-    }
+    cells = enumerate(function.__closure__ or ())
+    return {str(k): cell.cell_contents for k, cell in cells if cell != types.CellType()}
 
 
 def _data(names: Mapping[str, Any]) -> dict[str, Any]:

@@ -98,14 +98,10 @@ def train(
     for episode in range(options.episodes):
         left = options.episodes - 1 - episode
         explore = options.explore * left // max(options.episodes - 1, 1)
-        learned = _episode(
-            order.choice(worlds),
-            scenario,
-            with_exploration(_with(controller, scenario, learned), explore, scenario.controller),
-            learning,
-            options,
-            seeds.next64() >> 1,
-        )
+        begun = _with(controller, scenario, learned)
+        tried = with_exploration(begun, explore, scenario.controller)
+        world = order.choice(worlds)
+        learned = _episode(world, scenario, tried, learning, options, seeds.next64() >> 1)
         if progress is not None:
             progress(episode + 1)
         if episode + 1 in due:

@@ -159,34 +159,21 @@ class ThesisEpisode:
         """
         numbers = pointer(ffi, np.ascontiguousarray(draws, np.float64), np.float64)
         table = ffi.cast("WgThesisRow *", writable(ffi, rows.view(np.float64), np.float64))
+        work = (self._arena, self._settings, self.run, self._search, numbers, len(draws))
         last = min(until, self.setup.steps)
         portion = max(1, int(_WORK / max(1.0, self.setup.speed * self.setup.time_step)))
         # Continue in portions of roughly equal work, so that Ctrl-C is noticed.
         while True:
             end = min(last, self.run.steps + portion)
-            check(
-                lib.wg_thesis_run(
-                    self._arena,
-                    self._settings,
-                    self.run,
-                    self._search,
-                    numbers,
-                    len(draws),
-                    table,
-                    len(rows),
-                    first_row,
-                    end,
-                )
-            )
+            check(lib.wg_thesis_run(*work, table, len(rows), first_row, end))
             if self.run.ending != lib.WG_LIMIT or self.run.steps >= last:
                 return bool(self.run.ending != lib.WG_NEEDS_DRAWS)
 
     def proved_state(self) -> Words:
         """Return the state to which a proved loop returns, in the words of a trace."""
         words = self._known.copy()
-        words[_FIRST_COUNT:] = (
-            self._known[_FIRST_COUNT:].view(np.int64).astype(np.float64).view(np.uint64)
-        )
+        counts = self._known[_FIRST_COUNT:].view(np.int64).astype(np.float64)
+        words[_FIRST_COUNT:] = counts.view(np.uint64)
         return words
 
 
@@ -217,11 +204,5 @@ def add_noise(cells: Cells, light: Cells) -> None:
         cells: (width, height) the signal with every wall drawn.
         light: (width, height) the undisturbed signal, from :func:`signal_map`.
     """
-    check(
-        lib.wg_thesis_add_noise(
-            writable(ffi, cells, np.int32),
-            pointer(ffi, light, np.int32),
-            cells.shape[0],
-            cells.shape[1],
-        )
-    )
+    changed = writable(ffi, cells, np.int32)
+    check(lib.wg_thesis_add_noise(changed, pointer(ffi, light, np.int32), *cells.shape))

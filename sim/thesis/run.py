@@ -149,13 +149,9 @@ class ThesisRun:
         """Return the target's cell in the thesis's frame."""
         world = self.world
         target_x = math.floor(in_cells(world.target.x, world.cell_size)) + self._pad
-        target_y = (
-            self._height - 1 - self._pad - math.floor(in_cells(world.target.y, world.cell_size))
-        )
-        if (
-            not (0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1)
-            or solid[target_x, target_y]
-        ):
+        target_y = self._row(math.floor(in_cells(world.target.y, world.cell_size)))
+        inside = 0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1
+        if not inside or solid[target_x, target_y]:
             raise InvalidWorld(
                 "target-in-wall",
                 "target ({x:g}, {y:g}) m is in a wall cell, which has no signal",
@@ -178,7 +174,7 @@ class ThesisRun:
             (
                 event_step(event, self.options.time_step),
                 event.ix + self._pad,
-                self._height - 1 - self._pad - event.iy,
+                self._row(event.iy),
                 int(event.state),
             )
             for event in self.world.timeline
@@ -199,9 +195,8 @@ class ThesisRun:
             "width": world.width,
             "height": world.height,
         }
-        if not lib.wg_disc_is_clear(
-            grid, lib.WG_SOLID, {"clear_sq": clear_sq, "reach": reach}, x, y
-        ):
+        disc = {"clear_sq": clear_sq, "reach": reach}
+        if not lib.wg_disc_is_clear(grid, lib.WG_SOLID, disc, x, y):
             raise start_overlaps(world)
 
         # Convert to pixels, with y down and headings that grow clockwise from -x.
@@ -317,7 +312,11 @@ class ThesisRun:
 
     def _cell(self, place: Any) -> tuple[int, int]:
         """Return a place's cell in the world's frame; the added border is just outside of it."""
-        return place.x - self._pad, self._height - 1 - self._pad - place.y
+        return place.x - self._pad, self._row(place.y)
+
+    def _row(self, row: int) -> int:
+        """Return a row of the world in the thesis's frame, or the other way round."""
+        return self._height - 1 - self._pad - row
 
     def _trace(self, rows: Rows) -> Trace:
         """Return the recorded rows in metres and radians."""

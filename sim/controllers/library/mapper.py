@@ -82,11 +82,8 @@ def blocked_edges(memory: Floats) -> Floats:
     # Unpack the four bits of each node, one for each direction in which an edge leaves it.
     side = int(memory[AT.side])
     words = memory[size_of("WgMapperMemory") :].astype(np.int64)
-    bits = (
-        ((words[:, None] >> (4 * np.arange(_NODES_A_WORD))) & 15)
-        .ravel()[: side * side]
-        .reshape(side, side)
-    )
+    nodes = (words[:, None] >> (4 * np.arange(_NODES_A_WORD))) & 15
+    bits = nodes.ravel()[: side * side].reshape(side, side)
 
     # The map is a ring in both directions, so that the window can move without copying.
     low_x = int(memory[AT.window_x])

@@ -142,16 +142,9 @@ class Pibt:
         # The start makes priorities differ, unless two robots start off the grid at the same node.
         to_go = _edges_from(start, _distances(grid, target)) or 0
         priority = to_go * len(bits) + start[1] * grid.columns + start[0]
-        return (
-            0.0,
-            0.0,
-            *map(float, start),
-            float(priority),
-            *target,
-            edge,
-            float(grid.columns),
-            *words,
-        )
+        move = (0.0, 0.0, *map(float, start))
+        sent = (float(priority), *target)
+        return (*move, *sent, edge, float(grid.columns), *words)
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """Return the command for the next step, and the new memory."""
@@ -340,16 +333,12 @@ class _JointMove:
 
     def _is_free(self, agent: _Agent, move: Move) -> bool:
         """Return True if a move touches neither an obstacle nor a decided move."""
-        return not any(
-            _touch_at(
-                one.x - agent.node[0],
-                one.y - agent.node[1],
-                -move[0],
-                -move[1],
-                agent.radius + one.radius,
-            )
-            for one in self._obstacles
-        ) and not any(_touch(agent, move, one, other) for one, other in self.decided.items())
+        for one in self._obstacles:
+            x = one.x - agent.node[0]
+            y = one.y - agent.node[1]
+            if _touch_at(x, y, -move[0], -move[1], agent.radius + one.radius):
+                return False
+        return not any(_touch(agent, move, one, other) for one, other in self.decided.items())
 
 
 def _touch(one: _Agent, move: Move, other: _Agent, other_move: Move) -> bool:

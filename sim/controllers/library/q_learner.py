@@ -49,13 +49,7 @@ def _arrives(memory: Floats) -> None:
 
 
 AT_RESET = _at_reset()
-LEARNING = Learning(
-    AT.values,
-    _SIZE - AT.values,
-    explore=AT.explore,
-    arrives=_arrives,
-    whole=True,
-)
+LEARNING = Learning(AT.values, _SIZE - AT.values, AT.explore, _arrives, whole=True)
 
 q_learner = CompiledController(
     "q-learner",

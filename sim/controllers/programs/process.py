@@ -394,12 +394,9 @@ def _command(found: dict[str, Any], answer: bytes) -> Command:
     used_random = found.get("used_random", False)
     if not isinstance(used_random, bool):
         raise invalid_answer("used_random is neither true nor false", answer)
-    return Command(
-        _number(found, "speed", answer),
-        _number(found, "turn_rate", answer),
-        used_random,
-        _message(found, answer),
-    )
+    speed = _number(found, "speed", answer)
+    turn_rate = _number(found, "turn_rate", answer)
+    return Command(speed, turn_rate, used_random, _message(found, answer))
 
 
 def _message(found: dict[str, Any], answer: bytes) -> tuple[float, ...]:
