@@ -383,6 +383,7 @@ class LatticeRun:
             return failed.fault
         if isinstance(controller.act, CoreAct):
             return controller_error_of(ffi.string(failed.report.error).decode("utf-8", "replace"))
+        # Repeat the run up to the step before that.
         settings = copy_of(self.settings)
         settings.find_loop = lib.WG_NO_LOOP
         episode = self.episode(controller, settings)
@@ -406,6 +407,7 @@ class LatticeRun:
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
         """Return the recording without the memory, which another run can restore."""
+        # Run in portions, and keep everything but the memories of each.
         settings = copy_of(self.settings, self.memory)
         size = len(controller.memory)
         settings.find_loop = lib.WG_NO_LOOP
