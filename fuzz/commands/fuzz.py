@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.core import ParameterSource
 
 from fuzz.campaign.options import CampaignOptions
 from fuzz.commands._options import Duration, output_options
@@ -18,6 +17,7 @@ from worldgen.cli.output import (
     json_option,
     note,
     seed_option,
+    typed,
 )
 
 if TYPE_CHECKING:
@@ -197,7 +197,7 @@ def _begin(
     """Return a new campaign, or the same one again in its folder."""
     from fuzz.campaign.configure import configure
     from fuzz.campaign.store import begin, stored_seed
-    from sim.commands.notes import note_unused
+    from sim.options.unused import ineffective
 
     options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
     if not options.controller or out is None:
@@ -208,7 +208,8 @@ def _begin(
         )
     drawn = draw_seed(stored_seed(out) if seed is None and not force else seed)
     config = configure(options, drawn, run_budget.seconds)
-    note_unused([config.scenario])
+    for sentence in ineffective([config.scenario]):
+        note(f"note: {sentence}")
     return begin(config, out, run_budget, force=force)
 
 
@@ -230,10 +231,8 @@ def _last_failures(campaign_run: CampaignRun) -> Baseline:
 
 
 def _refuse_beside_resume() -> None:
-    context = click.get_current_context()
-    for option in context.command.params:
-        name = option.name or ""
-        if name in _BEGUN and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+    for option in click.get_current_context().command.params:
+        if option.name in _BEGUN and typed(option.name):
             raise click.UsageError(
                 f"{option.opts[0]} cannot change in a resumed campaign; omit it, or omit --resume"
             )

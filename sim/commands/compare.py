@@ -9,8 +9,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sim.commands.notes import note_unused
-from worldgen.cli.output import emit_json, force_option, json_option, named_also, note, write_bytes
+from worldgen.cli.output import (
+    emit_json,
+    force_option,
+    json_option,
+    named_also,
+    note,
+    typed,
+    write_bytes,
+)
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -106,6 +113,7 @@ def compare(
     from sim.compare.published import agreement
     from sim.compare.report import as_csv, as_text
     from sim.compare.report import as_json as plain
+    from sim.options.unused import ineffective
     from worldgen.files.whole import check_output
 
     # Refuse bad output before the work.
@@ -126,7 +134,8 @@ def compare(
         )
     worlds = [_with_time(world, figures) for world in _worlds(paths)]
     _note_strangers(figures, worlds, scenarios)
-    note_unused(scenarios.values(), seeds=["seed", "seeds"])
+    for sentence in ineffective(scenarios.values(), seeds=typed("seed", "seeds")):
+        note(f"note: {sentence}")
     # Run everything.
     with working("comparing") as work:
         comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=work.say)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sim.commands.notes import note_unused
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.cli.output import (
     CONTROLLER_HELP,
@@ -16,6 +15,7 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
+    typed,
     write_bytes,
 )
 from worldgen.errors import InvalidParameter
@@ -102,6 +102,7 @@ def run(
     from sim.describe import describe_frames
     from sim.fleet.assignment import controllers_in
     from sim.options.run import RunOptions
+    from sim.options.unused import ineffective
     from sim.scenario import Scenario
     from worldgen.files.grid import read_world
     from worldgen.files.whole import check_output
@@ -120,7 +121,8 @@ def run(
         )
         for part in controllers_in(controller, len(world.robots))
     ]
-    note_unused(list(dict.fromkeys(scenarios)), seeds=["seed"])
+    for sentence in ineffective(dict.fromkeys(scenarios), seeds=typed("seed")):
+        note(f"note: {sentence}")
     # Refuse bad output before the run.
     check_transcript(scenarios, transcript)
     for out in (trail, trace):
@@ -240,7 +242,7 @@ def _is_reachable(world: World, episode: Episode) -> tuple[bool | None, str]:
     certificate is decided, as ``worldgen verify`` does, only if a robot did not arrive, because
     that can take as long as the run. A file keeps no confinement and no swap.
     """
-    from worldgen.commands.verify import verify_world
+    from worldgen.reach.verifying import verify_world
     from worldgen.world import Cut
 
     if world.certificate is not None:

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
 from worldgen.files.whole import write_bytes
 from worldgen.support.plain_text import shown, shown_lines
@@ -26,6 +27,7 @@ __all__ = [
     "say",
     "seed_option",
     "shown",
+    "typed",
     "write_bytes",
 ]
 
@@ -122,6 +124,12 @@ def _finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
     return value
+
+
+def typed(*names: str) -> list[str]:
+    """Return which of the command's parameters were typed, rather than configured or omitted."""
+    source = click.get_current_context().get_parameter_source
+    return [name for name in names if source(name) is ParameterSource.COMMANDLINE]
 
 
 def draw_seed(seed: int | None) -> int:
