@@ -56,16 +56,19 @@ def _neighbours(world: World) -> Iterator[tuple[str, World | None]]:
 
 def _without_line(world: World, line: int, *, by_row: bool) -> World | None:
     """Return the world without a row or column; everything beyond it moves back by a cell."""
-    side = exact(world.cell_size)
+    # Keep the other lines, of which there must be one.
     kept = [other for other in range(world.height if by_row else world.width) if other != line]
     if not kept:
         return None
+
+    side = exact(world.cell_size)
 
     # A point within the removed cells stays where it is.
     def moved(metres: float) -> float:
         cells = exact(metres) / side
         return float((cells - 1) * side) if cells >= line + 1 else metres
 
+    # Move what is beyond the line: starts and targets, then the changes of cells.
     robots = []
     for one in world.robots:
         if by_row:

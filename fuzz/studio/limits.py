@@ -11,8 +11,7 @@ from typing import TypedDict
 from fuzz.campaign.options import CampaignOptions
 from fuzz.player import MOST_CELLS
 from sim.options.run import TIME_STEPS
-from worldgen.domain import MAX_SIDE
-from worldgen.random_streams import MASK64
+from worldgen.domain import MASK64, MAX_SIDE
 
 __all__ = [
     "LENGTHS",

@@ -15,10 +15,10 @@ from fuzz.failure import Failure
 from fuzz.player import MOST_CELLS
 from fuzz.player.streams import bits
 from fuzz.studio.limits import LENGTHS
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files.grid import dumps, loads
 from worldgen.files.json_file import converted
-from worldgen.random_streams import MASK64
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from worldgen.cli.output import (
+    SEED,
     emit_json,
     force_option,
     json_option,
@@ -68,7 +69,7 @@ _TIME_FOR_NEVER = 300.0
 )
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     default=0,
     show_default=True,
     help="First seed.",

@@ -11,6 +11,7 @@ import click
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.cli.output import (
     CONTROLLER_HELP,
+    SEED,
     emit_json,
     force_option,
     json_option,
@@ -55,9 +56,7 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 )
 @click.option("--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]")
 @click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
-@click.option(
-    "--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers."
-)
+@click.option("--seed", type=SEED, default=0, help="Seed of random controllers.")
 @click.option(
     "--trail",
     type=OUT,

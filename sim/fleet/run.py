@@ -29,8 +29,10 @@ from sim.runners.python_loop import crash_of, hidden_state, memory_at_start, pla
 from sim.runners.stopping import OutOfTime
 from sim.trace import Words
 from sim.verdict import Verdict
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import clear_distance_sq, metres_to_lattice, radius_in_cells
+from worldgen.random_streams import GAMMA, mix64
 from worldgen.world import World
 
 __all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed", "world_of_robot"]
@@ -40,8 +42,6 @@ Recordings = list[tuple[Ints, Ints]]
 
 # Most steps, of all robots, that are driven beyond the budget to prove a joint loop.
 _MOST_DRIVEN = 500_000
-
-_MASK = (1 << 64) - 1
 
 
 @dataclass(frozen=True)
@@ -474,13 +474,8 @@ def robot_seed(world: World, number: int, seed: int) -> int:
     start = world.robots[number].start
     mixed = seed
     for place in (start.x, start.y):
-        mixed ^= metres_to_lattice(place, world.cell_size) & _MASK
-        # One round of SplitMix64: Steele, Lea and Flood, "Fast splittable pseudorandom number
-        # generators" (2014).
-        mixed = (mixed + 0x9E3779B97F4A7C15) & _MASK
-        mixed = ((mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9) & _MASK
-        mixed = ((mixed ^ (mixed >> 27)) * 0x94D049BB133111EB) & _MASK
-        mixed ^= mixed >> 31
+        mixed ^= metres_to_lattice(place, world.cell_size) & MASK64
+        mixed = mix64((mixed + GAMMA) & MASK64)
     return mixed
 
 

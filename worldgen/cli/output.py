@@ -12,12 +12,14 @@ from typing import Any, TypeVar
 import click
 from click.core import ParameterSource
 
+from worldgen.domain import MASK64
 from worldgen.files.whole import write_bytes
 from worldgen.support.plain_text import shown, shown_lines
 from worldgen.support.progress import is_quiet, spoke
 
 __all__ = [
     "CONTROLLER_HELP",
+    "SEED",
     "draw_seed",
     "emit_json",
     "force_option",
@@ -37,6 +39,8 @@ CONTROLLER_HELP = (
     "(docs/reference/controllers.md)."
 )
 
+SEED = click.IntRange(0, MASK64)
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 force_option: Callable[[F], F] = click.option(
@@ -47,7 +51,7 @@ json_option: Callable[[F], F] = click.option(
 )
 seed_option: Callable[[F], F] = click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     help="Seed of all random numbers, 64 bits; random, and printed, if omitted.",
 )
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import SEED, emit_json, force_option, json_option, note, write_bytes
 
 __all__ = ["check_scenarios"]
 
@@ -26,7 +26,7 @@ PATH = click.Path(path_type=Path)
 )
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     default=0,
     show_default=True,
     help="Seed for drawing the problems.",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.cli.output import SEED, emit_json, force_option, json_option, note
 from worldgen.support.progress import working
 
 __all__ = ["import_map"]
@@ -98,7 +98,7 @@ EXAMPLES = (
 )
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     help="Seed of the search for places that are far apart.  [default: 0]",
 )
 @click.option(

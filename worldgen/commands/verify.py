@@ -61,6 +61,7 @@ def verify(
     from worldgen.reach import widest_disc
     from worldgen.reach.verifying import verify_world
 
+    # Verify one world after the other.
     results: list[dict[str, Any]] = []
     with working("verifying") as work:
         for path, world in read_worlds(paths):
@@ -81,6 +82,7 @@ def verify(
             # Each result is printed as soon as it is known, since one can take minutes.
             if not as_json:
                 say(_line(results[-1]))
+    # Report, and fail if a proof does not hold.
     if as_json:
         emit_json(results[0] if len(results) == 1 else {"files": results})
     if not all(result["certificate_valid"] for result in results):

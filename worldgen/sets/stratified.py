@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import cast
 
+import msgspec
+
 from worldgen.difficulty import measure
 from worldgen.difficulty.search import TRIES
 from worldgen.difficulty.strata import StrataSearch, edges_of
@@ -91,7 +93,7 @@ def plan_stratified_set(
     low, high = difficulty
     edges = edges_of(low, high, count)
     constraint = f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
-    header = replace(
+    header = msgspec.structs.replace(
         header_of(made_by, fixed, seed, count, metrics=metrics), constraint=constraint, strata=edges
     )
     return StratifiedPlan(family=made_by, header=header, where=where, tries=tries)

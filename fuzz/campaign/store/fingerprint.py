@@ -19,10 +19,10 @@ from fuzz.oracles import ORACLES, NamedOracle
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
+from worldgen.domain import MASK64
 from worldgen.family import FAMILIES
 from worldgen.files.grid import dumps, loads
 from worldgen.plugins.registry import Registry
-from worldgen.random_streams import MASK64
 from worldgen.support.plain_text import quote
 
 __all__ = ["Fingerprint", "config_of", "digest_of", "digest_of_sources", "fingerprint_of"]
