@@ -15,7 +15,7 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.live import LiveCounts, LiveState, Phase, has_not_arrived
 from fuzz.campaign.result import SearchState, UnitResult
-from fuzz.campaign.schedule import Schedule
+from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.shrinking import (
     RESTARTS,
     Shrinking,
@@ -42,14 +42,12 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         seconds: Time, ignored if ``units`` is given. Three quarters of it are for the search, the
             rest for shrinking. Units in progress are then cut short, and keep their findings.
             Failures not shrunk by the end are pending.
-        workers: Number of processes; 1 means this process.
-        executor: Executor to use instead of processes.
+        executor: Runs the units; this process if omitted.
         store: Stores results, so that another campaign of the same configuration continues from
             them.
         is_known: Returns whether a failure's class is known: such failures are counted, but neither
             shrunk nor kept.
-        began: When the time began, by ``time.monotonic``; if omitted, when :meth:`run` is called.
-        own: Seconds since then spent in the controller's own code.
+        began: When the time began; if omitted, when the campaign is made.
 
     Iterating over :meth:`run` does the work. No matter how it is stopped, ``state.best`` and
     :meth:`pending` keep all findings. However often a campaign is stopped, its state is the same
@@ -62,19 +60,15 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         *,
         units: int | None = None,
         seconds: float | None = None,
-        workers: int = 1,
         executor: Executor | None = None,
         store: CampaignStore | None = None,
         is_known: Callable[[Failure], bool] = lambda _: False,
-        began: float | None = None,
-        own: float = 0.0,
+        began: Beginning | None = None,
     ) -> None:
         super().__init__(
             [config.scenario],
-            executor or local_executor(workers),
-            Schedule(
-                None if units is not None else seconds, shrinks=config.shrink, began=began, own=own
-            ),
+            executor or local_executor(1),
+            Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began),
             units,
         )
         self.config = config

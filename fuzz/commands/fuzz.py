@@ -129,6 +129,7 @@ def fuzz(
     began = time.monotonic()
     from fuzz.campaign import store
     from fuzz.campaign.executors import cluster_executor, local_executor
+    from fuzz.campaign.schedule import Beginning
     from fuzz.campaign.session import CampaignSession
     from fuzz.ci import Outputs
     from fuzz.corpus import Baseline, read_corpus
@@ -179,8 +180,7 @@ def fuzz(
             outputs=outputs,
             baseline=was_known,
             count_hazards=count_hazards,
-            began=began,
-            own=loaded.since().own,
+            began=Beginning(began, loaded.since().own),
             last=last,
         )
         # Search, then write the report.
