@@ -35,7 +35,7 @@ from worldgen.lattice import clear_distance_sq, metres_to_lattice, radius_in_cel
 from worldgen.random_streams import GAMMA, mix64
 from worldgen.world import World
 
-__all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed", "world_of_robot"]
+__all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed"]
 
 Ints = npt.NDArray[np.int64]
 Recordings = list[tuple[Ints, Ints]]
@@ -112,7 +112,7 @@ class FleetRun:
         self.controllers = own_controllers(controllers)
         self.runs = [
             LatticeRun(
-                world_of_robot(world, number),
+                world.alone(number + 1),
                 controller,
                 replace(one, seed=robot_seed(world, number, one.seed)),
             )
@@ -446,22 +446,6 @@ def _proof_of(outcome: FleetOutcome, fleet: CoreFleet, entry: int) -> JointProof
         waiting,
         tuple(number for number in waiting if moved[number] > entry),
         tuple(fleet.blocks()),
-    )
-
-
-def world_of_robot(world: World, number: int) -> World:
-    """Return a world as if one of its robots were alone there, without proof or provenance."""
-    robot = world.robots[number]
-    return replace(
-        world,
-        start=robot.start,
-        target=robot.target,
-        robot_radius=robot.radius,
-        robot_speed=robot.speed,
-        certificate=None,
-        provenance=None,
-        failure=None,
-        others=(),
     )
 
 

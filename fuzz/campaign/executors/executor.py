@@ -34,7 +34,7 @@ class Executor(Protocol):
     def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
         """Begin to load what the first units need, in every place that will do the work.
 
-        The results are those of :func:`fuzz.campaign.loading.load`.
+        The results are those of :func:`fuzz.campaign.executors.local.load`.
         """
 
     def listen(self) -> None:

@@ -17,11 +17,13 @@ from typing import Any, ParamSpec, Self, TypeVar
 from fuzz.campaign.deadline import TO_HAND_IN, now, stop_from, stopping_from
 from fuzz.campaign.executors.executor import Executor, WorkersLost
 from fuzz.campaign.live import LiveCounts, count_in
-from fuzz.campaign.loading import load
+from fuzz.triage.proofs import certified
+from sim.runners.controller_time import Effort
+from sim.runners.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
 from worldgen.support.workers import WorkerPool, ctrl_c_held_back
 
-__all__ = ["InlineExecutor", "ProcessExecutor", "local_executor"]
+__all__ = ["InlineExecutor", "ProcessExecutor", "load", "local_executor"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -182,6 +184,24 @@ class ProcessExecutor:
                 "({reason})",
                 reason=str(error),
             ) from error
+
+
+def load(scenarios: Sequence[Scenario]) -> float:
+    """Load what a search's first units need: the library and the controllers.
+
+    Each controller takes two steps, and a world is proved.
+
+    Args:
+        scenarios: The controllers, and how they run.
+
+    Returns:
+        Seconds of this spent in the controllers' own code.
+    """
+    began = Effort.so_far()
+    for scenario in scenarios:
+        try_out(scenario)
+    certified(EMPTY_ARENA)
+    return began.since().own
 
 
 def _begin(stopped_at: c_double, counters: Any) -> None:

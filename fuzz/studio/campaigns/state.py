@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -27,12 +27,17 @@ from worldgen.files.worlds import is_world_file
 __all__ = [
     "SAID",
     "Activity",
+    "beginning",
     "campaign_state",
+    "end_beginnings",
     "interrupt",
     "is_campaign",
     "is_own",
     "running_process",
 ]
+
+# The name of the mark. The number of the waiting process follows: two studios may begin a campaign in one folder.
+_MARK = "studio.begins."
 
 SAID = "studio.txt"
 """Name, in the campaign store, of the stderr of a process that the studio started; for people."""
@@ -202,3 +207,28 @@ def _stamp(folder: Path) -> str:
         if is_world_file(path.name)
     ]
     return f"{len(found)}-{max((when for _, when in found), default=0)}"
+
+
+@contextlib.contextmanager
+def beginning(memory: Path) -> Iterator[Path]:
+    """Keep a mark in a campaign's store while the campaign is about to begin.
+
+    Removing the mark ends the campaign before it has begun.
+
+    Args:
+        memory: The store, which must exist.
+    """
+    mark = memory / f"{_MARK}{os.getpid()}"
+    mark.touch()
+    try:
+        yield mark
+    finally:
+        mark.unlink(missing_ok=True)
+
+
+def end_beginnings(memory: Path) -> bool:
+    """End all campaigns that are about to begin in a store; return True if there were any."""
+    marks = list(memory.glob(f"{_MARK}*")) if memory.is_dir() else []
+    for mark in marks:
+        mark.unlink(missing_ok=True)
+    return bool(marks)
