@@ -224,17 +224,8 @@ def read_manifest(path: Path) -> Manifest:
     try:
         with path.open("rb") as stream:
             return parse_manifest(iter(lambda: stream.readline(_LONGEST + 1), b""), str(path))
-    except FileNotFoundError as error:
-        raise FormatError(
-            "no-such-file", "there is no such file", "check the name", source=str(path)
-        ) from error
     except OSError as error:
-        raise FormatError(
-            "unreadable",
-            "cannot be read: {reason}",
-            reason=error.strerror or str(error),
-            source=str(path),
-        ) from error
+        raise FormatError.unreadable(path, error) from error
 
 
 def _whole_lines(lines: Iterable[bytes], source: str) -> Iterator[bytes]:
