@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fuzz.campaign.options import CampaignOptions
-from fuzz.commands._options import Duration, output_options
-from worldgen.cli.declared_options import declared_options
+from fuzz.commands._options import Duration, declared_options, output_options
 from worldgen.cli.output import (
     CONTROLLER_HELP,
     draw_seed,

@@ -10,8 +10,7 @@ from typing import Any
 
 from fuzz.boundary import describe_boundaries
 from fuzz.corpus import places, read_corpus
-from fuzz.corpus.entry import CorpusEntry, Facts
-from fuzz.corpus.names import name_of
+from fuzz.corpus.entry import CorpusEntry, Facts, name_of
 from fuzz.describe import describe_seeds
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.player import drawn_robots, drawn_world, sensors_of

@@ -36,6 +36,11 @@ __all__ = [
     "running_process",
 ]
 
+_TOTALS = (
+    "controller", "status", "units", "worlds", "steps", "seconds", "verdicts", "met", "known",
+    "strategies",
+)  # fmt: skip
+
 # The name of the mark. The number of the waiting process follows: two studios may begin a campaign in one folder.
 _MARK = "studio.begins."
 
@@ -175,28 +180,19 @@ def _totals(folder: Path) -> dict[str, Any]:
     """Return the totals so far; zeros before the campaign has written a summary."""
     summary = read_summary(folder)
     if summary is None:
-        none: dict[str, Any] = {"units": 0, "worlds": 0, "steps": 0, "seconds": 0.0}
-        return none | {
+        counts: dict[str, Any] = dict.fromkeys(("units", "worlds", "steps"), 0)
+        tables: dict[str, Any] = {name: {} for name in ("verdicts", "met", "known")}
+        return {
             "status": Status.UNKNOWN,
-            "verdicts": {},
-            "met": {},
-            "known": {},
+            **counts,
+            "seconds": 0.0,
+            **tables,
             "strategies": [],
             "archive": None,
         }
-    return {
-        "controller": summary.controller,
-        "status": summary.status,
-        "units": summary.units,
-        "worlds": summary.worlds,
-        "steps": summary.steps,
-        "seconds": summary.seconds,
-        "verdicts": summary.verdicts,
-        "met": summary.met,
-        "known": summary.known,
-        "strategies": list(map(plain, summary.strategies)),
-        "archive": None if summary.archive is None else summary.archive.table(),
-    }
+    archive = None if summary.archive is None else summary.archive.table()
+    whole = plain(summary)
+    return {name: whole[name] for name in _TOTALS} | {"archive": archive}
 
 
 def _stamp(folder: Path) -> str:
