@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
-from worldgen.cli.output import named_also
+from worldgen.cli.output import PATH, named_also
 from worldgen.parameters import Parameter
 
 __all__ = ["Duration", "declared_options", "output_options"]
@@ -27,9 +26,7 @@ def output_options(command: F) -> F:
         ("--sarif", "Write a SARIF 2.1.0 report, for code scanning."),
         ("--junit", "Write a JUnit XML report."),
     ):
-        command = click.option(name, type=click.Path(path_type=Path), metavar="OUT", help=what)(
-            command
-        )
+        command = click.option(name, type=PATH, metavar="OUT", help=what)(command)
     return command
 
 
@@ -92,7 +89,7 @@ def _type(parameter: Parameter) -> Any:
     if parameter.written.path == "folder":
         return click.Path(file_okay=False)
     if parameter.written.path == "file":
-        return click.Path(path_type=Path)
+        return PATH
     if parameter.choices:
         return click.Choice(parameter.choices)
     if parameter.bounds is not None:

@@ -11,12 +11,14 @@ from fuzz.campaign.options import CampaignOptions
 from fuzz.commands._options import Duration, declared_options, output_options
 from worldgen.cli.output import (
     CONTROLLER_HELP,
+    PATH,
     draw_seed,
     force_option,
     json_option,
     note,
     seed_option,
     typed,
+    workers_option,
 )
 
 if TYPE_CHECKING:
@@ -59,32 +61,25 @@ _HELP = {
     type=click.IntRange(1),
     help="Run this many units instead; the result then depends only on the seed.",
 )
-@click.option(
-    "--workers", type=click.IntRange(1, 256), help="Number of processes.  [default: one per core]"
-)
+@workers_option
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
     help="Run on the workers of a Dask cluster, such as tcp://host:8786.",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Folder to write the failures to.")
+@click.option("--out", type=PATH, help="Folder to write the failures to.")
 @click.option(
     "--resume",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FOLDER",
     help="Continue the campaign in FOLDER until it is complete, or for the given --units or "
     "--budget.",
 )
-@click.option(
-    "--report",
-    type=click.Path(path_type=Path),
-    metavar="PAGE",
-    help="Write an HTML report of the failures.",
-)
+@click.option("--report", type=PATH, metavar="PAGE", help="Write an HTML report of the failures.")
 @click.option(
     "--baseline",
     multiple=True,
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR|ARCHIVE",
     help="Known failures. Their classes are counted but neither shrunk nor written, and they do "
     "not make the exit code 1. May be repeated.",

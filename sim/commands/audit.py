@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, write_bytes
 from worldgen.support.progress import working
 
 __all__ = ["audit"]
@@ -16,7 +16,6 @@ EXAMPLES = (
     "  worldgen run w.grid --controller turn-right --trace own.csv; worldgen audit w.grid own.csv\n"
     "  my-simulator | worldgen audit w.grid - --json"
 )
-PATH = click.Path(path_type=Path)
 
 
 @click.command(epilog=EXAMPLES)

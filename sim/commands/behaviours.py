@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, write_bytes
 
 if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration
@@ -25,7 +25,7 @@ EXAMPLES = (
 @click.argument("controller", required=False)
 @click.option(
     "--chart",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="OUT",
     help="Draw how the controller arbitrates, as a flow chart (.svg).",
 )

@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING
 import click
 
 from worldgen.cli.output import (
+    PATH,
     SEED,
     emit_json,
     force_option,
     json_option,
     named_also,
     note,
+    steps_option,
+    time_step_option,
     typed,
     write_bytes,
 )
@@ -38,7 +41,6 @@ EXAMPLES = (
     "  worldgen compare worlds/ --controller turn-random --seeds 1000 --csv new.csv --against "
     "old.csv"
 )
-PATH = click.Path(path_type=Path)
 PUBLISHED = "published.csv"
 # Seconds; most of the thesis's endless runs are proved to be loops by then.
 _TIME_FOR_NEVER = 300.0
@@ -59,7 +61,7 @@ _TIME_FOR_NEVER = 300.0
     "--motion",
     help="Motion model.  [default: swept, or that of published figures for these worlds]",
 )
-@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
+@time_step_option
 @click.option(
     "--seeds",
     type=click.IntRange(1, 1_000_000),
@@ -74,7 +76,7 @@ _TIME_FOR_NEVER = 300.0
     show_default=True,
     help="First seed.",
 )
-@click.option("--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]")
+@steps_option
 @click.option(
     "--against",
     type=PATH,

@@ -11,11 +11,14 @@ import click
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.cli.output import (
     CONTROLLER_HELP,
+    PATH,
     SEED,
     emit_json,
     force_option,
     json_option,
     note,
+    steps_option,
+    time_step_option,
     typed,
     write_bytes,
 )
@@ -35,7 +38,6 @@ EXAMPLES = (
     "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json\n"
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
-OUT = click.Path(path_type=Path)
 _BLOCKED = "the target cannot be reached in this world, whatever the controller does"
 _BLOCKED_TOGETHER = "the robots cannot all arrive in this world, whatever the controllers do"
 _UNDECIDED = "it is undecided whether the target can be reached in this world"
@@ -44,7 +46,7 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path))
+@click.argument("path", type=PATH)
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
 @click.option(
     "--motion", default="swept", show_default=True, help="Motion model: swept, endpoint or stepped."
@@ -54,24 +56,24 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     type=click.Choice(("target", "cover")),
     help="Reach the target, or cover every cell whose centre can be reached.  [default: target]",
 )
-@click.option("--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]")
-@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
+@steps_option
+@time_step_option
 @click.option("--seed", type=SEED, default=0, help="Seed of random controllers.")
 @click.option(
     "--trail",
-    type=OUT,
+    type=PATH,
     metavar="OUT",
     help="Draw world and trail: .png, .svg, .html, or an animated .gif.",
 )
 @click.option(
     "--trace",
-    type=OUT,
+    type=PATH,
     metavar="OUT",
     help="Write t,x,y,heading per step, as CSV, plus the active behaviour if there are any.",
 )
 @click.option(
     "--transcript",
-    type=OUT,
+    type=PATH,
     metavar="OUT",
     help="Save what was sent to a program (cmd:), for use in a debugger.",
 )

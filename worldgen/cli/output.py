@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
@@ -19,6 +20,7 @@ from worldgen.support.progress import is_quiet, spoke
 
 __all__ = [
     "CONTROLLER_HELP",
+    "PATH",
     "SEED",
     "draw_seed",
     "emit_json",
@@ -29,7 +31,10 @@ __all__ = [
     "say",
     "seed_option",
     "shown",
+    "steps_option",
+    "time_step_option",
     "typed",
+    "workers_option",
     "write_bytes",
 ]
 
@@ -39,6 +44,7 @@ CONTROLLER_HELP = (
     "(docs/reference/controllers.md)."
 )
 
+PATH = click.Path(path_type=Path)
 SEED = click.IntRange(0, MASK64)
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -48,6 +54,15 @@ force_option: Callable[[F], F] = click.option(
 )
 json_option: Callable[[F], F] = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object."
+)
+steps_option: Callable[[F], F] = click.option(
+    "--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]"
+)
+time_step_option: Callable[[F], F] = click.option(
+    "--time-step", type=float, help="Duration of a step, s.  [default: 0.015]"
+)
+workers_option: Callable[[F], F] = click.option(
+    "--workers", type=click.IntRange(1, 256), help="Number of processes.  [default: one per core]"
 )
 seed_option: Callable[[F], F] = click.option(
     "--seed",

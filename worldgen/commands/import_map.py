@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import SEED, emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note
 from worldgen.support.progress import working
 
 __all__ = ["import_map"]
@@ -22,10 +22,8 @@ EXAMPLES = (
 
 
 @click.command("import", epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path))
-@click.option(
-    "--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write."
-)
+@click.argument("path", type=PATH)
+@click.option("--out", "-o", type=PATH, required=True, help="The .grid file to write.")
 @click.option(
     "--from",
     "name",
@@ -48,9 +46,7 @@ EXAMPLES = (
     metavar="X,Y[,RADIUS]",
     help="m; placed automatically if omitted, with the robot's radius.",
 )
-@click.option(
-    "--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target."
-)
+@click.option("--scen", type=PATH, help="MovingAI scenario file for start and target.")
 @click.option(
     "--row",
     type=click.IntRange(1),

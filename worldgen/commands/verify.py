@@ -7,16 +7,14 @@ from typing import Any
 
 import click
 
-from worldgen.cli.output import emit_json, json_option, say, shown
+from worldgen.cli.output import PATH, emit_json, json_option, say, shown
 from worldgen.support.progress import working
 
 __all__ = ["verify"]
 
 
 @click.command(epilog="\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json")
-@click.argument(
-    "paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(path_type=Path)
-)
+@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=PATH)
 @click.option(
     "--radius",
     type=float,

@@ -14,7 +14,7 @@ from msgspec import Meta
 
 from worldgen.domain import MASK64
 from worldgen.errors import FormatError, Message
-from worldgen.files.json_file import converted
+from worldgen.files.json_file import converted, plain
 from worldgen.world import Value
 
 __all__ = [
@@ -97,7 +97,7 @@ class ManifestHeader(msgspec.Struct, frozen=True):
         return _line({**head, **asked, **searched, **strata})
 
 
-class ManifestEntry(msgspec.Struct, frozen=True):
+class ManifestEntry(msgspec.Struct, frozen=True, omit_defaults=True):
     """The line of a world.
 
     Args:
@@ -126,11 +126,7 @@ class ManifestEntry(msgspec.Struct, frozen=True):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the keys and values of the line, with all parameters."""
-        return {
-            "file": self.file, "family": self.family, "version": self.version, "seed": self.seed,
-            "params": _sorted(self.params), "digest": self.digest, "sha256": self.sha256, "bytes": self.size,
-            "metrics": _sorted(self.metrics), **({"stratum": list(self.stratum)} if self.stratum else {}),
-        }  # fmt: skip
+        return {**plain(self), "params": _sorted(self.params), "metrics": _sorted(self.metrics)}
 
     def line(self, header: ManifestHeader) -> bytes:
         """Return the line, with its line end.

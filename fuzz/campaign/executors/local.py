@@ -11,7 +11,6 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from ctypes import c_double
 from multiprocessing import get_context
-from types import TracebackType
 from typing import Any, ParamSpec, Self, TypeVar
 
 from fuzz.campaign.deadline import TO_HAND_IN, now, stop_from, stopping_from
@@ -109,12 +108,7 @@ class InlineExecutor:
         self._listen = self._open.enter_context(ctrl_c_held_back(self._stop))
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Restore Ctrl-C."""
         self._stop_waiting()
         self._open.close()
@@ -161,12 +155,7 @@ class ProcessExecutor:
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _kind: object, error: BaseException | None, _at: object) -> None:
         """End the processes, immediately if there was an error or they were told to stop.
 
         Raises:
