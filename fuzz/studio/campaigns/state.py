@@ -41,7 +41,8 @@ _TOTALS = (
     "strategies",
 )  # fmt: skip
 
-# The name of the mark. The number of the waiting process follows: two studios may begin a campaign in one folder.
+# Name of the mark of a campaign that is about to begin. The number of the waiting process follows,
+# since two studios may begin a campaign in one folder.
 _MARK = "studio.begins."
 
 SAID = "studio.txt"
