@@ -423,7 +423,14 @@ def test_a_failure_that_is_not_whole_is_found_and_shrunk_again(part, spoil, copi
     ("change", "differences"),
     [
         ({"seed": 6}, ["seed is 5, not 6"]),
-        ({"scenario": Scenario("turn-left")}, ["scenario is .*turn-right.*, not .*turn-left.*"]),
+        (
+            {"scenario": Scenario("turn-left")},
+            ["scenario controller is 'turn-right', not 'turn-left'"],
+        ),
+        (
+            {"scenario": Scenario.parse("turn-right+beams=36")},
+            ["scenario beams is None, not 36"],
+        ),
         ({"examples": 13, "epoch": 2}, ["epoch is 1, not 2", "examples is 4, not 13"]),
     ],
 )
