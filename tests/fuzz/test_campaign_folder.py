@@ -291,7 +291,9 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
         2,
         1,
     )
-    assert describe_units(cut) == "2 units and 1 cut short and 1 that learned too little from those"
+    assert describe_units(cut) == (
+        "2 whole units and 1 cut short and 1 that learned too little from those"
+    )
     (stopped, _) = left("stopped")
     (state, _) = left("never")
     assert (stopped.worlds, stopped.met, stopped.cut) == (state.worlds, state.met, 0)
