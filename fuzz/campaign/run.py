@@ -149,7 +149,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             self._take_from_earlier()
 
     def _is_exhausted(self) -> bool:
-        self._add_jobs(self._queue.slid(self.state.best))
+        self._add_jobs(self._queue.jobs_for_lost_classes(self.state.best))
         return not self._shrinks and (not self._queue or self._schedule.is_over())
 
     def _others(self) -> Sequence[Submitted[Any]]:
@@ -178,7 +178,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         # The first failure of each class goes before the search, until the search's share is due.
         search_first = self._schedule.search_comes_first
         if not search_first:
-            self._add_jobs(self._slid_already())
+            self._add_jobs(self._lost_already())
         job = self._next_job(first_only=search_first)
         # Search if nothing more urgent waits.
         if job is None and self._schedule.may_search:
@@ -335,8 +335,8 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             return result
         return replace(before.result, interrupted=result.interrupted)
 
-    def _slid_already(self) -> list[ShrinkJob]:
-        """Return the jobs of classes whose first world has slid, while others wait.
+    def _lost_already(self) -> list[ShrinkJob]:
+        """Return the jobs of the classes that shrinking has lost, while others wait.
 
         They come before second worlds.
         """
@@ -344,7 +344,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             return []
         busy = self._queue.classes_with_a_first()
         busy |= {job.failure.bucket for job, _ in self._shrinks}
-        return self._queue.slid(self.state.best, busy)
+        return self._queue.jobs_for_lost_classes(self.state.best, busy)
 
     def _take_others(self) -> Iterator[Discovery]:
         """Take finished results off the shrink list, and keep the smallest failure of each class."""

@@ -90,7 +90,10 @@ def init(
             CampaignOptions(controller=controller, motion=motion, families=families), SEED
         )
         # Search for today's failures in a temporary folder.
-        note(f"searching for the current failures of {controller}")
+        note(
+            f"searching for the current failures of {controller}, as CI will, and shrinking them; "
+            f"this can take minutes (--units {max(1, units // 3)} takes less)"
+        )
         campaign_run = store.begin(config, Path(scratch) / "found", store.Budget(units=units))
         with contextlib.redirect_stdout(None):
             code = CampaignSession(

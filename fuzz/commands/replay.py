@@ -13,11 +13,24 @@ from worldgen.support.progress import working
 __all__ = ["replay"]
 
 
+def _check(_context: click.Context, _option: click.Parameter, name: str | None) -> str | None:
+    """Refuse a missing controller once, instead of once per failure."""
+    from sim.controllers import CONTROLLERS
+
+    if name is not None:
+        CONTROLLERS.get(name)
+    return name
+
+
 @click.command(
     epilog="\b\n  worldgen replay failures/\n  worldgen replay failures/tunnel-post.grid --show"
 )
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="PATH|DIR...")
-@click.option("--controller", help="Use this controller instead of the one that the file names.")
+@click.option(
+    "--controller",
+    callback=_check,
+    help="Use this controller instead of the one that the file names.",
+)
 @click.option("--show", "with_picture", is_flag=True, help="Draw each failure in the terminal.")
 @click.option(
     "--transcript",

@@ -39,12 +39,20 @@ EXAMPLES = (
 @click.option(
     "--start",
     metavar="X,Y[,HEADING]",
-    help="m and rad, from the lower-left corner; placed automatically if omitted.",
+    help="m and rad; placed automatically if omitted.",
 )
 @click.option(
     "--target",
     metavar="X,Y[,RADIUS]",
     help="m; placed automatically if omitted, with the robot's radius.",
+)
+@click.option(
+    "--frame",
+    type=click.Choice(["corner", "map"]),
+    default="corner",
+    show_default=True,
+    help="Measure --start and --target from the lower-left corner, or in the file's own coordinates, "
+    "such as ROS's map frame.",
 )
 @click.option("--scen", type=PATH, help="MovingAI scenario file for start and target.")
 @click.option(
@@ -114,6 +122,7 @@ def import_map(
     speed: float | None,
     start: str | None,
     target: str | None,
+    frame: str,
     scen: Path | None,
     row: int,
     robots: int,
@@ -147,7 +156,7 @@ def import_map(
     robot = interop.ImportedRobot(
         None if start is None else interop.parse_point("start", start, "HEADING"),
         None if target is None else interop.parse_point("target", target, "RADIUS"),
-        radius, speed, scen, row, seed, ignore_unread, robots,
+        radius, speed, scen, row, seed, ignore_unread, robots, frame == "map",
     )  # fmt: skip
     given = {
         "cell_size": cell_size,
