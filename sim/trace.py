@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.options.robot import RobotOptions
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Bools, Floats, Ints, Words
 
@@ -23,7 +24,6 @@ Recall: TypeAlias = Callable[[Ints, Callable[[int, Floats], None]], None]
 
 _HASH_START = 1469598103934665603
 _HASH_PRIME = 1099511628211
-_MASK = (1 << 64) - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +149,7 @@ def fnv1a(words: Words) -> str:
     """Return the rolling FNV-1a hash of 64-bit words as 16 hex digits, in plain Python integers."""
     value = _HASH_START
     for word in words.ravel().tolist():
-        value = ((value ^ word) * _HASH_PRIME) & _MASK
+        value = ((value ^ word) * _HASH_PRIME) & MASK64
     return f"{value:016x}"
 
 

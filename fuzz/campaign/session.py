@@ -14,6 +14,7 @@ import click
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.live import Phase, has_not_arrived, shown_in
 from fuzz.campaign.run import Campaign
+from fuzz.campaign.schedule import Beginning
 from fuzz.campaign.state import Discovery, Progress, UnitDone
 from fuzz.campaign.store import MEMORY, SUMMARY, CampaignRun, Status, Summary, record_error
 from fuzz.campaign.summary import (
@@ -64,9 +65,8 @@ class CampaignSession:
         baseline: Failures whose classes are known, which are only counted; none if omitted.
         count_hazards: True if a robot burned by something its controller cannot sense also makes
             the exit code 1.
-        began: When the command began, by ``time.monotonic``.
+        began: When the command began.
         lasts: True if the folder still exists after the command, so that a message can name it.
-        own: Seconds since then spent in the controller's own code.
         last: Failures of the last campaign in the same folder, which this one replaces.
     """
 
@@ -79,9 +79,8 @@ class CampaignSession:
         outputs: Outputs = NO_OUTPUTS,
         baseline: Baseline | None = None,
         count_hazards: bool = False,
-        began: float | None = None,
+        began: Beginning | None = None,
         lasts: bool = True,
-        own: float = 0.0,
         last: Baseline | None = None,
     ) -> None:
         self._baseline = baseline or Baseline()
@@ -102,7 +101,6 @@ class CampaignSession:
             store=campaign_run.store,
             is_known=self._baseline.has,
             began=began,
-            own=own,
         )
         self._limit = (
             f"{budget.seconds:g} s" if budget.units is None else counted(budget.units, "unit")

@@ -13,7 +13,7 @@ import msgspec
 
 from fuzz.corpus import CorpusEntry, places
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
-from fuzz.player.sources import modules
+from fuzz.player.one_file import modules
 from fuzz.report.answers import answers_for, entry_of
 from fuzz.report.gather import (
     ReplayedFailure,

@@ -7,7 +7,14 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import check_out, emit_json, force_option, json_option, write_out
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    write_out,
+)
 from worldgen.support.progress import working
 
 __all__ = ["audit"]
@@ -17,7 +24,6 @@ EXAMPLES = (
     "  worldgen run w.grid --controller turn-right --trace own.csv; worldgen audit w.grid own.csv\n"
     "  my-simulator | worldgen audit w.grid - --json"
 )
-PATH = click.Path(path_type=Path)
 
 
 @click.command(epilog=EXAMPLES)

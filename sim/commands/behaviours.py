@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import check_out, emit_json, force_option, json_option, write_out
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    write_out,
+)
 
 if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration
@@ -25,7 +32,7 @@ EXAMPLES = (
 @click.argument("controller", required=False)
 @click.option(
     "--chart",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="OUT",
     help="Draw how the controller arbitrates, as a flow chart (.svg).",
 )

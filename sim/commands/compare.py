@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sim.commands.notes import note_unused
 from worldgen.cli.output import (
+    PATH,
+    SEED,
     check_out,
     emit_json,
     force_option,
     json_option,
     named_also,
     note,
+    steps_option,
+    time_step_option,
+    typed,
     write_out,
 )
 from worldgen.support.progress import working
@@ -38,7 +42,6 @@ EXAMPLES = (
     "  worldgen compare worlds/ --controller turn-random --seeds 1000 --csv new.csv --against "
     "old.csv"
 )
-PATH = click.Path(path_type=Path)
 PUBLISHED = "published.csv"
 # Seconds; most of the thesis's endless runs are proved to be loops by then.
 _TIME_FOR_NEVER = 300.0
@@ -59,7 +62,7 @@ _TIME_FOR_NEVER = 300.0
     "--motion",
     help="Motion model.  [default: swept, or that of published figures for these worlds]",
 )
-@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
+@time_step_option
 @click.option(
     "--seeds",
     type=click.IntRange(1, 1_000_000),
@@ -69,12 +72,12 @@ _TIME_FOR_NEVER = 300.0
 )
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     default=0,
     show_default=True,
     help="First seed.",
 )
-@click.option("--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]")
+@steps_option
 @click.option(
     "--against",
     type=PATH,
@@ -114,6 +117,7 @@ def compare(
     from sim.compare.published import agreement
     from sim.compare.report import as_csv, as_text
     from sim.compare.report import as_json as plain
+    from sim.options.unused import ineffective
 
     # Refuse bad output before the work.
     check_out("--picture", picture, ".png", force=force)
@@ -130,7 +134,8 @@ def compare(
         )
     worlds = [_with_time(world, figures) for world in _worlds(paths)]
     _note_strangers(figures, worlds, scenarios)
-    note_unused(scenarios.values(), seeds=["seed", "seeds"])
+    for sentence in ineffective(scenarios.values(), seeds=typed("seed", "seeds")):
+        note(f"note: {sentence}")
     # Run everything.
     with working("comparing") as work:
         comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=work.say)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, write_bytes
 from worldgen.errors import InvalidParameter, OutputError
 
 __all__ = ["new_controller"]
@@ -41,7 +41,7 @@ _COMPILERS = {
 )
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR|FILE",
     help="Where to write it.  [default: ./NAME.py, .c or .cpp]",
 )

@@ -8,15 +8,19 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sim.commands.notes import note_unused
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.cli.output import (
     CONTROLLER_HELP,
+    PATH,
+    SEED,
     check_out,
     emit_json,
     force_option,
     json_option,
     note,
+    steps_option,
+    time_step_option,
+    typed,
     write_out,
 )
 from worldgen.errors import InvalidParameter
@@ -36,7 +40,6 @@ EXAMPLES = (
     "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json\n"
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
-OUT = click.Path(path_type=Path)
 _BLOCKED = "the target cannot be reached in this world, whatever the controller does"
 _BLOCKED_TOGETHER = "the robots cannot all arrive in this world, whatever the controllers do"
 _UNDECIDED = "it is undecided whether the target can be reached in this world"
@@ -45,7 +48,7 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path))
+@click.argument("path", type=PATH)
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
 @click.option(
     "--motion", default="swept", show_default=True, help="Motion model: swept, endpoint or stepped."
@@ -55,26 +58,24 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     type=click.Choice(("target", "cover")),
     help="Reach the target, or cover every cell whose centre can be reached.  [default: target]",
 )
-@click.option("--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]")
-@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
-@click.option(
-    "--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers."
-)
+@steps_option
+@time_step_option
+@click.option("--seed", type=SEED, default=0, help="Seed of random controllers.")
 @click.option(
     "--trail",
-    type=OUT,
+    type=PATH,
     metavar="OUT",
     help="Draw world and trail: .png, .svg, .html, or an animated .gif.",
 )
 @click.option(
     "--trace",
-    type=OUT,
+    type=PATH,
     metavar="OUT",
     help="Write t,x,y,heading per step, as CSV, plus the active behaviour if there are any.",
 )
 @click.option(
     "--transcript",
-    type=OUT,
+    type=PATH,
     metavar="OUT",
     help="Save what was sent to a program (cmd:), for use in a debugger.",
 )
@@ -104,6 +105,7 @@ def run(
     from sim.describe import describe_frames
     from sim.fleet.assignment import controllers_in
     from sim.options.run import MAX_RECORDED, RunOptions
+    from sim.options.unused import ineffective
     from sim.scenario import Scenario
     from worldgen.files.grid import read_world
     from worldgen.support.plain_text import shown_lines
@@ -114,7 +116,8 @@ def run(
     common = {"time_step": duration, "seed": seed, "task": task or RunOptions.task}
     parts = controllers_in(controller, len(world.robots))
     scenarios = [Scenario.parse(part, motion=motion, **common) for part in parts]
-    note_unused(list(dict.fromkeys(scenarios)), seeds=["seed"])
+    for sentence in ineffective(dict.fromkeys(scenarios), seeds=typed("seed")):
+        note(f"note: {sentence}")
     # Refuse bad output before the run.
     check_transcript(scenarios, transcript)
     check_out("--trail", trail, *_PICTURES, force=force)
@@ -241,7 +244,7 @@ def _is_reachable(world: World, episode: Episode) -> tuple[bool | None, str]:
     certificate is decided, as ``worldgen verify`` does, only if a robot did not arrive, because
     that can take as long as the run. A file keeps no confinement and no swap.
     """
-    from worldgen.commands.verify import verify_world
+    from worldgen.reach.verifying import verify_world
     from worldgen.world import Cut
 
     if world.certificate is not None:

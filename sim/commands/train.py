@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from worldgen.cli.output import (
+    PATH,
     check_out,
     emit_json,
     force_option,
@@ -31,7 +32,7 @@ EXAMPLES = (
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("paths", nargs=-1, required=True, type=PATH)
 @click.option(
     "--controller",
     default="q-learner",
@@ -50,13 +51,8 @@ EXAMPLES = (
 @click.option(
     "--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random choices."
 )
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Output file.")
-@click.option(
-    "--curve",
-    type=click.Path(path_type=Path),
-    metavar="OUT",
-    help="Draw the learning curve (.svg).",
-)
+@click.option("--out", required=True, type=PATH, help="Output file.")
+@click.option("--curve", type=PATH, metavar="OUT", help="Draw the learning curve (.svg).")
 @json_option
 @force_option
 def train(

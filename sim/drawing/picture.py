@@ -12,7 +12,6 @@ from sim.drawing.wall_penetrations import penetrated_cells
 from sim.episode import Episode
 from sim.evidence import JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.fleet.episode import FleetEpisode
-from sim.fleet.run import world_of_robot
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
 from sim.options.run import COVER
 from sim.trace import Trace
@@ -125,7 +124,7 @@ def trails_of(episode: Episode, world: World) -> Trail | list[Trail] | None:
         return trail_of(episode, world)
     found: list[Trail] = []
     for number, one in enumerate(episode.robots):
-        trail = trail_of(one, world_of_robot(world, number))
+        trail = trail_of(one, world.alone(number + 1))
         if trail is not None:
             found.append(replace(trail, blocked_by=episode.blockers(number + 1)))
     return found
@@ -136,7 +135,7 @@ def drives_of(episode: Episode, world: World) -> list[Drive]:
     if not isinstance(episode, FleetEpisode):
         return [drive_of(episode, world)]
     return [
-        drive_of(one, world_of_robot(world, number), f"robot {number + 1}")
+        drive_of(one, world.alone(number + 1), f"robot {number + 1}")
         for number, one in enumerate(episode.robots)
     ]
 

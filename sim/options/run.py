@@ -16,6 +16,7 @@ from sim.motion import MOTIONS, THESIS, Motion
 from sim.options.disturbances import delay_of
 from sim.options.robot import RobotOptions
 from sim.thesis.options import ThesisOptions
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
 from worldgen.parameters import parameters_of_fields
@@ -79,7 +80,6 @@ _LONGEST_STEP = 1_000
 FEWEST_STEPS = 4_000
 _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
-_MAX_SEED = 2**64 - 1
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class RunOptions:
             )
         object.__setattr__(self, "time_step", TIME_STEP.accept(self.time_step, "run"))
         object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
-        object.__setattr__(self, "seed", whole("seed", self.seed, 0, _MAX_SEED))
+        object.__setattr__(self, "seed", whole("seed", self.seed, 0, MASK64))
 
     def motion_model(self) -> Motion:
         """Return the motion model, with the tolerance that these options leave it.
@@ -394,7 +394,7 @@ def seeds_of(seeds: object) -> Words:
         InvalidParameter: If a seed, or their number, isn't a whole number or is out of range.
     """
     if isinstance(seeds, Iterable) and not isinstance(seeds, str):
-        return np.array([whole("seed", seed, 0, _MAX_SEED) for seed in seeds], np.uint64)
+        return np.array([whole("seed", seed, 0, MASK64) for seed in seeds], np.uint64)
     return np.arange(whole("seeds", seeds, 0, _MOST_SEEDS), dtype=np.uint64)
 
 

@@ -11,13 +11,17 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
+from worldgen.domain import MASK64
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import shown, shown_lines
 from worldgen.support.progress import is_quiet, spoke
 
 __all__ = [
     "CONTROLLER_HELP",
+    "PATH",
+    "SEED",
     "check_out",
     "draw_seed",
     "emit_json",
@@ -28,6 +32,10 @@ __all__ = [
     "say",
     "seed_option",
     "shown",
+    "steps_option",
+    "time_step_option",
+    "typed",
+    "workers_option",
     "write_bytes",
     "write_out",
 ]
@@ -38,6 +46,9 @@ CONTROLLER_HELP = (
     "(docs/reference/controllers.md)."
 )
 
+PATH = click.Path(path_type=Path)
+SEED = click.IntRange(0, MASK64)
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 force_option: Callable[[F], F] = click.option(
@@ -46,9 +57,18 @@ force_option: Callable[[F], F] = click.option(
 json_option: Callable[[F], F] = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object."
 )
+steps_option: Callable[[F], F] = click.option(
+    "--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]"
+)
+time_step_option: Callable[[F], F] = click.option(
+    "--time-step", type=float, help="Duration of a step, s.  [default: 0.015]"
+)
+workers_option: Callable[[F], F] = click.option(
+    "--workers", type=click.IntRange(1, 256), help="Number of processes.  [default: one per core]"
+)
 seed_option: Callable[[F], F] = click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     help="Seed of all random numbers, 64 bits; random, and printed, if omitted.",
 )
 
@@ -152,6 +172,12 @@ def _finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
     return value
+
+
+def typed(*names: str) -> list[str]:
+    """Return which of the command's parameters were typed, rather than configured or omitted."""
+    source = click.get_current_context().get_parameter_source
+    return [name for name in names if source(name) is ParameterSource.COMMANDLINE]
 
 
 def draw_seed(seed: int | None) -> int:
