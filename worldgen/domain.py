@@ -1,8 +1,8 @@
 """Limits on the numbers of a world.
 
 The limits are far beyond any robot's, and small enough that a length in 1/1024 cell, its square and
-a time in microseconds fit into 64 bits. So no other code needs a case for numbers that are too
-large or too small.
+a time in microseconds fit into 64 bits. So no other code has to handle numbers that are too large
+or too small.
 """
 
 from __future__ import annotations

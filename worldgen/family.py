@@ -61,8 +61,8 @@ MAX_FLEET_ATTEMPTS = 12
 # With this many robots, a single layout can take a minute. With fewer, only later ones are reported,
 # so that the report does not hide which of many worlds is being made.
 _MANY_ROBOTS = 50
-_PASSAGES = ("width", "passage")  # parameters of families that set the width of passages
-ROBOTS = "robots"  # the parameter of every family that says how many robots its worlds have
+_PASSAGES = ("width", "passage")  # family parameters that set the width of passages
+ROBOTS = "robots"  # every family's parameter for the number of robots
 ROBOTS_PARAMETER = Parameter(
     ROBOTS,
     1,
@@ -70,9 +70,9 @@ ROBOTS_PARAMETER = Parameter(
     "Number of robots; all have the same size and speed, and start at random places.",
     Bounds(1, MAX_ROBOTS),
 )
-# Provenance of worlds of several robots also names the version of what places them and plans their
-# witness: ``families/parts/placing.py`` and ``reach/joint``. Raise it whenever some seed then
-# yields another world of several robots.
+# Provenance of worlds with several robots also names the version of the code that places them and
+# plans their witness: ``families/parts/placing.py`` and ``reach/joint``. Raise it whenever some
+# seed then yields another world of several robots.
 PLANNER = "planner"
 PLANNER_VERSION = 1
 MARGIN = "margin"  # every parameter with this name: seconds by which the witness may start late
@@ -154,7 +154,7 @@ class Family:
             if decision.result == REACHABLE:
                 provenance = self.provenance(number, complete)
                 return replace(world, certificate=decision.certificate, provenance=provenance)
-        # Say which parameters leave no room.
+        # Report which parameters leave no room.
         settings = ", ".join(
             f"{parameter.name}={complete[parameter.name]}" for parameter in self.parameters
         )
@@ -244,7 +244,7 @@ class Family:
         text = inspect.cleandoc(self.build.__doc__ or "")
         try:
             parameters = self.all_parameters
-        except InvalidParameter:  # an error says so when the family is used
+        except InvalidParameter:  # an error reports that when the family is used
             return text
         notes = [
             "seed: An integer or a NumPy generator. Equal seeds and parameters give equal worlds."
@@ -307,7 +307,7 @@ class Family:
         return words
 
     def complete(self, params: Mapping[str, Value | None]) -> dict[str, Value]:
-        """Return the parameters with defaults filled in, as :attr:`build` takes them.
+        """Return the parameters with defaults filled in, as :attr:`build` expects them.
 
         Raises:
             InvalidParameter: If a name is unknown, or a value has a different type than the
@@ -343,7 +343,7 @@ class Family:
             raise InvalidParameter(
                 "other-version",
                 "{family}: {name} is {value!r}, here it is {here!r}",
-                "this version makes other worlds: use the version that the world was made with",
+                "this version makes other worlds: use the version that made the world",
                 family=self.name,
                 name=name,
                 value=str(value)[:60],
@@ -352,7 +352,7 @@ class Family:
 
 
 def _placing(robots: int, attempt: int) -> AbstractContextManager[Work]:
-    """Report the layout that is tried for several robots, once that may take long."""
+    """Report the layout being tried for several robots, if that may take long."""
     message = f"placing {robots} robots in layout {attempt + 1} of at most {MAX_FLEET_ATTEMPTS}"
     if robots < _MANY_ROBOTS and (robots == 1 or attempt == 0):
         return nullcontext(Work(message))

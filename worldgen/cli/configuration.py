@@ -23,7 +23,7 @@ from worldgen.support.progress import say_once
 __all__ = ["FILE", "configured"]
 
 FILE = "pyproject.toml"
-# Options that name code in a file, such as ./robot.py:Robot, in addition to options that are paths.
+# Options that name code in a file, such as ./robot.py:Robot, besides those of type path.
 _CODE = ("controller", "families", "oracles")
 # The option of compare, which takes several in one value, separated by commas.
 _SEVERAL = "controllers"

@@ -57,11 +57,11 @@ def check_scenarios(
 ) -> None:
     """Check the path lengths that MovingAI problems state.
 
-    PATH is a .map or .scen file, or a folder with such files below it. A scenario file finds its
-    map by the name that it gives. Paths are octile and do not cut corners; lengths are compared to
-    the published digits.
+    PATH is a .map or .scen file, or a folder that contains such files. The map of a scenario file
+    is found by the name in the file. Paths are octile and do not cut corners; lengths are compared
+    to the published digits.
 
-    Exits with 0 if all agree, with 1 if some do not, with 2 if there is nothing to check.
+    Exits with 0 if all agree, with 1 if some do not, and with 2 if there is nothing to check.
     """
     from worldgen.files.whole import check_output
     from worldgen.interop import scenario_check as library

@@ -29,15 +29,16 @@ EXAMPLES = (
     "--to",
     "name",
     metavar="FORMAT[+OPTION=VALUE]",
-    help="Format to write, as listed by `worldgen formats`; if omitted, it follows from the "
-    "ending of --out.",
+    help=(
+        "Format to write, as listed by `worldgen formats`; if omitted, the ending of --out decides."
+    ),
 )
 @click.option("--out", "-o", type=PATH, required=True, help="The file to write.")
 @click.option(
     "--at",
     type=float,
     metavar="SECONDS",
-    help="For a world that changes: its cells at this time.",
+    help="Export the cells at this time, for a world that changes.",
 )
 @click.option(
     "--origin",

@@ -39,12 +39,12 @@ EXAMPLES = (
 @click.option(
     "--start",
     metavar="X,Y[,HEADING]",
-    help="m and rad; placed automatically if omitted.",
+    help="Start pose, m and rad; placed automatically if omitted.",
 )
 @click.option(
     "--target",
     metavar="X,Y[,RADIUS]",
-    help="m; placed automatically if omitted, with the robot's radius.",
+    help="Target, m; placed automatically if omitted, with the robot's radius.",
 )
 @click.option(
     "--frame",
@@ -145,7 +145,7 @@ def import_map(
     nor the file gives start and target, they are placed far apart in the largest region the robot
     can drive through, with room to turn.
 
-    Exits with 0 if the target can be reached, with 1 if it cannot, or if this is undecided. If a
+    Exits with 0 if the target can be reached, with 1 if it cannot, or if it is undecided. If a
     path was found but the file has obstacles that cannot be read, such as a mesh, nothing is
     written and the exit code is 2; --ignore-unread judges the world without them.
     """
@@ -171,14 +171,14 @@ def import_map(
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
         imported = interop.import_world(path, robot, name=name, options=asked)
     file = None if imported.withheld else str(out)
-    # Write the world, unless obstacles that were not read make a path worthless.
+    # Write the world, unless unread obstacles could block the path.
     if not imported.withheld:
         write_world(imported.world, out, force=force)
     for sentence in imported.notes:
         note(sentence)
     for sentence in imported.warnings:
         note(f"warning: {sentence}")
-    # Report; the exit code tells whether the target can be reached.
+    # Report the result; the exit code shows whether the target can be reached.
     if as_json:
         emit_json(interop.as_json(file, imported))
     else:

@@ -79,7 +79,7 @@ class _KnownSet:
     """A set's manifest.
 
     Args:
-        path: Where the manifest is.
+        path: Path of the manifest.
         place: Folder or archive of the worlds.
         manifest: Its contents.
     """
@@ -156,7 +156,7 @@ def _make(
             at_terminal=True,
             path=known.path,
         )
-    # Make all its worlds elsewhere, or those that are missing in its own place.
+    # Make all of its worlds elsewhere, or only the missing ones in its own place.
     try:
         with told(place, count, force=force and elsewhere) as progress:
             work = regenerate_set if elsewhere else restore_set

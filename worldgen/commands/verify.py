@@ -44,10 +44,10 @@ def verify(
 
     A file's certificate is checked by code that shares nothing with the code that made it. A map
     without a certificate is decided, as is one whose certificate does not cover the requested
-    radius; the result is then checked in the same way. A folder or an archive stands for the .grid
-    files in it.
+    radius; the result is then checked in the same way. For a folder or an archive, its .grid files
+    are checked.
 
-    For a world that changes, it also reports how late the robot may set out: on the witness (its
+    For a world that changes, it also reports how late the robot can set out: on the witness (its
     margin), and on any path (the latest start).
 
     Exits with 0 if every certificate is valid or every map could be decided (blocked is an answer
@@ -68,8 +68,9 @@ def verify(
             if widest and world.others:
                 raise InvalidParameter(
                     "several-robots",
-                    "{path} has {count} robots, and the widest disc is looked for one robot only",
-                    "ask with --radius R whether discs of R get through",
+                    "{path} has {count} robots, but the widest disc is computed only for worlds "
+                    "with one robot",
+                    "use --radius R to find out whether discs of that radius get through",
                     at_terminal=True,
                     path=str(path),
                     count=len(world.robots),

@@ -231,7 +231,7 @@ typedef struct WgStill {
     int64_t outcome;     // a WgOutcome
     int64_t goal_clear;  // 1 if the robot may be at the goal
     int64_t count;       // of the path's points
-    int64_t room;        // of each part of the following
+    int64_t room;        // for each part of the following
     int64_t *points;     // (4 room,) x, y in lu; then sides and squared lengths, as from wg_sweep_least
     double *metres;      // (3 room,) x, y in m; then times in s
     int64_t least;       // smallest integer square of the distance to a solid cell, lu^2
@@ -344,7 +344,7 @@ typedef struct WgCutSearch WgCutSearch;
 // targets:    1 to 6 poses that the chain separates from the start.
 // poses:      (1 + targets, 2) start and targets: x, y in half cells, rounded down.
 // limbs:      at least 1.
-// rest:       (1 + targets, 2, limbs) what rounding removed, as digits in base 2^32, highest first.
+// rest:       (1 + targets, 2, limbs) the rounding errors, as digits in base 2^32, highest first.
 // made:       receives the search, to be released by wg_cut_search_free.
 WgStatus wg_cut_search_new(const WgWalls *walls, int64_t limit, int64_t targets, const int64_t *poses, int64_t limbs,
                            const uint32_t *rest, WgCutSearch **made);
@@ -429,7 +429,7 @@ typedef struct WgJoint {
 // Paths of all robots: for each tick the node of each.
 typedef struct WgJointPlan WgJointPlan;
 
-// Plans one robot after the other, each around those before it, by safe intervals.
+// Plans one robot after another, each around those before it, by safe intervals.
 //
 // order:      (robots,) their numbers from 0, the first planned first.
 // most:       states that one robot may reach.

@@ -82,7 +82,7 @@ def constraint_for(where: str | None, difficulty: float | None = None) -> Expres
             f"{max(0.0, difficulty - CLOSE):.6g} <= difficulty <= {difficulty + CLOSE:.6g}"
         )
     if where is not None:
-        # Its messages quote only what was written.
+        # Its messages only quote the original text.
         parse(where)
         parts.append(f"({where})" if parts else where)
     if not parts:
@@ -126,7 +126,7 @@ class Search:
         if family.changes and "difficulty" in constraint.names:
             raise InvalidParameter(
                 "world-changes",
-                "{name}: its worlds change, and those have no difficulty",
+                "{name}: its worlds change, and difficulty is only defined for worlds that do not",
                 "constrain another metric, such as detour",
                 name=family.name,
             )
@@ -147,7 +147,7 @@ class Search:
         seed, values = (self.seed, {}) if self.asked == 1 else self._proposal()
         try:
             world = generate(self.family, seed, **{**self.given, **values})
-        # A refused combination is part of the search, unless nothing but the user's values was
+        # A refused combination is part of the search, unless only the user's own values were
         # refused.
         except InvalidParameter:
             if self.asked == 1 and not self._free:
@@ -183,7 +183,7 @@ class Search:
             return seed, drawn(self._free, rng, rng.random())
         parent = self._parents[min(rng.below(len(self._parents)), rng.below(len(self._parents)))]
         kind = rng.below(8)
-        # The parameters are the same: leave the rest to chance.
+        # The parameters are the same, so leave the rest to chance.
         if kind < 2:
             return seed, dict(parent.params)
         values: Mapping[str, Value] = parent.params

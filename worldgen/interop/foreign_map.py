@@ -47,7 +47,7 @@ class UsualRobot:
     Args:
         size: Radius of its disc, in m or in cells.
         in_cells: True if ``size`` counts cells.
-        source: Where this robot comes from, as shown to the user.
+        source: The origin of this robot, as shown to the user.
     """
 
     size: Fraction
@@ -100,7 +100,7 @@ class ForeignMap:
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
         usual_robot: The robot that such maps are drawn for; ``read_map`` fills in its format's.
         unread: Obstacles in the file that ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A path
-            through such a map proves nothing.
+            through such a map is no proof.
         others: The robots after the first, if the file has several.
         numbers: For each robot, counted from 1, its number in the file, if it has a place of its own
             there; empty if the file just lists its robots.

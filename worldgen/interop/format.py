@@ -50,12 +50,12 @@ HELD = {
 messages.
 """
 ROBOT_FACTS = tuple(name for name in HELD if name not in ("cell_size", "origin"))
-"""The facts of :data:`HELD` that each robot of a world has for itself."""
+"""The facts of :data:`HELD` that each robot of a world has."""
 
 
 @dataclass(frozen=True)
 class Destination:
-    """Where a world is written.
+    """The destination of an export.
 
     Args:
         name: Name of the file, without folder.

@@ -160,7 +160,10 @@ def import_world(
     withheld = False
     if found.unread:
         params["unread"] = list(found.unread)
-        warnings = (*warnings, f"not read, and not in this world: {'; '.join(found.unread)}")
+        warnings = (
+            *warnings,
+            f"could not be read, and are not in this world: {'; '.join(found.unread)}",
+        )
         withheld = decision.result == "reachable" and not robot.ignore_unread
         if withheld:
             decision = Decision(
@@ -224,7 +227,9 @@ def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
         )
     if robot.start is not None or robot.target is not None:
         raise InvalidParameter(
-            "conflict", "scen gives start and target", "omit start and target, or scen"
+            "conflict",
+            "scen already gives start and target",
+            "omit either start and target, or scen",
         )
 
     # Read the problems.
@@ -243,7 +248,7 @@ def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
         others=tuple(ForeignRobot(problem.start, problem.goal) for problem in problems[1:]),
         numbers=tuple(rows),
         params=params | {"optimal": first.optimal},
-        # The problem next to the map, of which they tell, does not count.
+        # The problem next to the map, which they describe, does not count.
         notes=(),
         warnings=(),
     )
@@ -273,7 +278,7 @@ def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
     old = found.world
     start = robot.start
     target = robot.target
-    # A seed asks for new places.
+    # A seed requests new places.
     if old is not None and robot.seed is None:
         start = start or (old.start.x, old.start.y, old.start.heading)
         target = target or (old.target.x, old.target.y, old.target.radius)
@@ -305,8 +310,8 @@ def _at_programs_start(
     ):
         return replace(robot, start=found.start), ()
     return robot, (
-        f"the map's own start ({x:g}, {y:g}) m is not clear for the robot, so another one was "
-        f"chosen",
+        f"the map's own start ({x:g}, {y:g}) m has no room for the robot, so another one was "
+        "chosen",
     )
 
 

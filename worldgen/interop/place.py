@@ -105,8 +105,10 @@ def place(
         warnings.append("the largest region is a single place; start and target coincide")
     if region.share < _SCATTERED:
         warnings.append(
-            f"a disc of radius {radius:g} m finds {region.regions} separate regions; start and "
-            f"target are in the largest, with {100 * region.share:.0f} % of the free space; a "
+            f"for a disc of radius {radius:g} m there are {region.regions} separate regions; start "
+            "and "
+            f"target are in the largest, which has {100 * region.share:.0f} % of the free space; "
+            "a "
             f"smaller radius may join them"
         )
     return Placement(places.metres(first), places.metres(last), tuple(warnings))
@@ -141,7 +143,7 @@ class _ClearPoints:
         if found.largest == 0:
             raise InvalidWorld(
                 "no-room",
-                "no place in the map is clear for a disc of radius {radius:g} m",
+                "a disc of radius {radius:g} m does not fit anywhere in the map",
                 "give a smaller radius",
                 radius=self._radius,
             )
@@ -155,8 +157,8 @@ class _ClearPoints:
     def farthest(self, source: int) -> int:
         """Return the place with room to turn that is most steps away from ``source``.
 
-        Ties go to the last place in flood order. A place without room is chosen if all places with
-        room are near, because a start next to its target tests nothing.
+        Ties go to the last place in flood order. A place without room to turn is chosen if all
+        places with room are near, because a start next to its target would be no test.
         """
         size = self._floods.regions(source, source + 1).largest
         # Flood order is the order of the number of steps.
@@ -231,7 +233,7 @@ def _check_inside(name: str, point: _Point, walls: npt.NDArray[np.bool_], cell_s
         raise InvalidWorld(
             "outside-grid",
             "{name} ({x:g}, {y:g}) m is outside the map of {width:g} x {height:g} m",
-            "give m from its lower-left corner, x right, y up; --frame map takes the file's own "
+            "give metres from its lower-left corner, x right, y up; --frame map uses the file's own "
             "coordinates",
             at_terminal=True,
             name=name,
@@ -277,7 +279,7 @@ def _check_start(
         + ("in " if distance == 0 else "{distance:.3g} m from ")
         + ("the solid cell {cell}" if inside else "the map's edge")
         + "; the robot's radius is {radius:g} m",
-        "no place in the map is clear for it"
+        "it does not fit anywhere in the map"
         if clear is None
         else "the nearest clear place is {clear[0]!r},{clear[1]!r}",
         x=start[0],

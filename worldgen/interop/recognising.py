@@ -70,7 +70,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
         raise FormatError(
             "no-map-found",
             "a scenario file has no map",
-            "give the .map file, and this one with --scen",
+            "give the .map file, and name this one with --scen",
             at_terminal=True,
             source=str(path),
         )
@@ -121,7 +121,7 @@ def _only(found: list[Format], path: Path) -> Format:
     if len(found) > 1:
         raise FormatError(
             "ambiguous-format",
-            "might be of several formats: {known!l}",
+            "might be in any of several formats: {known!l}",
             "choose one with --from",
             at_terminal=True,
             known=[known.name for known in found],
@@ -133,7 +133,7 @@ def _only(found: list[Format], path: Path) -> Format:
 def _by_contents(path: Path, head: bytes) -> list[Format]:
     """Return the formats whose pattern matches, or those of them that also fit the suffix.
 
-    Ours come before those of plug-ins.
+    Our formats come before plug-ins' formats.
     """
     found: list[Format] = []
     for plug_ins in (False, True):
@@ -170,7 +170,7 @@ def _head(path: Path) -> bytes:
                 return stream.read(_HEAD).removeprefix(b"\xef\xbb\xbf")
     except (OSError, ValueError):
         pass
-    # Reading it reports what is wrong with the file.
+    # Reading the file reports what is wrong with it.
     return read_bounded(path, _HEAD)
 
 

@@ -1,4 +1,4 @@
-"""Solve MovingAI problems, to check that published lengths are those of shortest octile paths."""
+"""Solve MovingAI problems, to check the published lengths of shortest octile paths."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ __all__ = [
 _TWO_DECIMALS = 0.0051
 # Files of "version 1" write six digits or more, summed in floating point: a fraction of the length.
 _SIX_DIGITS = 1e-5
-# Cells of the largest map that is solved; the graph takes 250 bytes for each.
+# Size of the largest map to solve, cells; the graph takes 250 bytes per cell.
 _MOST_CELLS = 8_000_000
 # Files with faults that the text lists; CSV and JSON list all of them.
 _MOST_LINES = 20
@@ -123,11 +123,11 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
         named = ", ".join(map(str, paths))
         raise InvalidParameter(
             "no-map-found",
-            "{paths}: holds no scenario file",
-            "name files that end in .scen, or their folder",
+            "{paths}: there is no scenario file",
+            "name files that end in .scen, or a folder that contains them",
             paths=named,
         )
-    # Find each scenario's map by the name that it gives.
+    # Find each scenario's map by the name in the file.
     pairs = []
     refused = []
     for file in scenarios:
@@ -147,7 +147,7 @@ def check_scenario(
 
     Args:
         scenario: The ``.scen`` file.
-        maps: Maps of the name that it gives.
+        maps: Maps with the name in the file.
         rows: Number of problems to draw; all of them if omitted.
         seed: Seed of the draw.
     """
@@ -201,7 +201,7 @@ def _solve(
     report = ScenarioReport(str(scenario), str(path), count)
     if problems.size == (height, width) != (width, height):  # swapped sides are not a scale
         fault = (
-            f"made for {height} x {width} cells, the map has {width} x {height}; swap the two "
+            f"made for {height} x {width} cells, but the map has {width} x {height}; swap the two "
             f"in one of the files"
         )
         return replace(report, misfit=count, fault=fault)
@@ -273,9 +273,10 @@ def _fault(
 ) -> str:
     start, goal = (tuple(map(int, cells[row])) for cells in (problems.starts, problems.goals))
     came = "there is no path" if blocked[row] else f"the shortest path has {ours[row]:.10g} cells"
-    told = f"published are {problems.published[row]:.10g} cells"
+    told = f"the published length is {problems.published[row]:.10g} cells"
     return (
-        f"from {start} to {goal} {came}, {told}; this is not the map that the problems were made on"
+        f"from {start} to {goal} {came}, {told}; this is not the map that the problems were made "
+        "for"
     )
 
 
@@ -331,7 +332,5 @@ def as_text(reports: Sequence[ScenarioReport]) -> str:
             f"{report.scenario}{on}: {report.agree} of {report.problems} agree; {report.fault}"
         )
     if len(faults) > _MOST_LINES:
-        lines.append(
-            f"{len(faults) - _MOST_LINES} more files do not agree in all; --csv lists them"
-        )
+        lines.append(f"{len(faults) - _MOST_LINES} more files do not fully agree; --csv lists them")
     return "\n".join(lines) + "\n"

@@ -43,7 +43,7 @@ class Sidecar:
         sha256: SHA-256 of its file.
         size: Width and height, in cells, of the map that it is for.
         values: Values by the names of :data:`~worldgen.interop.format.HELD`, in m, rad and m/s; a
-            point is two numbers. Those of a robot are the first one's.
+            point is two numbers. The values for a robot are the first robot's.
         others: The values of each robot after the first.
     """
 
@@ -61,7 +61,7 @@ def sidecar_text(
 
     Args:
         world: The world that was exported.
-        destination: Where it was written.
+        destination: Its destination.
         missing: Names of :data:`~worldgen.interop.format.HELD` that the file does not store.
         others: The robots after the first that the file has.
     """
@@ -113,7 +113,7 @@ def read_sidecar(path: Path) -> Sidecar | None:
         raise header.fault(
             Message(
                 "other-version",
-                "worldgen = {version} must be the sidecar's version",
+                "the sidecar's version must be worldgen = {version}",
                 "export the world again",
                 version=_VERSION,
             ),
@@ -232,7 +232,7 @@ def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
     if not used:
         return replace(found, warnings=(*found.warnings, *warnings))
 
-    # Complete the robots, and tell what was used.
+    # Complete the robots, and report which values were used.
     first, *others = map(_completed, robots, values)
     origin = of_map.get("origin")
     said = ", ".join(words for name, words in HELD.items() if name in used)

@@ -102,7 +102,7 @@ def _path(trail: Trail, colour: str, frame: Frame) -> list[Primitive]:
     points = frame.points(np.column_stack((trail.x, trail.y)))
     pieces = [(points, 1.8)]
     if trail.loop_from is not None:
-        # The loop is drawn wider than the approach, because it is what the picture has to show.
+        # The loop is drawn wider than the approach, because that is the point of the picture.
         pieces = [(points[: trail.loop_from + 1], 1.4), (points[trail.loop_from :], 3.0)]
     parts: list[Primitive] = []
     for piece, width in pieces:
@@ -153,8 +153,8 @@ def _blocked(robot: Robot, trail: Trail, other: Trail, frame: Frame) -> list[Pri
     length = math.dist(start, end)
     if length == 0.0:
         return []
-    # Keep to the right and off the middles, so that two that block each other have an arrow each,
-    # and their numbers stay readable.
+    # Keep to the right and away from the centres, so that two robots that block each other have
+    # separate arrows and their numbers stay readable.
     ahead = (end - start) / length
     aside = _ASIDE * radius * np.array((-ahead[1], ahead[0]))
     inset = min(_INSET * radius, 0.25 * length) * ahead

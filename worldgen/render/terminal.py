@@ -113,7 +113,7 @@ def draw_terminal(
 
     Args:
         world: What to draw.
-        trail: What a robot did in it; for several robots, one trail for each.
+        trail: A robot's trail; for several robots, one trail for each.
         width: Columns to use; the terminal's width if omitted.
         color: True for half-block characters with ANSI colours, False for plain ASCII.
         truecolor: True for 24-bit colours instead of 256; taken from COLORTERM if omitted.

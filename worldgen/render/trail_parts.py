@@ -1,6 +1,6 @@
 """Draw a run on the map.
 
-It consists of the path, the endless cycle, the robot's size, and what it hit.
+It consists of the path, the endless cycle, the robot's size, and the walls that it hit.
 """
 
 from __future__ import annotations

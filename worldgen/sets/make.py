@@ -16,7 +16,7 @@ from worldgen.sets.stores import PART, SetFolder, Store, store_for
 __all__ = ["SetDiffers", "SetDone", "begun_set", "make_set", "regenerate_set", "restore_set"]
 
 Progress = Callable[[int], None]
-"""Called with the number of worlds that are safe, at the beginning and after each."""
+"""Called with the number of worlds saved so far, at the beginning and after each."""
 
 
 class SetDiffers(WorldgenError):
@@ -98,7 +98,7 @@ def make_set(
         return entry.file, entry.line(header)
 
     def refuse(old: Manifest) -> None:
-        # Compare what the line says, which older versions wrote with other words.
+        # Compare the contents of the line, because older versions worded it differently.
         if old.header.line() != header.line():
             raise _other(old, header, out)
 
@@ -128,7 +128,7 @@ def regenerate_set(
         progress: Called with the progress.
 
     Raises:
-        SetDiffers: If a world comes out differently; those before it stay.
+        SetDiffers: If a world differs from the manifest; those before it stay.
         InvalidParameter: If a family is unknown or has another version.
         OutputError: As for :func:`make_set`.
     """
@@ -168,12 +168,12 @@ def restore_set(
         progress: Called with the progress.
 
     Raises:
-        SetDiffers: If a world comes out differently; those before it stay.
+        SetDiffers: If a world differs from the manifest; those before it stay.
         InvalidParameter: If a family is unknown or has another version.
         OutputError: If a file has other content, or cannot be written.
     """
     store = SetFolder(folder)
-    # Compare what is on disk by checksum first, so that only missing worlds are made again.
+    # First compare the files on disk by checksum, so that only missing worlds are made again.
     wanted = [entry for entry in manifest.entries if not store.holds(entry, force=force)]
     done = len(manifest.entries) - len(wanted)
     for entry, made in zip(wanted, make_all(_entry_jobs(wanted, families), workers), strict=True):
@@ -200,7 +200,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
             if len(old.entries) == work.count == resumed and isinstance(store, SetFolder):
                 raise OutputError(
                     "set-finished",
-                    "{out} already holds this set, finished",
+                    "{out} already holds this set, complete",
                     "give --force to make it again",
                     at_terminal=True,
                     out=out,
@@ -240,11 +240,13 @@ def _check_same(entry: ManifestEntry, made: Made, header: ManifestHeader) -> Non
     if made.sha256 == entry.sha256:
         return
     what = (
-        "is another world" if made.digest != entry.digest else "is the same world in another file"
+        "is another world"
+        if made.digest != entry.digest
+        else "is the same world, written differently"
     )
     raise SetDiffers(
         "world-differs",
-        "{file} comes out differently: {family} with seed {seed} {what} here than in the "
+        "{file} is different this time: {family} with seed {seed} {what} here than in the "
         "manifest, which worldgen {worldgen} wrote",
         "install that version",
         file=entry.file,
@@ -262,7 +264,7 @@ def _other(old: Manifest, wanted: ManifestHeader, out: Path) -> OutputError:
         "{out} holds {made} of {count} worlds of another set: {family} from seed {seed}"
         + (" where {constraint}" if held.constraint else "")
         + (", by worldgen {worldgen}" if held.worldgen != wanted.worldgen else ""),
-        "name another place, or give --force to replace it",
+        "name another folder, or give --force to replace it",
         at_terminal=True,
         out=out,
         made=len(old.entries),

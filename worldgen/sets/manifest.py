@@ -202,7 +202,7 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
     if len(entries) > header.count:
         message = Message(
             "wrong-count",
-            "{worlds} worlds, but the first line counts {said}",
+            "{worlds} worlds, but the first line promises {said}",
             "correct one of them",
             worlds=len(entries),
             said=header.count,
@@ -255,7 +255,7 @@ def _object(line: bytes, number: int, source: str) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise FormatError(
             "not-json",
-            "not a JSON object; each line of a manifest is one",
+            "not a JSON object; each line of a manifest must be one",
             line=number,
             source=source,
         )

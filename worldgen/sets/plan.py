@@ -43,7 +43,7 @@ class SetPlan(ABC):
 
     @abstractmethod
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Make the worlds from this one on, counted from 0.
+        """Make the worlds starting with this one, counted from 0.
 
         Args:
             first: Number of the first world.

@@ -103,7 +103,7 @@ class StratifiedPlan(SearchedPlan):
     def made(self, first: int, workers: int) -> Iterator[Made]:
         """Make the worlds from this one on.
 
-        The search repeats what it found before, because later finds depend on it.
+        The search repeats its earlier finds, because later ones depend on them.
         """
         header = self.header
         search = StrataSearch(

@@ -57,7 +57,7 @@ class Supply:
         if stray:
             raise InvalidParameter(
                 "conflict",
-                "{only_for_family} is for a family, and {named} is given",
+                "{only_for_family} is for a family, but {named} is given",
                 "remove one of them",
                 only_for_family=stray[0],
                 named=named[0],

@@ -65,7 +65,8 @@ static inline bool wg_crosses_target(const WgJoint *joint, int64_t robot, int64_
     return false;
 }
 
-// Returns true if two robots so many nodes apart are near enough to conflict within a tick, whatever their moves.
+// Returns true if two robots this many nodes apart are near enough to conflict within a tick,
+// whatever their moves.
 static inline bool wg_could_meet(const WgJoint *joint, int64_t across, int64_t up)
 {
     return wg_abs(across) <= joint->reach + 2 && wg_abs(up) <= joint->reach + 2;

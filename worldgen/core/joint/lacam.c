@@ -1,5 +1,5 @@
-// The search that goes depth first and gets the next joint state from a fast rule. Because constraints are added one at
-// a time, it tries everything in the end.
+// A depth-first search that gets the next joint state from a fast rule. Because constraints are
+// added one at a time, it tries everything in the end.
 //
 // Okumura, "LaCAM: Search-Based Algorithm for Quick Multi-Agent Pathfinding" (2023).
 // The rule is from Okumura et al., "Priority Inheritance with Backtracking for Iterative Multi-agent Path Finding" (2022).
@@ -35,7 +35,7 @@ typedef struct Lacam {
     int32_t *x;  // (robots,) column of each robot's node
     int32_t *y;  // (robots,) row
     int64_t *near_from;  // (robots + 1,) where the list of each robot in `near` begins
-    int32_t *near;       // of each robot in turn, the others that it could meet in this tick, by number
+    int32_t *near;       // for each robot in turn, the numbers of those it could meet in this tick
     int64_t near_room;
 } Lacam;
 

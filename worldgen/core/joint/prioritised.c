@@ -1,7 +1,8 @@
-// Joint plans by priority: one robot after the other, each around those before it.
+// Joint plans by priority: one robot after another, each around those before it.
 //
-// A state of the search is a node and an interval of ticks in which the robot can stand there. Only the earliest arrival
-// in an interval matters, because the robot can wait there until the interval ends.
+// A state of the search is a node and an interval of ticks in which the robot can be there. Only
+// the earliest arrival in an interval matters, because the robot can wait there until the interval
+// ends.
 //
 // Planning by priority: Erdmann, Lozano-Perez, "On Multiple Moving Objects" (1987).
 // The search: Phillips, Likhachev, "SIPP: Safe Interval Path Planning for Dynamic Environments" (2011).
@@ -22,7 +23,8 @@ typedef struct Span {
     int32_t last;
 } Span;
 
-// The spans of one node, rising and apart; they become invalid when those of another node are made.
+// The spans of one node, in ascending order and disjoint; they become invalid when another node's
+// spans are made.
 typedef struct Spans {
     const Span *items;
     int64_t count;
@@ -88,7 +90,7 @@ static int compare_spans(const void *one, const void *other)
     return (a > b) - (a < b);
 }
 
-// Sorts the spans from an index on and joins those without a tick between them.
+// Sorts the spans starting at an index and joins those without a tick between them.
 static void join_spans(RobotSearch *search, int64_t from)
 {
     int64_t count = search->span_count - from;
@@ -289,7 +291,7 @@ static WgStatus step_to(RobotSearch *search, int64_t index, int move)
         int64_t raster = wg_raster_at(joint, tick, search->robot_class);
         bool is_free = joint->clear[raster + state.node] != 0 &&
                        wg_move_is_clear(joint, &search->moves, raster, state.node, move);
-        // Neither the walls after their last change nor a parked robot ever makes room.
+        // Walls never make room after their last change, and neither does a parked robot.
         if ((!is_free && tick >= joint->ticks - 1) ||
             wg_meets_parked(reserved, search->robot_class, state.node, next, tick)) {
             break;

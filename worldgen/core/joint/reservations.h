@@ -11,7 +11,8 @@ typedef struct WgTrack {
     int64_t length;
 } WgTrack;
 
-// A planned robot that is near the nodes of a bucket in one tick, or from a tick on if it parks.
+// A planned robot that is near the nodes of a bucket in one tick, or starting with a tick if it
+// parks.
 typedef struct WgStay {
     int32_t tick;
     int32_t bucket;

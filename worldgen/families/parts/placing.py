@@ -29,7 +29,7 @@ __all__ = ["Box", "PlacedEnds", "place_in_boxes", "place_robots"]
 _HALF = UNIT // 2
 # Cells that robots keep between their discs, if there is room; otherwise they may touch.
 _GAP = 1
-# Placements to try before giving up: greedy draws can block each other.
+# Placements to try before giving up, because greedy draws can block each other.
 _TRIES = 20
 # Number of targets drawn, of which the farthest is taken: robots with short paths seldom meet.
 _DRAWS = 4
@@ -138,7 +138,7 @@ def _draw_ends(
     graph = build_graph(blocked, radius, 2)
     clear = graph.clear.ravel()
     if before:
-        # Only what the first robot can reach, so that no robot is walled off.
+        # Use only places that the first robot can reach, so that no robot is walled off.
         node = before[0].start[1] * graph.stride + before[0].start[0]
         if clear[node]:
             clear = flood(graph, np.array([node], np.int64))

@@ -186,7 +186,7 @@ def _expand(data: bytes, source: str) -> bytes:
             expanded = _read_up_to(stream, limit)
     except EOFError as error:
         message = Message(
-            "cut-short", "the gzip data ends too early; the file was cut off", "copy it again"
+            "cut-short", "the gzip data ends too early; the file is truncated", "copy it again"
         )
         raise FormatError.of(message, source=source) from error
     except (OSError, zlib.error) as error:

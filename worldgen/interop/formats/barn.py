@@ -159,7 +159,7 @@ def _model(
 
 barn = Format(
     "barn",
-    "BARN world of posts, and other worlds of Gazebo, .world",
+    "BARN world of posts, and other Gazebo worlds, .world",
     (".world", ".sdf"),
     re.compile(
         rb"(?s)(?:\xef\xbb\xbf)?\s*+(?:<\?(?:(?!\?>).)*+\?>\s*+|<!--(?:(?!-->).)*+-->\s*+)*+"

@@ -170,7 +170,8 @@ def write_dbcbs(world: World, destination: Destination) -> Exported:
     for robot in world.robots:
         if robot.radius != _SPHERE:
             altered["robot_radius"] = (
-                f"the robot's radius is not stored; robots of type {_TYPE} have {_SPHERE} m"
+                f"the robot's radius is not stored; robots of type {_TYPE} have a radius of "
+                f"{_SPHERE} m"
             )
         if robot.speed != _SPEED:
             altered["robot_speed"] = (
@@ -215,7 +216,7 @@ dbcbs = Format(
     "dbcbs",
     "problem of db-CBS or dynobench, .yaml",
     (".yaml", ".yml"),
-    # Many obstacles may stand before the robots, so the limits of the environment will do.
+    # Many obstacles may come before the robots, so the limits of the environment are enough.
     re.compile(
         rb"(?s)(?=(.*\n)?environment[ \t]*:[ \t]*(\{|(#[^\n]*)?\r?\n))"
         rb"((.*\n)?robots[ \t]*:|(?=.*[\s{,]min[ \t]*:).*[\s{,]max[ \t]*:)"

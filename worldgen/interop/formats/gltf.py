@@ -145,7 +145,7 @@ def _places(
             "extras": {"radius": target.radius},
         },
     ]
-    # The robot's disc stands, the target's lies flat.
+    # The robot's disc is tall, the target's is flat.
     robot = world.robot_radius
     flat = target.radius / 16.0
     for kind, radius, tall in (("robot", robot, robot), ("target", target.radius, flat)):

@@ -30,7 +30,7 @@ def _read(path: Path) -> ForeignMap:
 
 grid = Format(
     "grid",
-    "a world of ours, .grid or .grid.gz",
+    "worldgen's own format, .grid or .grid.gz",
     (".grid", ".gz"),
     re.compile(rb"%worldgen-grid"),
     _read,

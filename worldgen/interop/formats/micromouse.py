@@ -205,7 +205,7 @@ def _check(world: World) -> None:
 micromouse = Format(
     "micromouse",
     "maze of the micromouse contests as text, .maze",
-    # Also .txt; the contents tell it from a drawing.
+    # Also .txt; the contents distinguish it from a drawing.
     (".maze",),
     re.compile(rb"[o+](?:(?:---|   )[o+])+[ \t]*\r?\n[| ]"),
     read_micromouse,

@@ -90,7 +90,7 @@ def read_minigrid(
             line=agents[1][0] + 1,
             source=source,
         )
-    # Report what the options decided.
+    # Report the effect of the options.
     notes = _notes(
         {"doors": int(shut.sum()), "things": int(lying.sum())}, {"doors": doors, "things": things}
     )
@@ -199,7 +199,7 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
 minigrid = Format(
     "minigrid",
     "printed grid of MiniGrid, two characters per cell, .minigrid",
-    # Also .txt; the contents tell it from a drawing.
+    # Also .txt; the contents distinguish it from a drawing.
     (".minigrid",),
     re.compile(
         rb"(?=[^#]*?W[" + _COLOURS + rb"])" + _WORDS + rb"+ ?\r?\n" + _WORDS + rb"+ ?(?:\r?\n|\Z)"

@@ -93,7 +93,7 @@ def write_mjcf(
 
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:
-    """Yield facts that are not geometry, as the numbers that a model can store."""
+    """Yield facts other than geometry, as numbers that a model can store."""
     x, y = (decimal(value) for value in destination.origin)
     numbers = {
         "cell_size": decimal(world.cell_size),

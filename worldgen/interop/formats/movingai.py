@@ -98,7 +98,7 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
     The scenario file counts only if it has exactly one problem.
 
     A benchmark's scenario files have hundreds of problems, and none of them is more likely to be
-    meant than another. A file with one problem, as ``export`` writes it, leaves no choice.
+    meant than another. A file with one problem, as written by ``export``, leaves no choice.
     """
     for name in (f"{path.name}.scen", f"{path.stem}.scen"):
         beside = path.with_name(name)
@@ -111,8 +111,8 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
             return replace(found, warnings=(f"{name} next to the map was skipped: {error}",))
         note = Note(
             "scenario-beside-used",
-            "start and goal come from the only problem in {file}, which is for this map",
-            "--seed chooses other places",
+            "start and goal come from the only problem in {file}, which belongs to this map",
+            "use --seed to choose other places",
             at_terminal=True,
             file=name,
         )
@@ -151,7 +151,7 @@ def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
             "type {kind!q} cannot be read; its corner heights are not cells"
             if corners
             else "type {kind!q} cannot be read",
-            "give a map of `type octile`",
+            "use a map of `type octile`",
             kind=kind.decode("utf-8", "backslashreplace"),
             line=1,
             source=source,
@@ -190,7 +190,7 @@ def _expect(lines: list[bytes], number: int, form: str, source: str) -> NoReturn
     came = "the end of the file" if ended else quote(lines[number - 1])
     raise FormatError(
         "wrong-form",
-        "{came} is where `{form}` belongs; an octile map begins with the lines type, height, "
+        "{came} is in place of `{form}`; an octile map begins with the lines type, height, "
         "width, map",
         came=came,
         form=form,
@@ -250,7 +250,7 @@ def _wrong_row(
     raise FormatError(
         "ragged-rows",
         "a row of {cells} cells; the header has width {width}; every row has that many cells",
-        "perhaps its width and height are swapped" if len(row) == height else "",
+        "its width and height may be swapped" if len(row) == height else "",
         cells=len(row),
         width=width,
         line=_FIRST_ROW + index,
@@ -337,7 +337,7 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
             "wrong-size",
             "the problem is for a map of {problem_width} x {problem_height} cells, the map has "
             "{width} x {height}",
-            "give the map it was made for, in that size",
+            "give the map that it was made for, in that size",
             problem_width=numbers[0],
             problem_height=numbers[1],
             width=width,
@@ -368,7 +368,7 @@ def _check_version(line: bytes, source: str) -> None:
     if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", line.lower().strip()):
         raise FormatError(
             "wrong-form",
-            "{came!q} is where `version 1` belongs",
+            "{came!q} is in place of `version 1`",
             "give a scenario file",
             came=line,
             line=1,
@@ -443,7 +443,7 @@ def read_problems(path: Path) -> Problems:
         if name != map_name:
             message = Message(
                 "other-map",
-                "a problem of {name!q} among those of {first!q}",
+                "a problem for map {name!q} among problems for {first!q}",
                 "give a file for each map",
                 name=name,
                 first=map_name,

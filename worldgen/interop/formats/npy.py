@@ -44,7 +44,7 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
     Raises:
         FormatError: If the file holds anything else; objects are never unpickled.
     """
-    # Read the header; NumPy warns where it should refuse.
+    # Read the header here, because NumPy only warns about headers that it should refuse.
     data = read_bounded(path)
     source = str(path)
     stream = io.BytesIO(data)
@@ -57,7 +57,7 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
         raise FormatError(
             "unknown-format", "is not a NumPy array file", "write it with numpy.save", source=source
         ) from error
-    # Only plain numbers are read, and never more than the header says.
+    # Only plain numbers are read, and never more than the header claims.
     if kind.hasobject or kind.kind not in "biu" or len(shape) != 2:
         raise FormatError(
             "wrong-shape",

@@ -27,7 +27,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["png", "read_picture", "write_png"]
 
-# Keyword that identifies a picture of ours; without it the other keywords are ignored.
+# Keyword that identifies our own pictures; without it the other keywords are ignored.
 _MARK = "worldgen"
 _WHITE = 255
 
@@ -62,7 +62,7 @@ def read_picture(
         own_size, origin, places = _said(image)
     except InvalidParameter as error:
         raise FormatError.of(error.message.behind("its text: "), source=source) from error
-    # Explain what the picture leaves open.
+    # Report values that the picture does not determine.
     notes = []
     if greys:
         notes.append(
@@ -108,7 +108,7 @@ def _solid(image: GreyImage, threshold: int, background: str) -> tuple[npt.NDArr
 
 
 def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
-    """Return cell size, origin and places of a picture of ours; None, 0 and none for any other."""
+    """Return cell size, origin and places of one of our pictures; None, 0 and none for any other."""
     # Only a picture with our keyword may describe a world.
     text = image.text
     if _MARK not in text:
@@ -144,7 +144,7 @@ def write_png(world: World, destination: Destination) -> Exported:
         raise InvalidParameter(
             "wrong-suffix",
             "{name} is not the name of a PNG",
-            "give it the ending .png, or write a .yaml with a .pgm with --to ros",
+            "give it the ending .png, or use --to ros to write a .yaml with a .pgm",
             at_terminal=True,
             name=destination.name,
         )

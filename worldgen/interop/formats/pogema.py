@@ -35,7 +35,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["pogema", "read_pogema", "write_pogema"]
 
 _WALL = b"#"
-# Cells that are free for anything, only for starts of agents, only for targets, or for neither.
+# Cells that are free for anything, only for agents' starts, only for targets, or for neither.
 _FREE = b".@$!"
 # Robot radius of GridConfig, cells.
 _MAX_SIDE = 4096
@@ -51,12 +51,12 @@ def read_pogema(
     cell_size: float = DEFAULT_CELL_SIZE,
     map_name: str = "",
 ) -> ForeignMap:
-    """Read a map in the form GridConfig takes, the top row first, or a YAML file with such maps.
+    """Read a map in the form that GridConfig takes, the top row first, or a YAML file with such maps.
 
     One agent is the robot, or all agents are robots.
 
     Args:
-        path: The file: a map, of which white space around rows and empty rows are ignored; a
+        path: The file: a map, in which whitespace around rows and empty rows are ignored; a
             configuration in YAML; or a YAML file of named maps.
         agent: Letter of the agent that is the robot, lower case; its target is the same letter in
             upper case. In a configuration with agents_xy, b is the second agent.
@@ -105,7 +105,7 @@ def read_pogema(
             "random-places",
             "the configuration has no agents_xy and targets_xy, so POGEMA draws the agents' places "
             "at random",
-            "write down the places that it drew",
+            "add the places that it drew to the file",
             source=source,
         )
     first = 1 + ascii_lowercase.index(agent)
@@ -214,7 +214,7 @@ def _numbered(letters: Mapping[str, tuple[int, int]], alphabet: str) -> dict[int
 
 
 def _freed(walls: npt.NDArray[np.bool_], places: Iterable[tuple[int, int]]) -> Iterator[str]:
-    """Free the cells of agents and targets that are solid, as POGEMA does, and say so."""
+    """Free the cells of agents and targets that are solid, as POGEMA does, and report it."""
     solid = {place for place in places if walls[place]}
     for place in solid:
         walls[place] = False
@@ -237,7 +237,7 @@ def _letters(
         if letter in found:
             raise FormatError(
                 "twice",
-                "{letter} occurs twice; each agent has one place, so remove one",
+                "{letter} occurs twice; each agent has only one place, so remove one",
                 letter=letter,
                 line=numbers[row],
                 source=source,
@@ -255,7 +255,7 @@ def write_pogema(world: World, destination: Destination) -> Exported:
         world: The world.
         destination: Where the file is written.
     """
-    # Choose the form: letters, as far as they go.
+    # Choose the form: letters, as long as there are enough.
     notes: tuple[str, ...] = ()
     if max(world.width, world.height) > _MAX_SIDE:
         notes = (f"POGEMA itself takes maps of up to {_MAX_SIDE} cells a side",)
@@ -325,7 +325,7 @@ def _configuration(
 pogema = Format(
     "pogema",
     "map or configuration of POGEMA, .pogema",
-    # Also .txt; the contents tell it from a drawing.
+    # Also .txt; the contents distinguish it from a drawing.
     (".pogema",),
     re.compile(
         rb"(?=[.#A-Z@$!\s]*[a-z@$!])(?:\s*(?=[a-zA-Z@$!]*[.#])"

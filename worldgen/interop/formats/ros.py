@@ -293,7 +293,7 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
             "origin",
             Message(
                 "unsupported",
-                "a map with places under {key} must not be turned",
+                "a map with places under {key} must have yaw 0",
                 "write the yaw 0, or delete {key}",
                 key=_OURS,
             ),

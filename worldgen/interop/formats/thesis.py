@@ -83,14 +83,14 @@ def _check_shape(world: World) -> None:
         raise InvalidWorld(
             "not-square",
             "{width} x {height} cells; a thesis map is a square",
-            "fill up the shorter side with walls",
+            "pad the shorter side with walls",
             width=world.width,
             height=world.height,
         )
     if not MIN_SIZE <= world.width <= MAX_SIZE:
         raise InvalidWorld(
             "wrong-size",
-            "{width} x {height} cells; a thesis map has {min_size} to {max_size} per side",
+            "{width} x {height} cells; a thesis map has {min_size} to {max_size} cells per side",
             "export a smaller or larger world",
             width=world.width,
             height=world.height,
@@ -119,7 +119,7 @@ def _target_cell(world: World) -> tuple[int, int]:
     if not (0 <= ix < world.width and 0 <= iy < world.height) or world.walls[iy, ix]:
         raise InvalidWorld(
             "target-in-a-wall",
-            "the target ({x:g}, {y:g}) m is in a wall; a thesis map has it in a free cell",
+            "the target ({x:g}, {y:g}) m is in a wall; in a thesis map it is in a free cell",
             "move it into one",
             x=world.target.x,
             y=world.target.y,
@@ -129,7 +129,7 @@ def _target_cell(world: World) -> tuple[int, int]:
 
 def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
     """Yield a note for each fact that the file lacks and that its program would assume differently."""
-    # The file knows only the target's cell.
+    # The file stores only the target's cell.
     centre = (2 * column + 1, 2 * (world.height - row) - 1)
     x, y = (2 * in_cells(value, world.cell_size) for value in (world.target.x, world.target.y))
     if x != centre[0] or y != centre[1] or 2 * in_cells(world.target.radius, world.cell_size) != 1:
@@ -147,7 +147,8 @@ def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
     turned = heading_to_lattice(start.heading) != heading_to_lattice(own.heading)
     if places[::2] != places[1::2] or turned:
         sentence = (
-            "the start pose is not stored; the program always starts at 35, 35 px, which is 3.5 "
+            "the start pose is not stored; in the program the robot always starts at 35, 35 px, "
+            "which is 3.5 "
             "cells from the left and the top"
         )
         yield "start", sentence

@@ -1,7 +1,7 @@
 """Export a world as a 3MF file: one box, and an item per wall that puts it into place.
 
 The archive is written here because trimesh 5.2 gives its parts random identifiers, so that no two
-files are the same, says millimetres whatever the unit, and needs two more libraries.
+files are the same, writes millimetres whatever the unit is, and needs two more libraries.
 
 Source: 3MF Consortium, "3D Manufacturing Format Core Specification", version 1.3, 2021.
 """

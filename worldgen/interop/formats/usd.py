@@ -118,7 +118,7 @@ def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
     start = world.start
     target = world.target
     point, radius = (start, world.robot_radius) if name == "start" else (target, target.radius)
-    # The robot's disc stands, the target's lies flat.
+    # The robot's disc is tall, the target's is flat.
     height = radius if name == "start" else radius / 16.0
     turn = degrees_text(start.heading) if name == "start" else "0"
     middle = exact(height) / 2

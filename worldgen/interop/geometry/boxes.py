@@ -59,7 +59,7 @@ def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
     keep_level, keep_upright = _apart(level_joins, upright_joins, corner.shape)
     along = level_joins.only(keep_level)
     across = upright_joins.only(keep_upright)
-    # Corners where a cut begins or ends are finished.
+    # Corners where a cut begins or ends need no further cut.
     for lines, at in ((along, corner), (across, corner.T)):
         at[lines.y, lines.begin] = at[lines.y, lines.end] = False
     crossed = _corners_on(across, (corner.shape[1], corner.shape[0])).T >= 0
@@ -205,7 +205,7 @@ def always_solid(world: World) -> npt.NDArray[np.bool_]:
 def closing_boxes(world: World) -> npt.NDArray[np.int64]:
     """Return boxes one cell thick around the grid, because everything outside it is solid.
 
-    There are none where the world's border is already closed.
+    There are none if the world's border is already closed.
 
     Returns:
         (0 or 4, 4) int64 as :func:`merged_boxes`, with cells -1 and beyond the sides.

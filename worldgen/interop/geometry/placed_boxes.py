@@ -67,10 +67,10 @@ class PlacedBox:
 def solid_boxes(
     world: World, destination: Destination, *, height: float, floor: bool, bits: int = 53
 ) -> list[PlacedBox]:
-    """Return boxes for the walls, for a ring around an open border, and for a floor if wanted.
+    """Return boxes for the walls, for a ring around an open border and, on request, for a floor.
 
     Args:
-        world: The world; only what is solid at all times counts.
+        world: The world; only cells that are solid at all times count.
         destination: Gives the frame of the coordinates; z is 0 at the foot of the walls.
         height: Height of the walls, m.
         floor: True to add a box one cell thick below everything.

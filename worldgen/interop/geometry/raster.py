@@ -125,7 +125,7 @@ class Raster:
         # Charge for the work before it is done.
         self._spend(_CORNER * len(points) * (window[0].stop - window[0].start))
         inside, outside = cut_into_rows(shape, *window)
-        # Mark what the shape touches, and what it does not fill.
+        # Mark the cells that the shape touches, and those that it does not fill.
         solid = self.solid[window]
         full = np.ones_like(self.full[window])
         for row, first, end in inside.tolist():
@@ -196,7 +196,7 @@ def natural_cell_size(
 
 
 def _common(a: Fraction, b: Fraction) -> Fraction:
-    """Return the largest length of which both are multiples."""
+    """Return the largest length that divides both."""
     return Fraction(
         math.gcd(a.numerator * b.denominator, b.numerator * a.denominator),
         a.denominator * b.denominator,

@@ -38,14 +38,14 @@ _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-
 # Heights, m; a body that ends below or begins above them stops no robot.
 _FLOOR = Fraction(1, 50)
 _ABOVE = Fraction(2)
-# Tolerance, rad; a body that rolls or pitches more does not stand upright.
+# Tolerance, rad; a body that rolls or pitches more is not upright.
 _FLAT = 1e-6
 # BARN's posts, and the distance between them, m.
 _POST = Fraction("0.075")
 _LATTICE = Fraction("0.15")
-# Part of the lattice's spacing; coordinates come with six digits.
+# Tolerance, as a fraction of the lattice's spacing, because coordinates have six digits.
 _ROUNDED = Fraction(1, 10**6)
-# Where BARN's posts stand, m.
+# Places of BARN's posts, m.
 _LEFT = Fraction("-4.5")
 _LOW = Fraction(0)
 _WIDTH = Fraction("4.5")
@@ -145,7 +145,7 @@ def read_gazebo_world(
     if root.name not in ("sdf", "gazebo") or world is None:
         raise FormatError(
             "missing-element",
-            "has no <world>; a world of Gazebo is <sdf><world> ... </world></sdf>",
+            "has no <world>; a Gazebo world is <sdf><world> ... </world></sdf>",
             source=source,
         )
     # Collect the shapes of all models.
@@ -288,7 +288,7 @@ def _count_includes(scene: _GazeboScene, parent: XmlElement) -> None:
     for include in parent.all("include"):
         name = include.word("uri").rstrip("/").rpartition("/")[2].lower().replace(" ", "_")
         if name not in ("sun", "ground_plane"):
-            scene.unread["models of other files"] += 1
+            scene.unread["models from other files"] += 1
 
 
 def _add_model(scene: _GazeboScene, model: XmlElement, pose: _BodyPose) -> None:
@@ -364,9 +364,9 @@ def _is_barn(scene: _GazeboScene) -> bool:
 
 
 def _frame(scene: _GazeboScene, own: XmlElement | None, wanted: float, *, barn: bool) -> _Frame:
-    """Return the part of the world that becomes cells.
+    """Return the part of the world to turn into cells.
 
-    It is what the file gives, BARN's own, or everything in the world.
+    It comes from the file, or is BARN's own, or includes everything in the world.
     """
     # Our own files and BARN's have a known frame.
     size = Fraction(repr(wanted)) if wanted else None
@@ -442,7 +442,7 @@ def _cells(
     if inner:
         return raster.full, [
             "only cells completely inside a shape are solid, so a robot may get through here but "
-            "not there"
+            "not in Gazebo"
         ]
     count = f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m"
     return raster.solid, [

@@ -1,4 +1,4 @@
-"""Check the JSON of a glTF file before a library builds what it claims.
+"""Check the JSON of a glTF file before a library builds the scene.
 
 The result is a well-formed tree of bounded size. trimesh 5.2 allocates whatever an accessor
     claims: a file of 400 bytes can ask for 22 GiB. It also silently drops some nodes with more than
@@ -47,7 +47,7 @@ def gltf_json(data: bytes, source: str) -> dict[str, Any]:
         if version != 2 or kind != b"JSON" or 20 + size > len(data):
             raise FormatError(
                 "wrong-header",
-                "is not binary glTF 2.0 of the length it claims",
+                "is not binary glTF 2.0, or is not as long as it claims",
                 "export it again",
                 source=source,
             )
@@ -56,7 +56,7 @@ def gltf_json(data: bytes, source: str) -> dict[str, Any]:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise FormatError(
-            "not-json", "has no readable JSON in it", "export it again", source=source
+            "not-json", "contains no readable JSON", "export it again", source=source
         ) from error
     if not isinstance(document, dict):
         raise FormatError("not-json", "is not a glTF document", "export it again", source=source)
@@ -64,7 +64,7 @@ def gltf_json(data: bytes, source: str) -> dict[str, Any]:
 
 
 def check_gltf(document: dict[str, Any], source: str) -> None:
-    """Reject what a reader would choke on or misread.
+    """Reject files that a reader would choke on or misread.
 
     Raises:
         FormatError: If the nodes are not trees, there is too much of anything, or the triangles are
@@ -107,7 +107,7 @@ def _check_sizes(document: dict[str, Any], source: str) -> None:
         values += count * _PARTS.get(accessor.get("type"), 1)
     if values > _MOST_VALUES or len(document.get("nodes", [])) > _MOST_NODES:
         raise FormatError(
-            "too-large", "holds more than the limit", "export a smaller part of it", source=source
+            "too-large", "is larger than the limit", "export a smaller part of it", source=source
         )
 
 
@@ -124,7 +124,7 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
             if not isinstance(child, int) or not 0 <= child < len(nodes) or parent[child] >= 0:
                 raise FormatError(
                     "no-tree",
-                    "node {node} is not a child in the form that glTF allows",
+                    "node {node} is not a valid child node in glTF",
                     "export it again",
                     node=child,
                     source=source,

@@ -112,7 +112,7 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
             came = quote((data[at : at + 40].split() or [b""])[0])
             raise FormatError(
                 "wrong-form",
-                "the PGM header has {came} where the {name} belongs; after {magic!q} it "
+                "the PGM header has {came} in place of the {name}; after {magic!q} it "
                 "has width, height and maximum as whole numbers",
                 came=came,
                 name=name,
@@ -243,7 +243,7 @@ def _read_with_pillow(data: bytes, source: str) -> GreyImage:
         raise
     except Image.DecompressionBombError as error:
         raise FormatError(
-            "too-large", "has more pixels than any map needs", "cut or shrink it", source=source
+            "too-large", "has too many pixels for a map", "cut or shrink it", source=source
         ) from error
     except UnidentifiedImageError as error:
         raise FormatError(

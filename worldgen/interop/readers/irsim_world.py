@@ -150,7 +150,7 @@ def _picture(
                 value=step,
             ),
         )
-    # IR-SIM's own rule is "above one half"; at other thresholds a pixel that is exactly as dark
+    # IR-SIM's own rule is "above one half"; at other thresholds, a pixel exactly at the threshold
     # counts too.
     solid = dark > 0.5 if threshold == 0.5 else dark >= threshold
     return flip_rows(solid)[::step, ::step], image.name, digest(data)
@@ -169,7 +169,7 @@ def _picture_name(world: YamlTable) -> str:
             Message(
                 "unsupported",
                 "obstacle_map {kind!q} is drawn by IR-SIM itself",
-                "save the map that it draws as a picture, and name that",
+                "save the map that it draws as a picture, and name that picture",
                 kind=kind,
             ),
         )
@@ -201,10 +201,10 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
         scene.unread.append(f"{count} that can move; our worlds have no moving bodies")
         return
     if _word(table, "unobstructed", "false").lower() == "true":
-        scene.notes.append(f"{count} do not stop a robot in IR-SIM and are ignored")
+        scene.notes.append(f"{count} do not stop a robot in IR-SIM, so they are ignored")
         return
     if _placing(table) != "manual":
-        scene.unread.append(f"{count} placed at random; write their states into the file")
+        scene.unread.append(f"{count} placed at random; write their positions into the file")
         return
     # Add one shape after another.
     states = table.rows("state") if "state" in table else [_STATE]

@@ -118,7 +118,7 @@ def _check_header(data: bytes, source: str) -> None:
     if version != _VERSION:
         raise FormatError(
             "unknown-version",
-            "version {version} of Java's object stream; only version {known} exists",
+            "version {version} of Java's object stream; the only known version is {known}",
             "fetch the file again",
             version=version,
             known=_VERSION,
@@ -144,7 +144,7 @@ def _record(data: bytes, at: int, source: str) -> tuple[int, int]:
 
 
 def _refuse_record(kind: int, at: int, source: str) -> NoReturn:
-    what = _RECORDS.get(kind, "not a record of Java")
+    what = _RECORDS.get(kind, "not a Java record")
     raise FormatError(
         "not-numbers",
         "byte {at}: {kind:02X} is {what}; a map holds only bare numbers (records 77 and 7A)",

@@ -1,6 +1,6 @@
 """Load the triangles of a mesh file, all in one frame.
 
-trimesh reads the file; this module checks what goes in and what comes out.
+trimesh reads the file; this module checks its input and output.
 """
 
 from __future__ import annotations

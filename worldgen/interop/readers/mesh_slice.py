@@ -76,7 +76,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
 
     Args:
         path: The file.
-        kind: Its format, one that :func:`~worldgen.interop.readers.mesh_file.load_mesh` takes.
+        kind: Its format, as for :func:`~worldgen.interop.readers.mesh_file.load_mesh`.
         plane: The cut to make.
 
     Raises:
@@ -111,7 +111,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     if not len(section.closed) and not len(section.sheets):
         raise FormatError(
             "nothing-there",
-            "nothing stands {height:g} m above floor {floor}, which is at {level:g} m; the mesh "
+            "there is nothing {height:g} m above floor {floor}, which is at {level:g} m; the mesh "
             "reaches from {low:g} "
             "to {high:g} m",
             "give another slice height, floor, unit or up axis",
@@ -144,7 +144,7 @@ class _Told:
 def _as_written(mesh: RawMesh, plane: Plane) -> bool:
     """Return whether a file from worldgen is read with the up axis and the unit it was written in.
 
-    In any other frame, the facts it holds would describe another world.
+    In any other frame, the facts in the file would describe a different world.
     """
     return plane.up == mesh.up and (mesh.unit is not None or plane.unit == 1.0)
 
@@ -241,7 +241,7 @@ def _frame(
         width,
         height,
         source=source,
-        remedy="give larger cells, or the file's unit if it is not the metre",
+        remedy="give larger cells, or the file's unit if it is not metres",
     )
     return (float(low[0] * cell), float(low[1] * cell)), width, height
 
@@ -306,7 +306,7 @@ def _notes(told: _Told, left_out: int) -> tuple[str, ...]:
     level = floors[plane.floor]
     notes = [
         f"cut {plane.height:g} m above the floor at {level:g} m; parts that end below it or begin "
-        f"above it are not seen"
+        "above it are ignored"
     ]
     if len(floors) > 1:
         notes.append(
@@ -331,8 +331,8 @@ def _warnings(told: _Told) -> tuple[str, ...]:
     if _ODD_SIDES[0] <= max(sides[:2]) <= _ODD_SIDES[1]:
         return ()
     return (
-        f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if it is in another unit, "
-        f"give that with +unit",
+        f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if that is wrong, give the "
+        "file's unit with +unit",
     )
 
 

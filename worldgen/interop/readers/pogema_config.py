@@ -73,7 +73,7 @@ def read_configuration(text: bytes, source: str, map_name: str) -> PogemaTask:
     if "map" not in top or top.is_null("map"):
         message = Message(
             "random-map",
-            "it has no map, so POGEMA draws one at random or takes one of its own",
+            "it has no map, so POGEMA draws one at random or uses one of its own",
             "write its rows below `map: |-`",
         )
         raise FormatError.of(message, line=1, source=source)
@@ -85,12 +85,12 @@ def read_configuration(text: bytes, source: str, map_name: str) -> PogemaTask:
         )
         raise top.fault("on_target", message)
 
-    # The agents have places, all or none.
+    # Either all agents have places, or none.
     given = [key for key in ("agents_xy", "targets_xy") if key in top and not top.is_null(key)]
     if len(given) == 1:
         message = Message(
             "random-places",
-            "{key} is given alone, so POGEMA draws the other places at random",
+            "{key} is given without the other, so POGEMA draws the other places at random",
             "give agents_xy and targets_xy",
             key=given[0],
         )

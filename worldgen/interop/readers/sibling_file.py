@@ -25,7 +25,7 @@ def sibling_file(path: Path, key: str, name: str) -> Path:
     """
     if "\0" in name:
         raise InvalidParameter(
-            "not-a-file-name", "{key} has a NUL in its name", "correct it", key=key
+            "not-a-file-name", "{key} has a NUL character in its name", "correct it", key=key
         )
     folder = Path(os.path.realpath(path.parent))
     other = Path(os.path.realpath(folder / name))

@@ -77,7 +77,7 @@ class Entity:
         return value.items[0].text if value is not None and value.items else default
 
     def numbers(self, key: str) -> list[Fraction]:
-        """Return the numbers of a property, exactly; none if it is missing.
+        """Return the exact numbers of a property; none if it is missing.
 
         Raises:
             FormatError: If one isn't a number.
@@ -119,7 +119,7 @@ class _StageReader:
             else:
                 raise _fault(
                     token,
-                    Message("wrong-form", "{came!q} is where a name belongs", came=token.text),
+                    Message("wrong-form", "{came!q} is in place of a name", came=token.text),
                 )
 
     def _spend(self, count: int, token: _Token) -> None:
@@ -208,7 +208,7 @@ class _StageReader:
             yield token
         raise _fault(
             first,
-            Message("wrong-form", 'a list [ lacks a number or a "word"', "close it with ]"),
+            Message("wrong-form", 'a list [ has no number or "word" in it', "close it with ]"),
         )
 
     def _entity(self, name: _Token, begin: int, end: int, depth: int) -> Entity:

@@ -51,7 +51,7 @@ _Point = tuple[Fraction, Fraction]
 
 @dataclass
 class _Includes:
-    """Files that a world file includes: those next to it are read, the others are reported."""
+    """Files that a world file includes: those next to it are read, others are reported."""
 
     path: Path
     notes: list[str] = field(default_factory=list)
@@ -70,7 +70,7 @@ class _Includes:
         try:
             file = sibling_file(self.path, "include", name)
         except InvalidParameter as error:
-            self.notes.append(f"{error}; its definitions are not known")
+            self.notes.append(f"{error}; its definitions are unknown")
             return None
         return _text(file), str(file)
 
@@ -154,7 +154,7 @@ def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
     if not found:
         message = Message(
             "no-map-found",
-            "has no model with a bitmap; a world of Stage has its walls as one, `floorplan ( "
+            "has no model with a bitmap; a Stage world stores its walls as one, `floorplan ( "
             'bitmap "map.png" )`',
         )
         raise FormatError.of(message, source=source)

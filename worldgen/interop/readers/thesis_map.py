@@ -82,7 +82,7 @@ def filtered(values: Ints, target: tuple[int, int]) -> Ints:
         cell, so all cells are processed together.
 
     Args:
-        values: As :func:`signal` gives them.
+        values: As returned by :func:`signal`.
         target: Column and row, from the top.
     """
     light = _light(values.shape[0], target)
@@ -207,7 +207,7 @@ def _square(values: Ints, source: str) -> Ints:
     if not MIN_SIZE <= size <= MAX_SIZE:
         raise FormatError(
             "wrong-size",
-            "{size} x {size} cells; a map has {min_size} to {max_size} per side",
+            "{size} x {size} cells; a map has {min_size} to {max_size} cells per side",
             "give another file",
             size=size,
             min_size=MIN_SIZE,
@@ -254,7 +254,7 @@ def _target(values: Ints, source: str) -> tuple[int, int]:
         raise FormatError(
             "wrong-count",
             "{targets} cells hold 0; a map has exactly one target (moving it onto a wall loses it)",
-            "place one in the program's map editor",
+            "add one in the program's map editor",
             targets=len(found),
             source=source,
         )

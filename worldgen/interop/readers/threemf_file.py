@@ -67,7 +67,10 @@ def read_threemf(data: bytes, source: str) -> tuple[Floats, Ints, dict[str, Any]
     unit = root.attributes.get("unit", "millimeter")
     if _plain(root.name) != "model" or unit not in UNITS:
         raise FormatError(
-            "wrong-structure", "has no <model> in a unit of 3MF", "export it again", source=source
+            "wrong-structure",
+            "has no <model> with a unit that 3MF defines",
+            "export it again",
+            source=source,
         )
     objects = {
         element.attributes.get("id", ""): element
@@ -112,7 +115,7 @@ def _unpacked(data: bytes, source: str) -> bytes:
     ) as error:
         raise FormatError(
             "not-an-archive",
-            "is not a ZIP archive with {model} in it",
+            "is not a ZIP archive that contains {model}",
             "export it again",
             model=_MODEL,
             source=source,
@@ -154,7 +157,10 @@ def _placed(model: _Model, name: str, transform: Floats, depth: int) -> list[Mes
     """Return the meshes of an object and of its components, each in its place."""
     if depth == 0:
         raise FormatError(
-            "too-deep", "its components nest too deep", "export it flat", source=model.source
+            "too-deep",
+            "its components are nested too deeply",
+            "export it flat",
+            source=model.source,
         )
     model.parts -= 1
     if model.parts < 0 or model.faces < 0:

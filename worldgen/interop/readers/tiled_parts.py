@@ -65,14 +65,14 @@ def parse_tiled(data: bytes, source: str) -> Part:
     except (RecursionError, ValueError) as error:
         raise FormatError(
             "wrong-form",
-            "is not a map in the form that Tiled writes",
+            "is not a valid Tiled map",
             "save it from Tiled again",
             source=source,
         ) from error
     if not isinstance(parsed, dict) or not isinstance(parsed.get("layers"), list):
         raise FormatError(
             "unknown-format",
-            "is JSON without layers, and of JSON only Tiled's maps are read",
+            "is JSON without layers; the only JSON maps that can be read are Tiled's",
             "give a map that Tiled saved, not a tileset or world",
             source=source,
         )
@@ -96,7 +96,7 @@ def parse_tiled(data: bytes, source: str) -> Part:
     if tile[0] != tile[1] or tile[0] < 1:
         raise FormatError(
             "not-square",
-            "tiles of {width} x {height} pixels; a cell is a square",
+            "tiles of {width} x {height} pixels; a cell must be square",
             "make both sides equal in Map Properties",
             width=tile[0],
             height=tile[1],
@@ -232,7 +232,7 @@ def _listed(data: object, name: str, source: str) -> npt.NDArray[np.int64]:
     ):
         raise FormatError(
             "wrong-type",
-            "{name} has no list of tile numbers as its data",
+            "the data of {name} is not a list of tile numbers",
             "save it again",
             name=name,
             source=source,

@@ -27,7 +27,7 @@ class XmlElement:
         line: Line where it begins.
         attributes: Values by name.
         children: The elements inside it.
-        text: The characters inside it, without those of its children.
+        text: The text inside it, without its children's text.
     """
 
     name: str
@@ -72,7 +72,7 @@ def read_xml(data: bytes, source: str) -> XmlElement:
         message = Message(
             "not-xml",
             "is not XML: {reason} in column {column}",
-            "correct it there, or just before",
+            "correct it there, or just before that",
             reason=reason,
             column=error.offset + 1,
         )
@@ -115,7 +115,7 @@ class _TreeBuilder:
         raise self._fault(
             Message(
                 "unsupported",
-                "a document type ({name!q}) is declared; worlds have none, so delete the "
+                "a document type ({name!q}) is declared; worlds must not have one, so delete the "
                 "<!DOCTYPE ...>",
                 name=name,
             )
@@ -126,7 +126,7 @@ class _TreeBuilder:
             Message(
                 "unsupported",
                 "an entity ({name!q}) is declared",
-                "write its text where it is used",
+                "replace it by its text wherever it is used",
                 name=name,
             )
         )

@@ -311,7 +311,7 @@ def _refuse_tricks(text: str, source: str) -> None:
             raise FormatError(
                 "unsupported",
                 "anchors and aliases (& and *) are not supported",
-                "write the value out",
+                "write out the value",
                 line=line,
                 source=source,
             )

@@ -37,7 +37,7 @@ Ints = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class RobotEnds:
-    """How a robot gets onto the nodes and off again.
+    """How a robot enters and leaves the nodes.
 
     Args:
         start: Where it starts, lu.
@@ -119,7 +119,7 @@ class JointQuestion:
             pointer(ffi, np.cumsum([0, *map(len, self.crossings)]), np.int64),
             pointer(ffi, np.concatenate(self.crossings), np.int64),
         ]
-        # Fill in the question.
+        # Fill in the struct.
         made = ffi.new("WgJoint *")
         made.robots = len(self.radii)
         made.classes = len(classes)
@@ -208,7 +208,8 @@ def crossing_steps(disc: Disc, k: int, stride: int) -> Ints:
         stride: Nodes per row.
 
     Returns:
-        (n,) int64, rising: eight times the node where a step begins, plus the number of the step.
+        (n,) int64, ascending: eight times the node where a step begins, plus the number of the
+        step.
     """
     # Each number of the disc is a whole number of units.
     scale = math.lcm(disc.x.denominator, disc.y.denominator, disc.radius.denominator)

@@ -30,7 +30,7 @@ Size: TypeAlias = Callable[[int, int], int]
 # hundredths of a second. The number must not change: a corridor continues to draw from the stream
 # after a tree of up to 999 x 999 chambers, at the end of the last call's words.
 MOST_WORDS = 1 << 17
-# The number that stands for all picks of a growing tree; shares are multiples of 1 / this.
+# The number that represents all picks of a growing tree; shares are multiples of 1 / this.
 SHARE = 1 << 16
 
 
