@@ -36,7 +36,7 @@ from worldgen.world import Pose, Value, World
 __all__ = ["VERDICTS", "Runs", "simulate_many"]
 
 VERDICTS = tuple(Verdict)
-"""The verdict that each number in :attr:`Runs.verdict` stands for."""
+"""The verdict for each number in :attr:`Runs.verdict`."""
 
 # Runs in one call of the core: few enough that every core gets something to do.
 _MOST_AT_ONCE = 256
@@ -196,7 +196,10 @@ def simulate_many(
             "give at least one world, one controller, one start and one seed",
         )
     if "seed" in settings or (isinstance(options, RunOptions) and options.seed):
-        raise InvalidParameter("seed-for-many-runs", "seed: many runs take seeds=5 or seeds=[3, 8]")
+        raise InvalidParameter(
+            "seed-for-many-runs",
+            "seed belongs to a single run; for many runs write seeds=5 or seeds=[3, 8]",
+        )
 
     # Plan all runs. Compiled controllers share the threads, vector controllers run in lockstep, and
     # everything else runs one at a time.
@@ -291,7 +294,7 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
     """
     controller = alike[0][0].controller
     if not isinstance(controller, VectorController):
-        raise TypeError("only controllers that act for many robots run in lockstep")
+        raise TypeError("only controllers that act for many robots can run in lockstep")
 
     # Lay out one row per robot: its row of the results, its world and its pose on the lattice.
     starts = []
@@ -334,7 +337,7 @@ def _run_compiled(job: _RunBlock, runs: Runs, digest: bool, stop: Ints) -> None:
     """Run a job in one call of the core; if the controller raises, run each of its runs alone."""
     controller = job.controller
     if not isinstance(controller, CompiledController):
-        raise TypeError("only compiled controllers run in a batch")
+        raise TypeError("only compiled controllers can run in a batch")
     run = LatticeRun(replace(job.world, start=job.starts[0]), controller, job.options)
     places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
     rows = slice(job.rows.start, job.rows.stop)
@@ -360,7 +363,7 @@ def _fill(
     steps = reports["steps"]
     decided = (lib.WG_TUNNEL, lib.WG_BURNED, lib.WG_INVALID_COMMAND)
 
-    # Later rules override earlier ones: a budget that was spent, then an ending of the core, then a
+    # Later rules override earlier ones: first a spent budget, then an ending of the core, then a
     # cut into a wall, then an event that ends a run in the step in which it happens.
     confined = reports["last_new_cell"] <= steps // 2
     verdict = np.where(confined, _CODE[Verdict.STALLED], _CODE[Verdict.TIMEOUT])

@@ -102,14 +102,14 @@ class Outcomes:
                 if after > 0 and after not in before:
                     before[after] = (number, face)
                     queue.append(after)
-        raise ValueError("no sequence of draws loses the target")
+        raise ValueError("no sequence of draws makes the target unreachable")
 
     def _is_lost(self, number: int) -> bool:
         return not self.ranks[number] or any(after == ENDED for _, after in self.following[number])
 
 
 def why_not_explored(controller: Controller, world: World, options: RunOptions) -> str:
-    """Return why the states of a run cannot all be explored, whatever their number; empty if they can.
+    """Return why a run's states cannot all be explored, however few; empty if they can.
 
     Args:
         controller: The controller.
@@ -118,7 +118,7 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
     """
     # Check the controller and the motion model first.
     if not isinstance(controller, CompiledController):
-        return "only what a compiled controller does can be explored"
+        return "only compiled controllers can be explored"
     if MOTIONS.get(options.motion).name != "swept":
         return "only the motion model swept has a lattice of poses on which no wall is ever entered"
     robot = robot_for(controller, options.robot)
@@ -128,9 +128,9 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
     if options.task != TARGET:
         return "the cells left to cover depend on everything that happened before"
     if robot.pushes:
-        return "pushes at stated times make a state's future depend on the time"
+        return "pushes at fixed times make the future depend on the time, not only on the state"
     if robot.moved and senses_of(controller) & lib.WG_SENSE_ODOMETRY:
-        return "the controller reads odometry, which disturbances make wrong"
+        return "the controller reads odometry, which disturbances falsify"
     if is_noisy(controller, options):
         # Last, check the sources of randomness, which must be few and the controller's own.
         return "the simulator draws its own random numbers, for slip or a noisy sensor"
@@ -163,7 +163,7 @@ def explore(
     if against or not isinstance(found, CompiledController):
         raise InvalidParameter(
             "not-explorable",
-            "not everything that can happen can be explored: {reason}",
+            "not every outcome can be explored: {reason}",
             reason=against,
         )
     search = _Search(LatticeRun(world, found, options), found, most)

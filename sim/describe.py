@@ -79,7 +79,7 @@ def _joint(joint: JointLoopEvidence) -> str:
 
 
 def _own_loops(joint: JointLoopEvidence) -> str:
-    """Return how robots repeat themselves that never meet."""
+    """Describe how robots that never meet repeat themselves."""
     loops: dict[int, list[int]] = {}
     for number, period in joint.periods or ():
         loops.setdefault(period, []).append(number)

@@ -1,7 +1,7 @@
 """Evidence: what a verdict claims about its run, with one record type for each kind of claim.
 
 A checker confirms the claim from the recorded trace. Only this module knows how evidence is written
-to files and to JSON: as a table of the fields that are known.
+to files and to JSON: as a table of the known fields.
 """
 
 from __future__ import annotations

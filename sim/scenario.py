@@ -41,7 +41,7 @@ class Scenario:
     """A controller and the options of its runs: everything about a run except the world.
 
     Args:
-        controller: Name, as the command line takes it.
+        controller: Name, as on the command line.
         run: Options of each run. The number of steps depends on the world, see :meth:`options`, so
             the number given here is ignored.
     """
@@ -83,10 +83,10 @@ class Scenario:
         return cls(controller, RunOptions(**(defaults | settings)))
 
     def label(self, motion: str | None = None, time_step: float | None = None) -> str:
-        """Return the text from which :meth:`parse` reads this scenario; it leaves out the seed.
+        """Return the text from which :meth:`parse` reads this scenario, without the seed.
 
         Args:
-            motion: Motion model that the reader takes by default; left out of the text.
+            motion: Motion model that the reader uses by default; omitted from the text.
             time_step: Default duration of a step, s; left out of the text.
         """
         changed = self.run.changed()
@@ -222,7 +222,7 @@ def _refuse_program_options(controller: str, options: Mapping[str, str | None]) 
 
 
 def _parsed(motion: str, name: str, text: str | None, controller: str) -> dict[str, Value]:
-    """Return one option as written; an option of another motion model raises an error that says so."""
+    """Return one option as written; an option of another motion model raises an error."""
     own = switch_class(motion)
     other = RobotOptions if own is ThesisOptions else ThesisOptions
     if name in other.words() - own.words():

@@ -44,7 +44,7 @@ class Trace:
         states: (n + 1, k) uint64, complete states; a loop is a repetition of one of them.
         complete: Whether ``states`` really decides the future; a controller may hide memory.
         memory_at: Index in a state where the controller's memory begins, stored as the bits of
-            float64s; below 0 if it cannot be seen.
+            float64s; negative if it is not visible.
         active: (n + 1,) int8, index into :data:`BEHAVIOURS` of the one that acted in the step, -1
             for none; ``None`` for other robots.
         recall: Shows the memory of a lean recording, which was too large to hold it. Such a
@@ -52,7 +52,7 @@ class Trace:
         recalled: How many numbers of memory ``recall`` shows.
         message_size: How many numbers at the end of a state are the robot's message to others.
         robot: Options of the robot in the run; ``None`` for the thesis's robot.
-        task: What the robot was to do: ``target`` or ``cover``.
+        task: The robot's task: ``target`` or ``cover``.
     """
 
     time_step: float
@@ -100,7 +100,7 @@ class Trace:
 
         Args:
             steps: (n,) steps of this run, in rising order.
-            take: Receives the step and (m,) the memory, and must copy what it keeps.
+            take: Receives the step and (m,) the memory, and must copy anything that it keeps.
         """
         if self.recall is not None:
             self.recall(steps, take)
@@ -124,8 +124,8 @@ class Trace:
         if self.recall is not None:
             raise InvalidParameter(
                 "recording-is-lean",
-                "this recording is lean and has no words to compute a digest from",
-                "record the whole run",
+                "this recording has positions only, so it has no digest",
+                "record the full run",
             )
         return fnv1a(self.words)
 
@@ -133,8 +133,8 @@ class Trace:
         """Return the states as lines ``t,x,y,heading``, after a header.
 
         Args:
-            acted: The behaviour that acted in each step, for a further column ``behaviour``; the
-                start has none.
+            acted: The behaviour that acted in each step, for an additional column ``behaviour``;
+                the start has none.
         """
         lines = ["t,x,y,heading" + (",behaviour" if acted else "")]
         for k, (x, y, heading) in enumerate(zip(self.x, self.y, self.heading, strict=True)):

@@ -27,8 +27,8 @@ class Pairs:
 
     Args:
         piece: Row of the piece.
-        ix: Column of the cell; -1 and the grid's width stand for the outside.
-        iy: Row of the cell; -1 and the grid's height stand for the outside.
+        ix: Column of the cell; -1 and the grid's width mean the outside.
+        iy: Row of the cell; -1 and the grid's height mean the outside.
         span: Row of the time span in :class:`Surroundings`; -1 if the cell is always solid.
     """
 
@@ -51,7 +51,7 @@ class Pairs:
 class Surroundings:
     """A world's cells over time, in tables that answer which of them are near a path.
 
-    The grid is ringed with solid cells that stand for the outside. Cells that never change are
+    The grid is ringed with solid cells that mean the outside. Cells that never change are
     found through tables of the nearest solid cell to the left and to the right: in each row only
     these can be nearest, so a large disc need not visit its whole area. Cells that change have
     spans of time, in order of cell and time.
@@ -72,7 +72,7 @@ class Surroundings:
         self._right = np.minimum.accumulate(ahead[:, ::-1], axis=1)[:, ::-1]
         self._spans_of(world)
 
-        # Distances to any cell that is ever blocked skip pieces that stay far from all of them.
+        # When looking for cells that are ever blocked, skip pieces that stay far from all of them.
         blocked = self._still.copy()
         blocked[1:-1, 1:-1] |= changing
         self._far = ndimage.distance_transform_cdt(~blocked, metric="chessboard")
@@ -139,7 +139,7 @@ class Surroundings:
             reach: Distance, cells.
 
         Returns:
-            All pairs that are within reach, and some that are not.
+            All pairs within reach, and some that are not.
         """
         found = self._near_still(pieces, reach)
         if self._far_changing is not None:

@@ -18,7 +18,7 @@ from worldgen.support.arrays import Floats, Ints
 __all__ = ["parse_trajectories", "read_trajectories"]
 
 COLUMNS = ("t", "x", "y")
-# Column that tells whose a sample is, in a recording of several robots.
+# Column with the robot of each sample, in a recording of several robots.
 _ROBOT = "robot"
 _DELIMITERS = (",", ";", "\t")
 # A larger file is refused before it fills the memory.
@@ -33,12 +33,12 @@ def read_trajectories(
     Args:
         path: The file.
         robots: Number of robots in the world.
-        only: The robot whose trajectory is wanted; all if omitted.
+        only: The robot whose trajectory to read; all if omitted.
 
     Returns:
         Trajectories by the robots' numbers, from 1. A file without a column ``robot`` has one
-        trajectory, of the first robot or of the wanted one; in a world of one robot, that column is
-        ignored.
+        trajectory, of the first robot or of the chosen one; in a world with one robot, that column
+        is ignored.
 
     Raises:
         FormatError: If it cannot be read, or is not a trajectory.
@@ -59,7 +59,7 @@ def read_trajectories(
         raise FormatError(
             "too-large",
             "is larger than {most} MiB",
-            "cut it into parts",
+            "split it into parts",
             most=_MOST_BYTES >> 20,
             source=name,
         )
@@ -87,7 +87,7 @@ def parse_trajectories(
             ignored.
         source: The file's name, for messages.
         robots: Number of robots in the world.
-        only: The robot whose trajectory is wanted; all if omitted.
+        only: The robot whose trajectory to read; all if omitted.
 
     Raises:
         FormatError: If it is not a trajectory; the error names the faulty line.
@@ -150,7 +150,7 @@ def _samples(
         raise FormatError(
             "out-of-range",
             "robot {robot:g} is not in the world, which has {robots}",
-            "number the robots from 1, or give the world that was driven in",
+            "number the robots from 1, or give the world in which it was recorded",
             robot=float(owners[wrong[0]]),
             robots=robots,
             line=_line_of(body, int(wrong[0]), header_line),
@@ -182,7 +182,7 @@ def _columns(header: str, wanted: Sequence[str], line: int, source: str) -> tupl
         if all(lower.count(name) == 1 for name in wanted):
             return delimiter, [lower.index(name) for name in wanted]
 
-    # No separator gives all of them, so report the one that splits the header furthest.
+    # No separator gives all of them, so report the one that splits the header into most columns.
     furthest = max(_DELIMITERS, key=header.count)
     found = _names(header, furthest)
     lower = [name.lower() for name in found]
@@ -192,7 +192,7 @@ def _columns(header: str, wanted: Sequence[str], line: int, source: str) -> tupl
     raise FormatError(
         "columns-missing",
         "the header ({shown}) has {fault}",
-        "name t, x and y once each, with commas, semicolons or tabs between",
+        "name t, x and y once each, separated by commas, semicolons or tabs",
         shown=shown,
         fault=how,
         line=line,

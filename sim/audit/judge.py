@@ -104,7 +104,7 @@ class Trajectory:
                 value = float(values[wrong[0]])
                 return int(wrong[0]), Message(
                     "out-of-range",
-                    "{name} = {value:g} is not a number of {unit}, or too large",
+                    "{name} = {value:g} is not a number of {unit}, or is too large",
                     "remove lines like this one",
                     name=name,
                     value=value,
@@ -135,9 +135,9 @@ class Finding:
         depth: How far it went at worst, m. For a ``tunnel``, the distance from the centre to the
             nearest face of the cell that it is in. For ``overlap`` and ``burned``, the radius minus
             the distance to the cell. For ``outside``, the distance from the centre to the grid. For
-            a ``jump``, how much farther it went than it could. For ``start``, the distance from the
+            a ``jump``, how much farther it went than possible. For ``start``, the distance from the
             first sample to the start.
-        cell: Cell (ix, iy) at worst; -1 or the grid's width or height stand for the outside.
+        cell: Cell (ix, iy) at worst; -1 or the grid's width or height mean the outside.
             ``None`` for findings without a cell.
         begin: Time when it began, s.
         end: Time when it ended, s.
@@ -163,9 +163,9 @@ class Audit:
 
     Args:
         findings: Everything impossible, in order of when it began.
-        notes: Sentences worth reading that are not findings.
+        notes: Remarks that are not findings.
         samples: Number of samples.
-        reached: Time when the centre first was in the target, s; ``None`` if it never was.
+        reached: Time when the centre was first in the target, s; ``None`` if it never was.
         path_length: Length of the path, m.
         duration: Time from the first sample to the last, s.
         clearance: Smallest distance of the centre to the outside or to anything solid or burning at

@@ -105,7 +105,7 @@ def _coordinate(metres: Floats, count: int, cell_size: float) -> tuple[Floats, B
     else:
         cells = metres / cell_size
 
-    # Rounding could decide for coordinates this near to an edge; compare those exactly.
+    # For coordinates this near an edge, rounding could change the result; compare those exactly.
     outside = (cells < 0.0) | (cells > count)
     for row in np.flatnonzero(np.minimum(np.abs(cells), np.abs(cells - count)) < 1e-9 * count):
         outside[row] = is_beyond(float(metres[row]), count, cell_size)

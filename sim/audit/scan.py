@@ -40,7 +40,7 @@ _NEARLY = 1e-6
 # Relative rounding error of a few operations in float64.
 _ROUNDING = 4e-16
 
-# Fraction of a move. Stretches that are nearer to each other than this are one.
+# Fraction of a move. Stretches closer to each other than this count as one.
 _TOUCHING = 1e-8
 
 

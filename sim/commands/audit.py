@@ -46,7 +46,10 @@ EXAMPLES = (
 @click.option(
     "--straight",
     is_flag=True,
-    help="The robot drove straight between samples, so corners that the lines cut count.",
+    help=(
+        "Assume that the robot drove straight between samples, so that corners cut by these lines "
+        "count."
+    ),
 )
 @click.option(
     "--from-start", is_flag=True, help="Require that the first sample is the world's start."
@@ -55,7 +58,7 @@ EXAMPLES = (
     "--robot",
     type=click.IntRange(1),
     metavar="N",
-    help="Judge this robot alone.  [default: every robot of the recording]",
+    help="Judge only this robot.  [default: every robot of the recording]",
 )
 @click.option(
     "--picture",
@@ -80,9 +83,10 @@ def audit(
     """Check whether a trajectory from any simulator was possible.
 
     TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up) and, for several
-    robots, robot; - is stdin. It reports walls that the centre went through (tunnel) or the disc
-    cut into (overlap), paths outside the grid, jumps faster than the robot, and touched fire;
-    docs/howto/audit.md describes them. Exits with 0 if it was possible, with 1 if not.
+    robots, robot; - is stdin. It reports walls that the centre went through (tunnel) or that the
+    disc cut into (overlap), paths outside the grid, jumps faster than the robot's speed, and
+    contact with fire; docs/howto/audit.md describes them. Exits with 0 if it was possible, with 1
+    if not.
     """
     from sim.audit import audit as audit_trajectory
     from sim.audit.file import read_trajectories

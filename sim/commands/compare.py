@@ -154,7 +154,7 @@ def compare(
 
 
 def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow, ...]:
-    """Return earlier figures: those of ``--against``, or those next to the worlds."""
+    """Return earlier figures, from ``--against`` or from next to the worlds."""
     from sim.compare.published import read_figures
     from worldgen.files.whole import read_text
 

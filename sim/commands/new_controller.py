@@ -35,7 +35,7 @@ _COMPILERS = {
     type=click.Choice(KINDS),
     default="python",
     show_default=True,
-    help="A function of C or C++ in a shared library, one that numba compiles, a Python class for "
+    help="A C or C++ function in a shared library, one that numba compiles, a Python class for "
     "one robot, one for "
     "many robots at once with NumPy, or a separate program that speaks JSON lines.",
 )
@@ -50,11 +50,11 @@ _COMPILERS = {
 def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force: bool) -> None:
     """Write a working, commented controller to start from.
 
-    All kinds drive by the same rule: to the target, and after a bump away from the wall for a
+    All kinds follow the same rule: drive to the target and, after a bump, away from the wall for a
     while. The kinds in C and C++ and the compiled one run millions of steps per second, and their
-    loops are proved. The Python class runs some hundred thousand, the vector class millions if it
-    drives many robots; their loops are proved too. The process may be in any language and hide any
-    state, so at most it is reported as stalled.
+    loops are proved. The Python class runs a few hundred thousand, and the vector class millions if
+    it drives many robots; their loops are proved too. The process can be in any language and may
+    hide state, so its loops are not proved: they are reported as stalled.
     """
     word = _word(name)
     path = _place(out, word, kind)

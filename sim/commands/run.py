@@ -65,13 +65,16 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     "--trail",
     type=PATH,
     metavar="OUT",
-    help="Draw world and trail: .png, .svg, .html, or an animated .gif.",
+    help="Draw the world and the trail: .png, .svg, .html, or an animated .gif.",
 )
 @click.option(
     "--trace",
     type=PATH,
     metavar="OUT",
-    help="Write t,x,y,heading per step, as CSV, plus the active behaviour if there are any.",
+    help=(
+        "Write t,x,y,heading for each step as CSV, and the active behaviour if the controller has "
+        "behaviours."
+    ),
 )
 @click.option(
     "--transcript",
@@ -204,7 +207,7 @@ def _acted(arbitration: Arbitration | None, episode: Episode) -> list[str]:
 
 
 def _label(scenarios: list[Scenario]) -> str:
-    """Return the text that names all robots' controllers, as the command line takes it."""
+    """Return the text that names all robots' controllers, as on the command line."""
     labels = [one.label() for one in scenarios]
     if len(set(labels)) == 1:
         return labels[0]
@@ -310,7 +313,7 @@ def _picture(world: World, episode: Episode, controller: str, title: str, suffix
 
     trail = trails_of(episode, world)
     if isinstance(trail, render.Trail):
-        # A memory that cannot be read costs its own picture only.
+        # If a memory cannot be read, only its own picture is missing.
         try:
             memory = remembered_at_the_end(episode, CONTROLLERS.get(controller))
             trail = replace(trail, memory=memory)

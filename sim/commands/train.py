@@ -37,8 +37,11 @@ EXAMPLES = (
     "--controller",
     default="q-learner",
     show_default=True,
-    help="A controller that learns: q-learner, behaviours+by=learning:..., ./mine.py:Mine, or learned:FILE to "
-    "continue.",
+    help=(
+        "A learning controller: q-learner, behaviours+by=learning:..., ./mine.py:Mine, or "
+        "learned:FILE to "
+        "continue."
+    ),
 )
 @click.option("--episodes", default=200, show_default=True, help="Number of runs to learn from.")
 @click.option("--steps", default=2000, show_default=True, help="Budget of each run, in steps.")

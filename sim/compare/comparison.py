@@ -48,7 +48,7 @@ __all__ = [
 
 MAX_SEEDS = 1_000_000
 PERCENTILES = (5, 25, 50, 75, 95)
-# Seconds. Times are rounded to this, so smaller differences mean nothing.
+# Seconds. Times are rounded to this, so smaller differences are meaningless.
 _SAME = 1e-9
 
 Progress = Callable[[str], None]
@@ -421,7 +421,7 @@ class _Column:
     def _over_seeds(
         self, world: NamedWorld, options: RunOptions, first: _TriedRun, seeds: int
     ) -> tuple[ComparedRun, ...]:
-        # The first run drew nothing, so it is the same with every other seed.
+        # The first run drew no random numbers, so it is the same with every other seed.
         own = range(options.seed + 1, options.seed + seeds)
         if not first.draws and not is_noisy(self.controller, self.scenario.run):
             return (first.run, *(replace(first.run, seed=seed) for seed in own))
@@ -464,7 +464,7 @@ class _Column:
 
 
 def _compared(options: RunOptions, episode: Episode) -> ComparedRun:
-    """Return what the table keeps of a run."""
+    """Return the part of a run that the table keeps."""
     return ComparedRun(
         options.seed, episode.verdict, episode.steps, episode.time, episode.area_covered
     )

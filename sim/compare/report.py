@@ -45,7 +45,7 @@ _WIDTH = 116
 
 
 def describe_outcome(cell: Cell, unit: str = "") -> str:
-    """Return what a controller did in a world, in a few words.
+    """Describe a controller's result in a world, in a few words.
 
     Examples: ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``.
 
@@ -103,11 +103,11 @@ def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
     text = aligned(_by_the_point(rows, range(1, 1 + len(comparison.labels))))
     keys = ["Times in s."]
     if any(cell.random for row in comparison.cells for cell in row):
-        keys.append("(k/n): k of n seeds arrive, the time is their median.")
+        keys.append("(k/n): k of n seeds arrive; the time is their median.")
     if beside is not None and beside.figures:
         keys.append(
-            "In brackets after a published time: ours minus that; for random controllers, the "
-            "share of seeds no later."
+            "In brackets after a published time: our time minus the published one; for random "
+            "controllers, the share of seeds that are no later."
         )
     return text + "\n" + _wrapped(" ".join(keys))
 
@@ -187,7 +187,10 @@ def _totals_table(comparison: Comparison) -> str:
                 "controller arrives."
             )
         else:
-            text += "\nNo mean or median times are given: in every world, some controller does not arrive."
+            text += (
+                "\nNo mean or median times are given: in every world, some controller does not "
+                "arrive."
+            )
     if any(total.random for total in totals):
         text += "\nIntervals: 95 %, Clopper and Pearson, over the seeds in these worlds."
     return text
@@ -203,7 +206,7 @@ def _arrived(total: Total) -> str:
 
 def _agreement_text(beside: Agreement) -> str:
     if not beside.figures:
-        return "No published figure is about one of these worlds and controllers."
+        return "There are no published figures for these worlds and controllers."
     parts = []
     if beside.rankings[1]:
         parts.append(f"same ranking in {beside.rankings[0]} of {beside.rankings[1]} worlds")

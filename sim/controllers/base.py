@@ -220,13 +220,13 @@ class CompiledController:
         senses: Names of the fields of :class:`Observation` that it reads; the others may be nan. By
             default it gets all but ``time``, and a step takes up to twice as long. A controller
             that reads ``time`` never repeats a state, so its loops cannot be proved.
-        needs: Options of the robot that it requires, such as ``RobotOptions(beams=36)``. A run that
-            sets them differently takes precedence.
+        needs: Options of the robot that it requires, such as ``RobotOptions(beams=36)``. The
+            settings of a run take precedence.
         slow: True if a step takes tens of microseconds, like one in Python; a campaign then does
             less work in each unit.
         memory_fields: Numbers of the memory that have a name, for pages that show a run.
-        memory_map: Returns what the memory (m,) represents in the world, also for pages; a run
-            never calls it.
+        memory_map: Returns what the memory (m,) represents in the world, for pictures and pages; a
+            run never calls it.
         memory_map_on: Indices of the numbers that the map depends on; empty means all of them.
         arbitration: How it arbitrates among behaviours, if it does; for traces and charts.
         learning: The part of its memory that it learns, if any, for ``worldgen train``.
@@ -306,8 +306,8 @@ class PythonController(Protocol):
     """A controller as a Python class.
 
     Make it a frozen dataclass and keep all its state in ``memory``, a tuple of numbers. Loops are
-    proved only for a controller that does so; one that changes its own attributes gets at most
-    ``stalled`` or ``timeout``.
+    proved only for a controller that does so; a controller that changes its own attributes gets at
+    most ``stalled`` or ``timeout``.
 
     A controller that plans first defines ``reset(self, world)`` and receives the
     :class:`~worldgen.world.World`, without certificate and provenance. The optional attributes

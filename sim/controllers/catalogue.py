@@ -92,7 +92,7 @@ class ControllerRegistry(Registry[Controller]):
     def option_names(self, name: str) -> tuple[str, ...]:
         """Return the options of its own that a controller's name can carry.
 
-        Asking runs no code of a user's: such a controller can only be given what it learned.
+        This runs no user code: such a controller can only be given what it learned.
         """
         if name not in self.entry_points():
             return (LEARNED,)
@@ -105,8 +105,8 @@ class ControllerRegistry(Registry[Controller]):
         """Return a controller with its own options and with the numbers that it learned.
 
         Raises:
-            InvalidParameter: If an option is unknown or out of range, or the file holds something
-                else than what this controller learned.
+            InvalidParameter: If an option is unknown or out of range, or the file does not hold
+                what this controller learned.
         """
         has_learned = LEARNED in words
         path = words.pop(LEARNED, None)
@@ -159,7 +159,8 @@ class ControllerRegistry(Registry[Controller]):
         if any(":" in part for part in parts):
             raise InvalidParameter(
                 "learned-names-code",
-                "{name} holds numbers for {controller!r}, which is code, and such a file runs no code",
+                "{name} holds numbers for {controller!r}, which is code, and such a file cannot "
+                "run code",
                 "name the code yourself: {controller}+learned={file}",
                 file=name.partition(":")[2],
                 name=name,
@@ -216,7 +217,7 @@ def _program_hint(name: str) -> Message | None:
             command=command,
         )
 
-    # A colon after a path that is not Python reads like ./file.py:name gone wrong.
+    # A colon after a path that is not Python looks like a mistyped ./file.py:name.
     if "/" in place and not place.endswith(".py"):
         return Message(
             "not-python",
@@ -292,7 +293,7 @@ def in_plain_place(name: str, *, resolve: bool = False) -> str:
 
     Args:
         name: The name, with or without options; names of other kinds are returned unchanged.
-        resolve: True to give the file's full path, so that the name is the same in all folders.
+        resolve: True to use the file's full path, so that the name is the same in all folders.
     """
     found = _IN_A_FILE.fullmatch(name)
     if found is None:

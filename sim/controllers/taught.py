@@ -46,7 +46,7 @@ def learning_of(controller: Controller, name: str) -> Learning:
         raise InvalidParameter(
             "wrong-declaration",
             "controller {name!r} has learning={learning!r} and {size} numbers of memory",
-            "declare Learning(first, count) with numbers of its memory",
+            "declare Learning(first, count) within its memory",
             name=name,
             learning=learning,
             size=size,
@@ -66,7 +66,8 @@ def memory_at_reset(controller: Controller, name: str) -> tuple[float, ...]:
     if wants_world(controller):
         raise InvalidParameter(
             "does-not-learn",
-            "controller {name!r} plans first, so it does not start from what it learned",
+            "controller {name!r} plans with the world first, so it cannot start from learned "
+            "numbers",
             "write reset(self) without a world",
             name=name,
         )

@@ -36,7 +36,7 @@ __all__ = [
 # Limit on the marks of bumps; more of them would hide the picture.
 _MOST_BUMPS = 400
 
-# Strength of the tint of a cell that is taken to be occupied.
+# Strength of the tint of a cell that the robot considers occupied.
 _OCCUPIED = 0.6
 
 # Most marks of pushes.
@@ -64,7 +64,7 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
     if isinstance(evidence, LoopEvidence | JointLoopEvidence) and evidence.entry < trace.steps:
         loop_from = int(np.searchsorted(trace.path_step, evidence.entry, side="right")) - 1
 
-    # Mark where bumps begin, where the robot went into a wall, and where a run without a loop ends.
+    # Mark where bumps begin, where the robot enters a wall, and where a run without a loop ends.
     onsets = np.flatnonzero(trace.bump[1:] & ~trace.bump[:-1]) + 1
     marks = [EventMark(float(trace.x[k]), float(trace.y[k]), "bump") for k in onsets[:_MOST_BUMPS]]
     if isinstance(evidence, WallEvidence) and 0 <= evidence.step <= trace.steps:
@@ -85,7 +85,7 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
 
 
 def remembered_at_the_end(episode: Episode, controller: Controller) -> Remembered | None:
-    """Return what a controller's memory holds at the end of a recorded run.
+    """Return the contents of a controller's memory at the end of a recorded run.
 
     Args:
         episode: The run.
@@ -105,7 +105,7 @@ def remembered_at_the_end(episode: Episode, controller: Controller) -> Remembere
         shown = read(trace.memory(trace.steps))
         cells = np.asarray(shown.cells, np.float64).reshape(-1, 4)
         degrees = np.array(shown.degrees, np.float64).reshape(-1, 5)
-        # Occupied cells look like those in between; of the others the worst are the strongest.
+        # Occupied cells look like medium ones; the worse the other cells, the stronger their tint.
         degrees[:, 4] = 0.05 + 0.95 * (1.0 - degrees[:, 4])
         occupied = np.column_stack((cells, np.full(len(cells), _OCCUPIED)))
         return Remembered(
@@ -182,7 +182,7 @@ def disturbances_in(trace: Trace) -> Disturbances:
 
 
 def drive_of(episode: Episode, world: World, name: str = "") -> Drive:
-    """Return what the robot did and when; without a recording, it stays at its start."""
+    """Return the robot's actions with their times; without a recording, it stays at its start."""
     trace = episode.trace
     trail = trail_of(episode, world)
     if trace is None or trail is None:

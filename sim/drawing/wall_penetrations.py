@@ -67,7 +67,7 @@ def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
     x = trace.path_x / side
     y = trace.path_y / side
 
-    # Between two events the cells stay the same, so those stretches of the path go together.
+    # Between two events the cells stay the same, so handle each such stretch of the path together.
     changes = np.searchsorted(times, [event.time for event in world.timeline], side="left")
     bounds = np.unique(np.concatenate(([0], changes, [len(steps)])))
     for begin, end in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):

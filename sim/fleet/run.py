@@ -40,7 +40,7 @@ __all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed"]
 Ints = npt.NDArray[np.int64]
 Recordings = list[tuple[Ints, Ints]]
 
-# Most steps, of all robots, that are driven beyond the budget to prove a joint loop.
+# Limit on the steps, over all robots, that are driven beyond the budget to prove a joint loop.
 _MOST_DRIVEN = 500_000
 
 
@@ -49,13 +49,13 @@ class FleetOutcome:
     """The core's claims about a run of several robots.
 
     Args:
-        ending: ``limit``, ``reached`` if all robots have, ``loop`` if the joint state came back, or
-            an ending that one robot brought about.
+        ending: ``limit``, ``reached`` if all robots have, ``loop`` if the joint state recurred, or
+            an ending that one robot caused.
         steps: Steps simulated.
         period: Length of the recurrence, steps; for ``loop``.
         entry: Step where it begins, for ``loop``; else -1.
         robot: Index of the robot that ended the run; -1 if none did.
-        other: Of a collision, the index of the other robot; else -1.
+        other: For a collision, the index of the other robot; else -1.
         members: Each robot's own outcome; one that has parked ends as ``reached``.
         complete: Whether the recorded states alone decide the future.
     """
@@ -306,7 +306,7 @@ class FleetRun:
             steps: Budget.
             find_loop: WgFleetSettings.find_loop.
             entry: WgFleetSettings.loop_entry.
-            sizes: To record the run: the outcomes of the same run, which say how long it is.
+            sizes: To record the run: the outcomes of the same run, which give its length.
             like: The same run, whose ending the recorded one keeps.
         """
         # Remember the hidden memory, to notice if a run changes it.
@@ -366,7 +366,7 @@ class FleetRun:
         return memories, faults
 
     def _channels(self) -> list[int]:
-        """Return how many numbers each robot's run lets it send."""
+        """Return how many numbers each robot can send."""
         return [run.options.robot.message for run in self.runs]
 
     def _drivers(self, memories: Sequence[Any]) -> list[Driver]:
@@ -467,7 +467,8 @@ def _robots_overlap(one: int, other: int) -> InvalidWorld:
     """Return the error for two robots, given by their indices, that have no clear lattice points."""
     return InvalidWorld(
         "robots-overlap",
-        "robots {one} and {other} overlap at the start, where walls keep them from the nearest points "
+        "robots {one} and {other} overlap at the start, where walls keep them from the nearest "
+        "points "
         "of the pose lattice",
         "move one of them by a hundredth of a cell",
         one=one + 1,

@@ -78,10 +78,11 @@ def unused_options(scenario: Scenario) -> list[str]:
         return _unused_in_the_thesis(controller, scenario)
     senses = getattr(controller, "senses", None)
     changed = scenario.run.robot.changed()
-    # The controller itself may switch on what an option shapes.
+    # The controller itself may switch on the feature that an option adjusts.
     robot = robot_for(controller, scenario.run.robot)
     sentences = []
-    # An option has no effect if the one it shapes is off, or if nobody reads what it changes.
+    # An option has no effect if the feature that it adjusts is off, or if nobody reads what it
+    # changes.
     for name in changed:
         needed = _READ_BY.get(name, ())
         shaped = _SHAPES.get(name)
@@ -108,7 +109,8 @@ def coarse_forces(scenario: Scenario) -> list[str]:
     options = ", ".join(f"+{name}" for name in forces)
     return [
         f"{options}: {scenario.run.motion} moves by whole pixels (a tenth of a cell) and drops the "
-        "rest of each tick's motion, so a robot that moves less than a pixel per tick stands still: "
+        "rest of each tick's motion, so a robot that moves less than a pixel per tick stands "
+        "still: "
         "with cells of 0.1 m and ticks of 15 ms, one below 0.67 m/s"
     ]
 
@@ -116,7 +118,7 @@ def coarse_forces(scenario: Scenario) -> list[str]:
 def random_run(scenario: Scenario) -> bool:
     """Return True if a seed can change a run of the scenario.
 
-    For a Python class or a program that is unknown.
+    For a Python class or a program, this is unknown.
     """
     controller = CONTROLLERS.get(scenario.controller)
     return (

@@ -41,8 +41,8 @@ class EditKind(IntEnum):
         FREE_BOX: Free the solid cells in a box: ix, iy, width, height.
         FREE_RUN: Free some of the solid cells, counted row by row: first, count.
         FREE_RIM: Free the outermost cells.
-        DROP_ROWS: Remove rows and move those above down: first, count.
-        DROP_COLUMNS: Remove columns and move those to the right left: first, count.
+        DROP_ROWS: Remove rows and move those above down: first row, count.
+        DROP_COLUMNS: Remove columns and move those on the right to the left: first column, count.
     """
 
     FREE_BOX = lib.WG_FREE_BOX
@@ -159,7 +159,7 @@ class EditedRuns:
         settings = copy_of(run.settings, run.memory)
         episode = CoreEpisode(work, settings, Driver(controller, controller.memory))
 
-        # Describe the ending that is wanted, and the progress of the search.
+        # Describe the requested ending, and the progress of the search.
         fails = wanted.crash or wanted.hang
         wanted_struct = run.memory.new("WgWanted *")
         wanted_struct.ending = lib.WG_CRASH if fails else wanted.ending
@@ -194,8 +194,8 @@ def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:
 
     Args:
         world: The world.
-        regardless_of_time: Whether to avoid only cells that are solid forever. In a changing world
-            ``True`` then proves nothing either, but without such a path another is unlikely.
+        regardless_of_time: Whether to avoid only cells that are solid forever. In a changing world,
+            ``True`` is then no proof either, but if there is no such path, another is unlikely.
     """
     # Mark the cells to avoid.
     side = world.cell_size

@@ -80,8 +80,8 @@ class LatticeRun:
         if world.others:
             raise InvalidParameter(
                 "world-of-several-robots",
-                "this runs one robot, and the world has {robots}",
-                "take a world of one robot, or worldgen run",
+                "this runs one robot, but the world has {robots}",
+                "use a world with one robot, or worldgen run",
                 at_terminal=True,
                 robots=len(world.robots),
             )
@@ -124,8 +124,8 @@ class LatticeRun:
         if np.count_nonzero(wanted) < 2:
             raise InvalidWorld(
                 "nothing-to-cover",
-                "the robot can reach the centre of no second cell, so there is nothing to cover",
-                "take a larger world or a smaller robot",
+                "the robot cannot reach the centre of a second cell, so there is nothing to cover",
+                "use a larger world or a smaller robot",
             )
         return wanted
 
@@ -332,7 +332,7 @@ class LatticeRun:
             self._wanted,
             self.memory,
         )
-        # The settings point to what this run owns, and an episode outlives it.
+        # The settings point to data of this run, and an episode outlives it.
         arena.held = self
         return arena
 
@@ -388,7 +388,7 @@ class LatticeRun:
         settings.find_loop = lib.WG_NO_LOOP
         episode = self.episode(controller, settings)
         episode.run(int(failed.report.steps) - 1)
-        # Without a function the episode stops where the controller is to act.
+        # Without a function, the episode stops whenever the controller must act.
         episode.c.controller.act = ffi.NULL
         episode.c.controller.flat = ffi.NULL
         lib.wg_episode_step(episode.c)
@@ -421,7 +421,7 @@ class LatticeRun:
             path[filled : filled + new] = portion.path
             filled += new
 
-        # Memories are too large to keep, so simulate again and pick those wanted.
+        # Memories are too large to keep, so simulate again and pick the requested ones.
         def recall(at: Ints, take: Callable[[int, Floats], None]) -> None:
             for first, states, _ in portions(controller, self.arena(), settings, int(at[-1])):
                 memories = states[:, FIRST_OF_STATE + STATE_WORDS :].view(np.float64)

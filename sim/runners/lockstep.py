@@ -89,7 +89,8 @@ class LockstepRun:
         prove = np.full(len(looped), int(lib.WG_PROVE_LOOP))
         reports[looped] = self._drive(looped, ends, prove, entries[looped], digest=digest)[0]
 
-        # Two different states may share a fingerprint. Those runs did not loop; the budget decides.
+        # Two different states may share a fingerprint. Those runs did not loop, so the budget
+        # decides.
         unproved = looped[reports["ending"][looped] == int(lib.WG_LIMIT)]
         no_loop = np.full(len(unproved), int(lib.WG_NO_LOOP))
         again = self._drive(

@@ -32,8 +32,8 @@ _LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic nears the end of
 def fill_settings(settings: Any, world: World, controller: Controller, options: RunOptions) -> None:
     """Fill in all that does not depend on the walls, in the core's units.
 
-    What is left to the caller: the start, which must be clear of walls, disturbances, and what each
-    run sets for itself: ``steps``, ``digest`` and ``find_loop``.
+    The caller sets the rest: the start, which must be clear of walls, disturbances, and the
+    settings of each run: ``steps``, ``digest`` and ``find_loop``.
 
     Args:
         settings: The core's ``WgSettings``, all zero.

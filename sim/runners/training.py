@@ -1,9 +1,9 @@
 """Train a learning controller in worlds, and store what it learned.
 
-Each episode is a run in one of the worlds, with some of the decisions drawn: many at first, none at
-the end. After every tenth of the episodes the controller is tried without drawing, in each world.
-The memory with the best test result is kept: most worlds reached, then fewest steps. The same
-worlds, episodes and seed give the same numbers.
+Each episode is a run in one of the worlds with some random decisions: many at first, none at the
+end. After every tenth of the episodes the controller is tried without drawing, in each world. The
+memory with the best test result is kept: most worlds reached, then fewest steps. The same worlds,
+episodes and seed give the same numbers.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class TrainingOptions:
         episodes: Runs to learn from.
         steps: Budget of each of them; a test has that of any run in the world.
         explore: Thousandths of the decisions that are random at first; they fall to zero.
-        seed: Of the worlds' order and of what is drawn.
+        seed: Seed of the worlds' order and of the random decisions.
 
     Raises:
         InvalidParameter: If a value is out of range.

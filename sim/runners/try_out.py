@@ -1,4 +1,4 @@
-"""Try a controller for two steps before long work, to report at once what can never work."""
+"""Try a controller for two steps before long work, to report immediately what can never work."""
 
 from __future__ import annotations
 

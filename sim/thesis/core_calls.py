@@ -93,7 +93,7 @@ class ThesisSetup(NamedTuple):
 
 
 class ThesisEpisode:
-    """A run, from its start to where it has been continued so far.
+    """A run, from its start to its last continuation.
 
     Args:
         cells: (width, height) the signal with walls; copied.

@@ -2,7 +2,7 @@
 
 The thesis's frame is in pixels, with y down, headings that grow clockwise from -x, and ten pixels
 per cell. Its maps have a border of walls. A world with an open border gets a wall around it that
-stands for the solid outside; the robot then enters the cells next to that border only as far as its
+represents the solid outside; the robot then enters the cells next to that border only as far as its
 disc fits.
 """
 
@@ -102,7 +102,7 @@ class ThesisRun:
             raise InvalidParameter(
                 "robot-larger-than-cell",
                 "robot_radius={robot_radius:g} m is {cells:g} cells; stepped looks one "
-                "cell around the robot, so its radius is at most 1 cell: take swept",
+                "cell around the robot, so its radius can be at most 1 cell: use swept",
                 robot_radius=self.world.robot_radius,
                 cells=float(radius),
             )

@@ -70,7 +70,7 @@ class CollideOptions:
     """How ``collide`` turns.
 
     Args:
-        turn: The side to which it turns by a quarter; ``random`` takes any heading.
+        turn: The direction of its quarter turn; ``random`` picks any heading.
     """
 
     turn: Literal["right", "left", "random"] = "right"

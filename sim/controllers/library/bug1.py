@@ -1,6 +1,6 @@
 """Bug1: circle each obstacle once, and leave it where it came nearest to the target.
 
-The robot drives straight to the target. Where a wall stops it, at the hit point, it follows the
+The robot drives straight to the target. If a wall stops it, at the hit point, it follows the
 wall with its left hand all the way around, and notes the point nearest to the target: the leave
 point. From the hit point it returns there by the shorter route, and drives straight to the target
 again. Each leave point is nearer than the last, so it arrives if any robot can, on a path no longer

@@ -1,6 +1,6 @@
-"""Bug2: follow an obstacle until it meets the straight line to the target again, nearer to it.
+"""Bug2: follow an obstacle until it crosses the straight line to the target again, at a nearer point.
 
-The robot drives straight to the target. Where a wall stops it, at the hit point, it follows the
+The robot drives straight to the target. If a wall stops it, at the hit point, it follows the
 wall with its left hand until it crosses the line from the hit point to the target, at a place
 nearer to the target than the hit point. It returns to that place and drives on. The line enters the
 obstacle at the hit point and ends outside, so it leaves somewhere on the same wall. Such a place

@@ -1,11 +1,11 @@
 """GESTALT: a small grid of how well the ground can be driven on, by which arcs are scored.
 
 The grid moves with the robot. A cell has a degree of goodness from 1 to 15, or is unknown: beams
-that pass a cell make it better, beams that end there make it much worse, and touch makes it bad at
-once. The robot scores arcs in 17 directions by the goodness under it along them and by the progress
-that they make, drives the best one for five radii without looking, and looks again. Where no arc is
-good, it forgets the grid. Everything it knows is near by, so it goes back and forth in cups and in
-front of long walls.
+that pass a cell make it better, beams that end there make it much worse, and touch makes it bad
+immediately. The robot scores arcs in 17 directions by the goodness of the ground under it and by
+the progress that they make, drives the best one for five radii without looking, and looks again.
+Where no arc is good, it forgets the grid. It only knows its surroundings, so it drives back and
+forth in cups and in front of long walls.
 
 Source: Steven B. Goldberg, Mark W. Maimone and Larry Matthies, "Stereo vision and rover navigation
     software for planetary exploration", IEEE Aerospace Conference (2002), section 4. Departures:

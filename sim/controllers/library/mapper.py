@@ -1,6 +1,6 @@
 """Mapping: remember where the robot could not pass, and drive the shortest path that remains.
 
-The map is a coarse grid of nodes around the start, and the robot drives from node to node. Where a
+The map is a coarse grid of nodes around the start, and the robot drives from node to node. If a
 wall stops it, it marks that edge as blocked. It then feels for the wall, which blocks all edges on
 which the robot would overlap that place, returns, and plans again. If no path remains, the map must
 be mistaken: the robot empties it and no longer feels for walls. Unknown edges count as free. Each

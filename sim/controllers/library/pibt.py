@@ -43,7 +43,7 @@ __all__ = ["Pibt", "pibt"]
 Node = tuple[int, int]
 Move = tuple[int, int]
 
-# Nodes per cell side. Starts and targets of the families lie in the middle of cells or on their
+# Nodes per cell side. The families' starts and targets are in the middle of cells or on their
 # corners, so both are nodes.
 _PER_CELL = 2
 # Moves in the order in which equally good ones are preferred.
@@ -87,7 +87,7 @@ class _Agent(NamedTuple):
         priority: Higher ones choose first.
         node: Where it stands.
         radius: In edges.
-        target: Where it wants to go.
+        target: Its preferred destination.
     """
 
     priority: float
@@ -160,7 +160,7 @@ class Pibt:
         if memory[_LEFT] == 0.0:
             now[_X], now[_Y] = self._next_place(observation, memory, x, y)
             now[_LEFT] = memory[_STEPS]
-        # Divide what is left of the edge by the steps left, so that rounding does not add up.
+        # Divide the remaining edge by the remaining steps, so that rounding does not add up.
         ahead = now[_X] - x
         left = now[_Y] - y
         speed = math.hypot(ahead, left) * edge / (now[_LEFT] * observation.time_step)
@@ -246,7 +246,7 @@ def _plan(
     Args:
         grid: The map.
         agents: The agents, in descending order of priority.
-        obstacles: What stands in their way.
+        obstacles: Their obstacles.
     """
     plan = _JointMove(grid, agents, obstacles)
     for agent in agents:
@@ -306,7 +306,7 @@ class _JointMove:
             # The agent that found no way out stays; the others that it pushed may choose again.
             self.decided = before
             if not self._is_free(failed, _STAY):
-                # It is also in the way of an agent that pushes this one, so this one fails too.
+                # It also blocks an agent that pushes this one, so this one fails too.
                 break
             self.decided[failed] = _STAY
             self._late.setdefault(failed, agent.after(move))
@@ -314,7 +314,7 @@ class _JointMove:
         return False
 
     def make_way(self) -> None:
-        """Let agents that could not get out of the way in time begin to do so.
+        """Let agents that could not make room in time start to do so.
 
         A wide robot cannot leave around a corner while another one follows closely.
         """

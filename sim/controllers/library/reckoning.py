@@ -2,10 +2,10 @@
 
 ``odometry-bug`` is Bug2 by odometry: it learns once where the target is, and from then on derives
 its own position and heading only from its wheels. With ``odometry_noise`` its world turns and
-drifts away from the real one, and it ends where it believes the target to be.
+drifts away from the real one, and it ends up where it believes the target to be.
 
 ``signal-mapper`` is the mapper with the same restriction, except that it has a compass, and it
-corrects itself: the strength of the signal tells the distance of the target, and it corrects its
+corrects itself: the strength of the signal reveals the distance to the target, and it corrects its
 estimated position by a fifth of the error in that distance. This pulls its map back into place,
 whichever side it approaches from.
 
@@ -57,11 +57,11 @@ def _reckoning(
     shows_itself: bool,
 ) -> CompiledController:
     """Return a controller that estimates, and then drives like another one."""
-    # The other's memory follows this one's, so its indices shift by this one's size.
+    # The other controller's memory follows this one's, so its indices shift by this one's size.
     read = driven.memory_map
 
     def shown_map(memory: Floats) -> MemoryMap:
-        """Return the other's map, and the estimates, in m."""
+        """Return the other controller's map, and the estimates, in m."""
         shown = MemoryMap() if read is None else read(memory[SIZE:])
         places = dict(shown.places)
         known = {"target": AT.target_x} | ({"itself": AT.x} if shows_itself else {})

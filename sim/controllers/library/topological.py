@@ -1,4 +1,4 @@
-"""A topological map: places where the robot decided, joined by the ways that it drove.
+"""A topological map: places where the robot made decisions, joined by the paths that it drove.
 
 At a place the robot notes its *exits*: directions, out of 16 and the one to the target, that are
 free for the whole disc and lead away from everything that the map holds. It leaves by the exit with
@@ -7,7 +7,7 @@ it drives back along its map when a place has no exits left. A leg ends at a wal
 opens at the robot's side, or after four strides; the next place is there. When the map has no exit
 left, the robot forgets it and makes a finer one.
 
-The map has room for so many places. When it is full, the oldest place is forgotten, with its links.
+Limit on the places in the map. When it is full, the oldest place is forgotten, with its links.
 A robot with few places explores the same part again, and then its run may be an endless loop.
 
 Sources: Benjamin Kuipers and Yung-Tai Byun, "A robot exploration and mapping strategy based on a
@@ -60,7 +60,7 @@ class TopologicalOptions:
 
 
 def shown_map(memory: Floats) -> MemoryMap:
-    """Return the places of the map and the ways between them, in m."""
+    """Return the places of the map and the paths between them, in m."""
     rows = memory[PLACES:].reshape(-1, PLACE)[: int(memory[COUNT])]
     points = rows[:, :2]
 

@@ -1,4 +1,4 @@
-"""VFH+: drive through the opening between obstacles that costs the fewest turns.
+"""VFH+: drive through the opening between obstacles that requires the least turning.
 
 Obstacles around the robot fill a polar histogram, each widened by the robot's radius. The free
 sectors form openings. Of the directions through them, the robot takes the cheapest; cost grows with

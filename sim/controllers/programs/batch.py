@@ -43,7 +43,7 @@ class Offer:
 
     Args:
         robots: Number of robots that it can drive at the same time, at least 1.
-        senses: The fields of an observation that it then needs.
+        senses: The fields of an observation that it needs.
     """
 
     robots: int
@@ -87,7 +87,7 @@ def batch_line(offer: Offer, robots: Ints, fresh: Ints, seen: Floats) -> bytes:
     Args:
         offer: The program's offer.
         robots: (n,) numbers of the robots.
-        fresh: Numbers of those that begin an episode.
+        fresh: Numbers of the robots that begin an episode.
         seen: (n, OBS_SIZE + beams) the robots' observations.
     """
     message: dict[str, Any] = {"robots": robots.tolist(), "reset": fresh.tolist()}

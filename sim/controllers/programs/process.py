@@ -166,7 +166,7 @@ class ProcessController:
                 known = f"{', '.join(PROGRAM_OPTIONS)} and the run's"
                 raise InvalidParameter(
                     "unknown-name",
-                    "controller {name!r}: no option {key!r}, but {known}",
+                    "controller {name!r}: there is no option {key!r}; the options are {known}",
                     "write {example}",
                     name=name,
                     key=key,
@@ -311,7 +311,7 @@ class ProcessController:
         Args:
             offer: The program's offer.
             robots: (n,) numbers of the robots.
-            fresh: Numbers of those that begin an episode.
+            fresh: Numbers of the robots that begin an episode.
             seen: (n, OBS_SIZE + beams) the robots' observations.
             command: (n, CMD_SIZE), filled in.
 

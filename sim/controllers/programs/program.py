@@ -48,8 +48,8 @@ _KEPT = 64 << 10
 _LAST_LINES = 5
 _LINE_WIDTH = 200
 
-# Seconds between two checks of a silent program. A grandchild may hold its pipes open after the
-# program has ended, so the pipes alone prove nothing.
+# Seconds between two checks of a silent program. A grandchild may hold the pipes open after the
+# program has ended, so open pipes do not prove that it still runs.
 _LOOK_AGAIN = 0.05
 
 # Seconds that a program may take to exit after it has closed its output.
@@ -117,7 +117,7 @@ def find_program(command: tuple[str, ...]) -> str:
         raise InvalidParameter(
             "needs-posix",
             "a program can be a controller only on POSIX systems",
-            "bring it as a Python class",
+            "use a Python class instead",
         )
     found = shutil.which(command[0])
     if found is not None:
@@ -203,7 +203,7 @@ class Program:
             raise InvalidParameter(
                 "cannot-limit-memory",
                 "the memory limit of {memory} bytes cannot be set: {reason}",
-                "give another, or none",
+                "give another limit, or none",
                 memory=memory,
                 reason=str(error),
             ) from error

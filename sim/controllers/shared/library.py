@@ -94,7 +94,7 @@ def _within(name: str, field: str, value: int, most: int) -> int:
         raise InvalidParameter(
             "out-of-range",
             "controller {name!r} has {field}={value}, outside 0 to {most}",
-            "change it and build again",
+            "correct it and build the library again",
             name=name,
             field=field,
             value=value,

@@ -1,5 +1,6 @@
-// A topological map: places where the robot decided, joined by the ways that it drove. It explores from place to place,
-// the most promising exit first, and drives back along its map when a place has no exits left.
+// A topological map: places where the robot made decisions, joined by the paths that it drove. It
+// explores from place to place, the most promising exit first, and drives back along its map when a
+// place has no exits left.
 //
 // Sources: Benjamin Kuipers and Yung-Tai Byun, "A robot exploration and mapping strategy based on a semantic hierarchy of
 // spatial representations", Robotics and Autonomous Systems 8 (1991), for places that the sensors single out, joined by ways
@@ -31,11 +32,11 @@ static const double SCALE[LEVELS] = {1.0, 0.6, 0.35};  // of a stride, by how fi
 static const double REACH = 4.0;   // strides from one place to the next, at most
 static const double NEAR = 0.6;    // of a stride: points nearer than this to a driven path are explored
 static const double SEES = 1.5;    // strides within which two places are joined if nothing is between them
-static const double CLOSE = 0.95;  // of the radius: width of the way that must be free, so that it may slide along walls
+static const double CLOSE = 0.95;  // of the radius: half the width that must be free; below 1 to slide along walls
 static const double APART = 0.25;  // of the radius: no new place is made within this distance of the place that it left
 static const double THERE = 0.02;  // of the radius: the robot is at a place within this distance
 static const double STANDS = 0.1;  // of the radius: also within this distance, if it comes no nearer
-static const double ALONG = 0.9;   // share of a step by which it must advance if a wall bent the step
+static const double ALONG = 0.9;   // least progress, in steps, if a wall deflected the step
 static const double ACROSS = 0.5;  // an exit opens at the side if the cosine from the direction of driving is at most this
 
 // The shortest ways from a place.
@@ -219,7 +220,7 @@ static double open_exits(const WgObservation *seen, const WgPoints *points, doub
         double direction = direction_of(seen, exit);
         double far = look_of(seen, exit, stride);
         if (exit == TO_TARGET && far < APART * seen->radius) {
-            continue;  // it is there; if the run goes on, so does the exploration
+            continue;  // it is there; if the run continues, so does the exploration
         }
         if (is_free(points, wg_cos(direction), wg_sin(direction), CLOSE * seen->radius, far)) {
             bits |= (int64_t)1 << exit;
@@ -272,7 +273,7 @@ static bool has_opened(const WgObservation *seen, const WgTopologicalMemory *own
 
 // ---- Places
 
-// The place where an exit leads to, if the robot stood at the exit's own place.
+// The place that an exit leads to, as seen from the exit's own place.
 static void look_point(const WgObservation *seen, const WgMapPlace *place, int64_t exit, double stride, double *x, double *y)
 {
     double direction = direction_of(seen, exit);

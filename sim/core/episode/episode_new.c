@@ -145,7 +145,7 @@ void wg_episode_fail(WgEpisode *episode)
     episode->over = 1;
 }
 
-// Cells that a coverage task wants, without those that have been visited: the start's.
+// Cells that a coverage task requires, without those already visited: the start's.
 static int64_t count_unvisited(const WgArena *arena)
 {
     int64_t count = 0;

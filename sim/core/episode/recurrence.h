@@ -41,7 +41,7 @@ static inline int64_t wg_blocks(int64_t words)
     return (words + WG_BLOCK - 1) / WG_BLOCK;
 }
 
-// Odd numbers without a pattern, one for each word of a state of few words: those that SplitMix64 draws from seed 0,
+// Random odd numbers, one for each word of a state of few words: SplitMix64's numbers from seed 0,
 // made odd.
 static const uint64_t WG_FACTORS[WG_FEW_WORDS] = {
     0xE220A8397B1DCDAFu, 0x6E789E6AA1B965F5u, 0x06C45D188009454Fu, 0xF88BB8A8724C81EDu,

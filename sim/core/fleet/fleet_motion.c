@@ -142,8 +142,8 @@ static bool look_for_violations(const WgFleet *fleet, WgCluster cluster, bool ba
 }
 
 // Finds goals at a share of the displacements so that all paths to them are clear of walls and of each other. Robots
-// whose paths are not clear try their next goals together. If stepping back is allowed, the last goal is to stand
-// still, so goals are always found.
+// whose paths are not clear try their next goals together. If stepping back is allowed, the last
+// goal is to stay in place, so goals are always found.
 static bool find_goals(const WgFleet *fleet, WgCluster cluster, double share, bool back)
 {
     WgMover *movers = fleet->movers;
