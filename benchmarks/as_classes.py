@@ -28,7 +28,7 @@ __all__ = ["AsClass"]
 class AsClass:
     """A compiled controller as a Python class.
 
-    Like every class, it stands still in its first step.
+    Like every class, it does not move in its first step.
 
     Args:
         controller: Name of the compiled controller.

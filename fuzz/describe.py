@@ -22,7 +22,7 @@ from worldgen.support.plain_text import counted, shown_lines
 _CHANCES = {
     "sure": ", arrives with probability one but not in time",
     "trap": ", never arrives whatever it draws",
-    "part": ", some draws make it lost forever",
+    "part": ", after some draws it is lost forever",
 }
 
 __all__ = ["describe", "describe_seeds", "run_to_draw"]

@@ -132,7 +132,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         )
 
     def run(self) -> Generator[Progress, None, None]:
-        """Do the campaign, or the rest of it.
+        """Run the campaign, or the rest of it.
 
         Raises:
             KeyboardInterrupt: After Ctrl-C, once the units in progress have returned their results.
@@ -175,12 +175,13 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         The first failure of each class is shrunk before the search continues, the others after it.
         If the budget is a time, shrinking has its share of it, during the search and after it.
         """
-        # The first failure of each class goes before the search, until the search's share is due.
+        # The first failure of each class is shrunk before the search continues, until the search
+        # needs its share.
         search_first = self._schedule.search_comes_first
         if not search_first:
             self._add_jobs(self._lost_already())
         job = self._next_job(first_only=search_first)
-        # Search if nothing more urgent waits.
+        # Search if nothing more urgent is waiting.
         if job is None and self._schedule.may_search:
             if (unit := self._unit(executor, self._next)) is not None:
                 self._add_unit(unit)
@@ -291,7 +292,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         result = replace(result, failures=kept, elites=elites)
         if submitted.seconds is None:
             self._store.save_unit(unit, Done(result, seconds))
-        # Cut units change the displayed state, but not the knowledge of later units.
+        # Units that were cut short change the displayed state, but not what later units know.
         state.memory = state.memory.after(result)
         if result.cut:
             self._knows_too_little = min(self._knows_too_little, unit // self.config.epoch + 2)

@@ -18,7 +18,7 @@ _SEARCH = 0.75
 _SEARCH_ON = 0.9
 # Share of the remaining time in which a failure can still be proved.
 _PROVE = 0.5
-# Share of the time for the search if nothing is shrunk.
+# Share of the time for the search if there is no shrinking.
 _UNSHRUNK = 0.97
 # Share of the work during the search that goes to the first failure of each class.
 _SHRINKING = 0.25

@@ -206,7 +206,7 @@ class CampaignSession:
             return InvalidParameter(
                 "too-slow",
                 "no world was finished within {limit}: the controller, or this machine, is too "
-                "slow for this",
+                "slow",
                 "give a larger --budget, or smaller worlds",
                 at_terminal=True,
                 limit=self._limit,
@@ -260,7 +260,7 @@ class CampaignSession:
         return stopped
 
     def _write_examples(self) -> None:
-        """Write the worlds that causes show, as far as no class's file has them."""
+        """Write the worlds that show causes, unless a class's file already has them."""
         for cause in self._overview.causes:
             failure = cause.failure
             # The store has the known failures that the search found.
@@ -328,7 +328,7 @@ class CampaignSession:
     def _say_late(self, late: int) -> None:
         """Print the number of classes that were not shrunk, and the command that shrinks them.
 
-        Nothing is printed if time was not the reason.
+        Nothing is printed if there was no lack of time.
         """
         state = self._campaign.state
         are = (
@@ -340,12 +340,12 @@ class CampaignSession:
             return
         folder = shlex.quote(str(self._out))
         note(
-            f"{are}, because time ran out before shrinking was done: "
-            f"worldgen fuzz --resume {folder} --units {state.until} does the rest"
+            f"{are}, because time ran out before shrinking finished: "
+            f"worldgen fuzz --resume {folder} --units {state.until} finishes it"
         )
 
     def _so_far(self) -> str:
-        """Describe the campaign in half a line."""
+        """Describe the campaign in a few words."""
         live = self._campaign.live()
         if live.phase == Phase.PREPARING:
             return "loading the simulator in each process"

@@ -28,7 +28,7 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: Status) -> 
     Args:
         config: Definition of the campaign.
         state: Its state.
-        status: How far it has come.
+        status: Its progress.
     """
     strategies = [
         StrategyTotals(
@@ -114,7 +114,7 @@ def describe_units(state: CampaignState) -> str:
     if cut:
         words += f" and {cut} cut short"
     if state.too_early:
-        words += f" and {state.too_early} that learned too little from those"
+        words += f" and {state.too_early} that learned too little from them"
     return words
 
 

@@ -55,8 +55,8 @@ def boundary(
 ) -> None:
     """Find the radius, speed or heading at which failures begin.
 
-    Runs the scenario at 65 values, from half to twice its own (headings: a whole turn; depths: 1 to
-    65 cells), and narrows each change down to two neighbouring values. Two changes between
+    Runs the scenario at 65 values, from half to twice the original (headings: a full turn; depths:
+    1 to 65 cells), and narrows each change down to two neighbouring values. Two changes between
     neighbouring values are not detected. Exits with 0 if the robot arrives at every value at which
     the target can be reached, with 1 otherwise.
     """
@@ -71,7 +71,7 @@ def boundary(
     if start is None:
         raise InvalidParameter(
             "not-a-trap",
-            "{path} is not a world of family trap with its provenance, so it has no depth to vary",
+            "the provenance of {path} does not name the trap family, so there is no depth to vary",
             path=path,
         )
     # Scan the axis.

@@ -51,9 +51,9 @@ def chance(
 ) -> None:
     """Decide whether a random controller always, never or sometimes arrives.
 
-    Explores every state that some random numbers lead to; if there are too many, counts the seeds
-    that do not arrive. Exits with 0 if the robot arrives with probability one, or with every seed,
-    with 1 if not.
+    Explores every state that random numbers can lead to; if there are too many, counts the seeds
+    with which the robot fails to arrive. Exits with 0 if the robot arrives with probability one, or
+    with every seed, and with 1 otherwise.
     """
     from fuzz.chance import MOST_STATES, chance_of, in_words, share_that_fails
     from fuzz.failure import Failure

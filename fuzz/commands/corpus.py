@@ -116,9 +116,9 @@ def show(
     force: bool,
     **patterns: tuple[str, ...],
 ) -> None:
-    """Show failures in the terminal: picture, evidence, the line that replays it.
+    """Show failures in the terminal: picture, evidence and the command that replays each.
 
-    Or show all on one sheet. This runs the controllers that the files name.
+    --png draws all of them on one sheet instead. This runs the controllers that the files name.
     """
     from fuzz.corpus import contact_sheet
     from fuzz.describe import describe
@@ -166,7 +166,7 @@ def merge(
 ) -> None:
     """Copy the smallest failure of each class into a folder, as CONTROLLER/MOTION/CLASS.grid.
 
-    The same corpora give the same files, whatever order they are named in. A folder that
+    The order in which you name the corpora makes no difference. A folder that
     holds other worlds is refused without --force, which replaces those of the same name and keeps
     the others.
     """
@@ -196,7 +196,8 @@ def merge(
 def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> None:
     """Report classes of failures that are new, missing, or now in a smaller or larger world.
 
-    Exit code 1 if NEW has a class that OLD has not, else 0: known failures do not fail a build.
+    Exits with 1 if NEW has a class that OLD does not have, and with 0 otherwise: known failures do
+    not fail a build.
     """
     from fuzz.corpus import differences
 

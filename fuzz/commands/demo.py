@@ -1,4 +1,4 @@
-"""``worldgen demo``: the main commands, one after the other, on one screen."""
+"""``worldgen demo``: the main commands in sequence, on one screen."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def find(
         (begin is not None and bool(families), "give --from or --family, not both"),
         (
             no_edit and not families,
-            "--no-edit leaves worlds as a family makes them; name a family with --family",
+            "--no-edit uses worlds as a family makes them; name a family with --family",
         ),
         (together and leash is None, "give --together with --leash, which bounds the edits"),
         (no_edit and symmetric, "give --no-edit or --symmetric, not both: mirroring is an edit"),
@@ -198,9 +198,9 @@ def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
         write_world(search.best.world, out, force=force)
     if broken is not None:
         kept = (
-            f"the nearest world so far is in {out}"
+            f"the closest match so far is in {out}"
             if search.best
-            else "no world had been found so far"
+            else "no world was found before that"
         )
         raise OutputError(
             "worker-died",

@@ -81,8 +81,10 @@ _HELP = {
     multiple=True,
     type=PATH,
     metavar="DIR|ARCHIVE",
-    help="Known failures. Their classes are counted but neither shrunk nor written, and they do "
-    "not make the exit code 1. May be repeated.",
+    help=(
+        "Known failures. Their classes are counted, but not shrunk or written, and do not affect "
+        "the exit code. May be repeated."
+    ),
 )
 @click.option(
     "--count-hazards",
@@ -112,9 +114,9 @@ def fuzz(
 ) -> None:
     """Search for worlds in which a controller fails.
 
-    The smallest world of each class of failure is written to a .grid file. The exit code is 1 if a
-    class is found that no --baseline has, and 0 if not. Hazards that the controller cannot sense or
-    withstand are listed separately. Ctrl-C keeps the failures found so far; run the same command
+    The smallest world of each class of failure is written to a .grid file. Exits with 1 if it finds
+    a class that is in no --baseline, and with 0 otherwise. Hazards that the controller cannot sense
+    or withstand are listed separately. Ctrl-C keeps the failures found so far; run the same command
     again, or --resume FOLDER, to continue.
     """
     import os
@@ -198,7 +200,7 @@ def _begin(
         raise click.UsageError("give --controller NAME and --out FOLDER, or --resume FOLDER")
     if options.world is not None and (options.families or options.strategies):
         raise click.UsageError(
-            "give --world, or --family and --strategy, not both: on a map only the poses vary"
+            "give --world, or --family and --strategy, not both: on a fixed map only the poses vary"
         )
     drawn = draw_seed(stored_seed(out) if seed is None and not force else seed)
     config = configure(options, drawn, run_budget.seconds)

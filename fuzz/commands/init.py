@@ -48,8 +48,7 @@ EXAMPLES = (
     type=click.IntRange(1),
     default=6,
     show_default=True,
-    help="Amount of work of each search, the same every time, so that no pull request fails by "
-    "chance.",
+    help="Amount of work for each search; a fixed amount, so that no pull request fails by chance.",
 )
 @json_option
 @force_option
@@ -105,7 +104,7 @@ def init(
             found.name: found.read_bytes()
             for found in sorted((Path(scratch) / "found").glob("*.grid"))
         }
-    # Write the project's files, and the failures as known ones.
+    # Write the project's files, and store the failures as known ones.
     written = project.write(force=force)
     for name, text in failures.items():
         write_bytes(project.known / name, text, force=True)

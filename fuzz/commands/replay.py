@@ -53,8 +53,8 @@ def replay(
     """Run saved failures again and report what has changed.
 
     A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and
-    certificate. Exits with 0 if all are confirmed, with 1 if any is not (also if the robot now
-    arrives), with 2 if a file contains no failure.
+    certificate. Exits with 0 if all are confirmed, with 1 if any of them is not (even if the robot
+    now arrives), with 2 if a file contains no failure.
     """
     from fuzz.ci import CiFinding, FindingState, Outputs, Report
     from fuzz.describe import describe

@@ -25,11 +25,12 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
 
     if not wanted or context.resilient_parsing:
         return
-    click.echo("Passes, in order; they run until none makes the failure simpler:")
+    click.echo("Passes, in order; they repeat until none of them makes the failure simpler:")
     for one in PASSES:
         click.echo(f"  {one.name:15} {one.says}")
     click.echo(
-        "A failure is simpler than another if it has less of these; the first that differs decides:"
+        "A failure is simpler than another if it has less of the following; the first difference "
+        "decides:"
     )
     for measure in ORDER:
         click.echo(f"  {measure.name:15} {measure.says}")
@@ -60,7 +61,7 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     type=click.Choice(["verdict", "class"]),
     default="verdict",
     show_default=True,
-    help="What must stay the same: verdict and cause, or the whole class.",
+    help="What must stay the same: the verdict and its cause, or the whole class.",
 )
 @click.option(
     "--snippet",
@@ -103,11 +104,11 @@ def shrink(
         target = path.with_name(f"{name}.shrunk.grid")
     if target is not None:
         check_output(target, force)
-    # Shrink, and write what is left.
+    # Shrink, and write the result.
     result = _watched(Failure.read(path), seconds, keep)
     if target is not None:
         result.failure.write(target, force=force)
-    # Print the result in the form that was asked for.
+    # Print the result in the requested form.
     if as_json and target is not None:
         emit_json(_summary(result, target))
         return
@@ -117,7 +118,8 @@ def shrink(
         click.echo(describe(result.failure, target))
     state = "1-minimal" if not result.left else f"not 1-minimal: {result.left[0]}"
     note(
-        f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, {state}, "
+        f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, "
+        f"{state}, "
         f"{result.simulations} runs"
     )
     if result.interrupted:

@@ -80,8 +80,8 @@ def _refuse_others(out: Path, texts: dict[Path, bytes]) -> None:
         raise OutputError(
             "folder-holds-worlds",
             "{out} holds other worlds: {first}{more}",
-            "give --force to replace files of the same name and keep the others, or choose another "
-            "folder",
+            "give --force to replace files that have the same name and keep the others, or choose "
+            "another folder",
             at_terminal=True,
             out=out,
             first=others[0].relative_to(out),

@@ -114,5 +114,5 @@ def _check_box(world: World, trace: Trace, half: int, box: tuple[int, int] | Non
         most = np.floor(high + _ROUNDING) - np.floor(low - _ROUNDING) + 1
         least = np.floor(high - _ROUNDING) - np.floor(low + _ROUNDING) + 1
         if not least <= claimed <= most:
-            return f"the second half is in {least:g} to {most:g} cells on an axis, not in {claimed}"
+            return f"the second half spans cells {least:g} to {most:g} on an axis, not {claimed}"
     return ""

@@ -93,7 +93,10 @@ def check_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
     if cause is None:
         return ""
     if since is None or not 1 <= since <= step <= trace.steps:
-        return f"an overlap from step {since} to a wall in step {step} is not within the run"
+        return (
+            f"an overlap that begins in step {since} and meets a wall in step {step} is not within "
+            "the run"
+        )
 
     # The disc is clear before step `since`, and in a wall after each step from there on.
     states = np.arange(since - 1, step + 1)

@@ -62,7 +62,7 @@ class Conclusion:
     """The inputs for concluding a campaign.
 
     Args:
-        known: Failures that the user knows, as a baseline.
+        known: Failures that the user already knows, as a baseline.
         last: Failures of the last campaign in the same folder.
         seconds: Time that the conclusion may take; ``None`` for a fixed amount of work, so that the
             result depends only on the seed.
@@ -99,13 +99,13 @@ def build_overview(
     Args:
         config: Its definition.
         state: Its results.
-        conclusion: Known failures, and the time.
+        conclusion: Known failures, and the time limit.
         natural: True to run natural worlds. An interrupted campaign does not.
     """
     began = time.monotonic()
     seconds = conclusion.seconds
 
-    # Group first, because it takes no runs.
+    # Group first, because that needs no runs.
     found = {**state.best, **state.memory.failures}
     causes = causes_of(found, {bucket: state.met[bucket] for bucket in found})
 
@@ -221,7 +221,7 @@ def _in_natural_world(
 ) -> list[WorldFile]:
     """Return the failure in a cause's simplest natural world, if it can be proved.
 
-    Without a file if it is known.
+    A known failure has no file.
     """
     if cause not in examples:
         return []

@@ -178,7 +178,8 @@ def counterfactuals(
     if subject is None:
         raise InvalidParameter(
             "no-counterfactual",
-            "{who} fails by chance, according to an oracle, or by getting to a walled-off target",
+            "{who} fails by chance, by the judgement of an oracle, or by reaching a walled-off "
+            "target",
             "explain a failure of a robot that never arrives",
             who=failure.who,
         )

@@ -1,4 +1,4 @@
-"""Summarise a campaign in at most fifteen lines: does it work, how bad is it, why, what now."""
+"""Summarise a campaign in at most fifteen lines: does it work, how bad is it, why, and what to do."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Headline:
         classes: Classes of failures that it found.
         is_failing: True if failures were found that make the exit code 1.
         is_known: True if known failures were found.
-        lasts: False if the folder is gone after the command, so that no command can use it.
+        lasts: False if the folder is deleted after the command, so that no command can use it.
         not_arrived: Worlds of the search in which the robot did not arrive.
         has_units: False if the time was too short for even one unit, so that nothing was proved.
     """
@@ -74,12 +74,12 @@ class Headline:
 
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     """Return the summary for the terminal, in colour; ``click.echo`` removes the colours if necessary."""
-    # Say first whether it works and how often the robot arrives.
+    # First report whether it works and how often the robot arrives.
     causes = overview.causes
     lines = [_verdict_line(overview, headline)]
     if overview.natural is not None and overview.natural.worlds:
         lines.append(f"  {describe_rate(overview.natural, causes)}")
-    # Describe the worst cause in full, the next ones in short, and name the others.
+    # Describe the worst cause in full and the next ones briefly, and name the others.
     if causes:
         lines += _in_full(causes[0], overview.natural, headline)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
@@ -185,7 +185,7 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
     worst = overview.causes[0].cause.severity
     words = overview.causes[0].cause.phrase
     if worst == Severity.NEVER_ARRIVES:
-        # It never arrives in the failures, but that is not what it does in general.
+        # It never arrives in the failures, but it may arrive in other worlds.
         natural = overview.natural
         is_rare = natural is not None and natural.worlds and natural.interval[1] < _RARE
         words = "rarely arrives" if is_rare else "does not always arrive"

@@ -51,8 +51,8 @@ def one_file(
     }
 
     # A module may be imported if its importer has the policy's nonce. The nonce is a digest of the
-    # page's text, so no text in the page can contain it. Hence nothing in a failure's file can run,
-    # and equal pages get equal bytes.
+    # page's text, so no text in the page can contain it. So nothing in a failure's file can run,
+    # and equal pages have equal bytes.
     nonce = hashlib.sha256("\0".join([body, *filled.values()]).encode("utf-8")).hexdigest()[:32]
     filled["NONCE"] = nonce
     filled["POLICY"] = (

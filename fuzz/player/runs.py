@@ -77,7 +77,7 @@ def drawn_run(
     trace = episode.trace
     if trace is None:
         return None
-    # Keep more steps where a reader looks closely.
+    # Keep more steps where readers look closely.
     evident = judged or episode
     marks = _marks(evident)
     loop = _loop(evident)

@@ -289,7 +289,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
     if layouts.ndim != 2 or layouts.shape[1] not in widths or layouts.dtype != np.uint8:
         raise InvalidParameter(
             "wrong-shape",
-            "layouts of shape {shape} and type {dtype}",
+            "the layouts have shape {shape} and type {dtype}",
             "give uint8 with {narrow} or {wide} bytes per row",
             shape=layouts.shape,
             dtype=layouts.dtype,
@@ -337,7 +337,7 @@ def _spread(values: Any, count: int, name: str) -> Any:
     if values.shape not in ((), (count,)):
         raise InvalidParameter(
             "wrong-shape",
-            "{name} of shape {shape} for {count} layouts",
+            "{name} has shape {shape}, but there are {count} layouts",
             "give one per layout, or one for all",
             name=name,
             shape=values.shape,
@@ -348,7 +348,7 @@ def _spread(values: Any, count: int, name: str) -> Any:
 
 @dataclass(frozen=True)
 class _Packed:
-    """A scenario in the form that the core takes."""
+    """A scenario in the form that the core expects."""
 
     controller: Controller
     runs: tuple[LatticeRun, ...]

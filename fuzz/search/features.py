@@ -115,7 +115,7 @@ def decode_scene(data: bytes) -> World:
     if len(data) != SCENE_BYTES:
         raise InvalidParameter(
             "wrong-size",
-            "{count} bytes are not a scene",
+            "a scene does not have {count} bytes",
             "give {scene_bytes}, or {layout_bytes} for a layout",
             count=len(data),
             scene_bytes=SCENE_BYTES,

@@ -77,7 +77,7 @@ def with_robots(world: World, robots: Sequence[Robot], **parts: Any) -> World | 
         return None
     try:
         return world.with_robots(robots, **parts)
-    except InvalidWorld:  # a robot is off the grid, or where another one stands
+    except InvalidWorld:  # a robot is off the grid, or in another robot's place
         return None
 
 

@@ -184,8 +184,8 @@ PASSES: tuple[Pass, ...] = (
     Pass("drop-robots", "drop robots: half of them, a quarter, ... one", _drop_robots),
     Pass(
         "drop-rows",
-        "drop rows: all beyond or between start and target, then half of the grid, a quarter, ... "
-        "one",
+        "drop rows: all outside or between start and target, then half of the grid, a quarter, "
+        "... one",
         _drop_rows,
     ),
     Pass("drop-columns", "drop columns, in the same order", _drop_columns),
@@ -200,25 +200,25 @@ PASSES: tuple[Pass, ...] = (
     Pass("free-cells", "free one solid cell at a time", _free_cells),
     Pass(
         "straighten",
-        "turn the start's heading to a quarter turn, an eighth, a sixteenth",
+        "turn the start's heading to a multiple of a quarter turn, an eighth, a sixteenth",
         _straighten,
     ),
     Pass("centre", "put start and target in the middle of their cells", _centre),
     Pass("approach", "move the start nearer to the target", _approach),
     Pass(
         "simplify-robot",
-        "give the robot the usual radius and speed, or values with few digits",
+        "give the robot the usual radius and speed, or values with fewer digits",
         _simplify_robot,
     ),
     Pass(
         "simplify-target",
-        "give the target a radius of half a cell, or a value with few digits",
+        "give the target a radius of half a cell, or a value with fewer digits",
         _simplify_target,
     ),
     Pass(
-        "simplify-run", "give the time step and the options values with few digits", _simplify_run
+        "simplify-run", "give the time step and the options values with fewer digits", _simplify_run
     ),
-    Pass("round-times", "move events to earlier times with few digits, ideally 0", _round_times),
+    Pass("round-times", "move events to earlier times with fewer digits, ideally 0", _round_times),
 )
 """The passes in order; they are repeated until a whole round changes nothing."""
 

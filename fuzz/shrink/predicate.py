@@ -146,7 +146,7 @@ class StillFails:
     def seems_to_fail(self, candidate: World, scenario: Scenario) -> bool:
         """Return True if one unrecorded run with the smallest budget ends as it should.
 
-        This is neither a proof, nor does it need a certificate.
+        This is not a proof, and does not need a certificate.
         """
         try:
             self.simulations += 1

@@ -208,7 +208,8 @@ def restored(message: Mapping[str, Any]) -> World:
     if (opened.walls.shape, opened.cell_size) != (world.walls.shape, world.cell_size):
         raise InvalidWorld(
             "other-robots",
-            "the file has {robots} robots, and the studio cannot reposition the others when you resize "
+            "the file has {robots} robots, and the studio cannot reposition the others when you "
+            "resize "
             "the world",
             "undo the change of size, or open a copy with a single [[robot]]",
             robots=len(opened.robots),
@@ -233,7 +234,7 @@ def checked(message: object, kind: type[T]) -> T:
     except ValueError as error:
         raise InvalidParameter(
             "wrong-message",
-            "the page sent a message of another form: {reason}",
+            "the page sent a malformed message: {reason}",
             "reload the page",
             reason=str(error),
         ) from error

@@ -87,7 +87,7 @@ def check_record(record: FailureRecord, named: Sequence[str]) -> None:
     if record.motion not in MOTIONS.names():
         raise InvalidParameter(
             "not-registered",
-            "{verdict}; it does not run here: its motion model {motion} is from a file",
+            "{verdict}; it does not run here: its motion model {motion} comes from a file",
             "replay it at a terminal",
             verdict=record.verdict,
             motion=shown(record.motion[:60]),

@@ -61,7 +61,7 @@ WORKER_OF = {
 """The process for each kind of request.
 
 Saving is never interrupted, a long search for a proof does not delay a run, and anything that is
-slow to begin can be stopped while it begins.
+slow to start can be stopped while it starts.
 """
 
 

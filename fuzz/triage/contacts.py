@@ -31,8 +31,8 @@ __all__ = [
 KINDS = ("nook", "end", "post", "corner", "wall")
 """Kinds of contact, the most specific first.
 
-Two walls at once, the end of a wall, a cell that stands alone, a corner that sticks out, and the
-face of a wall.
+Two walls at once, the end of a wall, a single cell, a corner that sticks out, and the face of a
+wall.
 """
 
 _ENCLOSURES = ("open", "side", "bend", "passage", "pocket", "closed")

@@ -37,7 +37,7 @@ _GONE = "the Dask scheduler at {address} no longer answers"
 
 
 class _Client(Client):  # type: ignore[misc] # it has no types
-    """A client that is not awaited by code that failed to create it."""
+    """A client that code which failed to create it does not await."""
 
     def __del__(self) -> None:
         if self.status == "running":
@@ -89,7 +89,7 @@ class DaskExecutor:
         return future
 
     def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
-        """Do nothing: workers come and go, and each loads what it needs with its first work."""
+        """Do nothing: workers come and go, and each loads its modules with its first work."""
         return []
 
     def counts(self) -> None:
@@ -99,7 +99,7 @@ class DaskExecutor:
         """Do nothing: work in progress is cancelled at the end."""
 
     def listen(self) -> None:
-        """Raise ``KeyboardInterrupt`` if Ctrl-C came.
+        """Raise ``KeyboardInterrupt`` if Ctrl-C was pressed.
 
         Raises:
             WorkersLost: If the scheduler can't be reached.

@@ -31,7 +31,7 @@ class Executor(Protocol):
         """Submit a piece of work, which may have to wait for others."""
 
     def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
-        """Begin to load what the first units need, in every place that will do the work.
+        """Start loading what the first units need, in every process that will do the work.
 
         The results are those of :func:`fuzz.campaign.executors.local.load`.
         """
@@ -52,5 +52,5 @@ class Executor(Protocol):
         """End the executor, immediately if there was an error.
 
         Raises:
-            WorkersLost: If that is what went wrong.
+            WorkersLost: If that caused the error.
         """

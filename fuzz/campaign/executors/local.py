@@ -66,7 +66,8 @@ class InlineExecutor:
         """Load it in this process.
 
         Raises:
-            KeyboardInterrupt: If Ctrl-C came in the meantime; nothing has been found by then.
+            KeyboardInterrupt: If Ctrl-C was pressed in the meantime; nothing has been found by
+                then.
         """
         loaded = self.submit(load, scenarios)
         self._hear_ctrl_c()

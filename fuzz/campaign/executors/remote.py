@@ -148,7 +148,7 @@ def _install_and_compare(job: RemoteJob) -> None:
     if said:
         raise InvalidParameter(
             "other-code",
-            "the worker on {host} has other code: {differences!l}",
+            "the worker on {host} runs different code: {differences!l}",
             "install the same code there as here, and restart the workers",
             host=socket.gethostname(),
             differences=list(said),

@@ -38,7 +38,7 @@ _SHOWS = (
     "worldgen/cli",
     "worldgen/commands",
 )
-"""Packages that present campaigns and decide nothing in them.
+"""Packages that only present campaigns and do not affect their results.
 
 A contract in pyproject.toml ensures that no search imports them.
 """

@@ -107,7 +107,7 @@ class CampaignStore:
         """Store a unit; one that was cut short is stored separately."""
 
     def seconds(self) -> float:
-        """Return the duration of earlier runs, as far as it is known."""
+        """Return the duration of earlier runs, as far as known."""
         return 0.0
 
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:

@@ -18,7 +18,7 @@ const OWN_PHRASES = {
   "gives-no-answer": "Its controller does not answer",
   "invalid-command": "Its controller sends invalid commands",
 };
-// The severity's colour is that of the verdict that is typical of it.
+// A severity has the colour of its typical verdict.
 const COLOURS = {
   "through-walls": "tunnel",
   "through-robots": "tunnel",
@@ -30,7 +30,8 @@ const COLOURS = {
   unsensed: "burned",
 };
 
-// What can depend on a wall or a number; an error of the controller or a rule of the user's does not.
+// Causes that can depend on a wall or a number, unlike an error in the controller or a rule set by
+// the user.
 const EXPLAINED = new Set(["through-walls", "harmed", "never-arrives", "too-slow"]);
 
 /**
@@ -108,7 +109,7 @@ function doubtPart(campaign) {
   return el("p", {}, `It did not arrive in ${grouped(late)} of ${plural(campaign.worlds, "world")} searched; none of these is proved to be a failure.`);
 }
 
-// Half of all worlds: a robot whose rate is surely below it arrives rarely.
+// Half of all worlds: a robot whose rate is certainly below this arrives rarely.
 const RARE = 0.5;
 
 function headline(worst, natural) {
@@ -183,7 +184,8 @@ function causeItem(cause, answer, failure, first) {
   );
 }
 
-// What no change explains has no sentence; where the campaign had no time for it, a command makes up for that.
+// A failure that no change explains gets no sentence; if the campaign had no time to try, show the
+// command that does.
 function whyPart(cause, failure) {
   if (cause.why) return el("p", { class: "why" }, `It ${cause.why}.`);
   if (!failure || !EXPLAINED.has(cause.severity)) return null;

@@ -87,7 +87,7 @@ function topOf(failure, [before, after]) {
     failure.why ? el("p", { class: "words why" }, `It ${failure.why}.`) : null,
     failure.shrunk
       ? null
-      : el("p", { class: "notice" }, "This world is as it was found: walls in it may not matter. worldgen shrink makes it small."),
+      : el("p", { class: "notice" }, "This world is as it was found, so some of its walls may not matter. worldgen shrink makes it small."),
     failure.confirmed
       ? null
       : el("p", { class: "notice" }, `Running it again for this report did not confirm it: ${failure.reason}`),

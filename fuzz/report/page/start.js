@@ -1,4 +1,4 @@
-// Starts the page: its views by address, its keys and colours.
+// Starts the page: selects the view by address, and sets up keys and colours.
 
 import { short } from "#player/archive.js";
 import { byId, el, grouped } from "#player/dom.js";
@@ -104,7 +104,7 @@ function start() {
   addEventListener("hashchange", route);
   addEventListener("keydown", keyListener(page, neighboursOf));
   addEventListener("resize", redraw);
-  // Small pictures are drawn when they come into view, which on paper they all do.
+  // Small pictures are drawn when they come into view; on paper, that means all of them.
   addEventListener("beforeprint", () => page.overview?.drawAll());
   route();
   page.answer.redraw();

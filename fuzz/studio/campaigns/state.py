@@ -53,7 +53,7 @@ _ENDED_WELL = (Status.DONE, Status.STOPPED)
 
 
 class Activity(StrEnum):
-    """What a campaign does, or how it ended."""
+    """What a campaign is doing, or how it ended."""
 
     PREPARING = "preparing"
     SEARCHING = "searching"

@@ -78,7 +78,7 @@ class Watching:
         """Do nothing: there is no process to start."""
 
     def end(self) -> None:
-        """Do nothing: the generator ends when nobody reads on."""
+        """Do nothing: the generator ends when nobody reads from it."""
 
     def _state(self, message: dict[str, Any]) -> dict[str, Any] | None:
         name = str(message.get("folder"))

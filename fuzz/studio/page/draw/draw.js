@@ -1,4 +1,4 @@
-// The page for drawing worlds: tools, board, panels, and below them the facts about the world.
+// The page for drawing worlds: tools, board and panels, and facts about the world below them.
 
 import { choice, el, grouped, keyButton, svg } from "#player/dom.js";
 import { makeBoard } from "#studio/draw/board.js";

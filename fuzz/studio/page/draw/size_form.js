@@ -1,4 +1,4 @@
-// The size of the world: a new world, the same one larger or smaller, or one without walls.
+// The size of the world: make a new one, resize this one, or remove its walls.
 
 import { el, grouped, plural } from "#player/dom.js";
 import { labelled, number } from "#studio/shared/fields.js";
@@ -125,7 +125,7 @@ function clear(model, say) {
 
 const changesOf = ({ world }) => (world.events ? world.events.times.length : 0);
 
-// Reports lost events, because nothing else on the page shows that.
+// Reports lost events, because nothing else on the page does.
 function lost(before, after) {
   if (before === after) return "";
   const words = after === 0 ? "The world no longer changes" : `${plural(before - after, "change")} ${before - after === 1 ? "was" : "were"} outside`;

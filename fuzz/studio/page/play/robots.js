@@ -9,7 +9,7 @@ import { Refused } from "#studio/shared/refusals.js";
 import { makeSettings } from "#studio/play/settings.js";
 
 const SETUP = "play"; // key for the set-up of the last run, in the browser's storage
-const WIDE = 15; // letters of a name that fill half a line
+const WIDE = 15; // number of letters that fill half a line
 
 /**
  * @param {Studio} studio
@@ -79,7 +79,8 @@ export function makeRobots(studio, run, drive, more) {
   };
 }
 
-// Returns whether all numbers are valid; if `leads` is true, moves the focus to the first that is not.
+// Returns whether all numbers are valid; if `leads` is true, moves the focus to the first invalid
+// one.
 function isAllGood({ element, parts }, leads) {
   const wrong = [...element.querySelectorAll("input[type=number]")].filter((input) => !isGood(input));
   if (wrong.length === 0) return true;
@@ -90,7 +91,7 @@ function isAllGood({ element, parts }, leads) {
   return false;
 }
 
-// Makes the checkbox for a world that changes during runs; a world without events gets some.
+// Makes the checkbox for a world that changes during runs; it adds events to a world without any.
 function changesField(change) {
   const box = el("input", { type: "checkbox", id: "changes", onchange: change });
   const words = el("span");
@@ -129,7 +130,7 @@ async function letChange(robots) {
   }
 }
 
-// Makes the form for a robot with its own options, in the notation of the command line.
+// Makes the form for a robot with its own options, written as on the command line.
 //   check    asks whether it may run, and fails with the reason
 function anotherForm(check, add) {
   const input = el("input", { type: "text", id: "another", autocomplete: "off", spellcheck: false });
@@ -243,7 +244,8 @@ function offeredTo(robots) {
   return robots.studio.offered.controllers.filter((one) => isRunnable(one) && (thesis ? one.thesis : one.lattice));
 }
 
-// One of the user's own that cannot be loaded stays in the list, because its run shows where the code fails.
+// A user's controller that cannot be loaded stays in the list, because its run shows where the code
+// fails.
 const isRunnable = ({ named, fault }) => named || !fault;
 
 function setMotion(robots, name) {
@@ -265,7 +267,7 @@ function showMotion(robots) {
   showOptions(robots);
 }
 
-// Lists a robot that has two names only once under the thesis's own model, unless both are chosen.
+// Under the thesis's own model, lists a robot that has two names only once, unless both are chosen.
 function listed(robots) {
   const { state } = robots,
     all = offeredTo(robots);
