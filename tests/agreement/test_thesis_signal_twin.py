@@ -1,4 +1,4 @@
-"""The thesis's signal is written twice, for files and for runs: both give the same numbers."""
+"""The thesis's signal is implemented twice, for files and for runs, with the same numbers."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ SIDES = st.integers(3, 24)
 
 @st.composite
 def maps(draw):
-    """Walls, (n, n) bool, top row first and closed all round, and the target's column and row."""
+    """Walls, (n, n) bool, top row first, with a closed border, and the target's column and row."""
     size = draw(SIDES)
     inner = st.integers(1, size - 2)
     target = draw(inner), draw(inner)

@@ -25,7 +25,7 @@ PLACES = ["", "loop", "#campaign"]
 
 
 def burning_failure():
-    """A robot with range beams in a world that changes: no search is needed to have one."""
+    """A robot with range beams in a world that changes, without a search."""
     walls = np.zeros((6, 8), bool)
     walls[3, 4] = True
     line = Timeline.of([Event(0.3, 6, 1, CellState.BURNING), Event(0.6, 6, 1, CellState.FREE)])
@@ -80,7 +80,7 @@ def open_place(page, address, place):
 
 
 def press(page, *keys):
-    """Press keys where the focus is."""
+    """Press keys in the focused element."""
     for key in keys:
         page.keyboard.press(key)
 
@@ -98,7 +98,7 @@ def scrub_to(page, moment):
 
 
 def picture(page):
-    """Return what the canvas shows, as the text of a data address."""
+    """Return the canvas's picture as a data address."""
     return page.evaluate("document.querySelector('#stage').toDataURL()")
 
 
@@ -285,7 +285,8 @@ def test_the_first_screen_answers_without_scrolling(page):
         assert box["y"] + box["height"] <= 800, part
     assert "goes through walls" in first.locator(".headline").inner_text()
     painted = first.locator(".pictures canvas").first.evaluate(
-        "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
+        "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, "
+        "canvas.height).data).size"
     )
     assert painted > 8
 
@@ -309,5 +310,5 @@ def test_on_paper_every_small_picture_is_drawn(page):
           return !context.getImageData(0, 0, canvas.width, canvas.height).data.some(Boolean);
         }).length"""
     )
-    # The one world whose controller is missing is drawn, too: without its path.
+    # The one world whose controller is missing is also drawn, without a path.
     assert blank == 0 and not page.locator("nav").is_visible()

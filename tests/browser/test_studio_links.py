@@ -38,7 +38,7 @@ def test_an_example_and_the_tour_are_there_to_begin_with_and_links_lead_to_run_a
             "#play?world=config-05.grid&robots=thesis-1,thesis-2&motion=stepped"
         )
 
-        # A failure brings its own robot, whichever ran before.
+        # A failure sets its own robot, whichever one ran before.
         page.goto(f"{base}#campaign?folder=found&failure=found/thesis-1-loop-104.grid")
         page.locator("#open-play").click()
         page.locator("#name", has_text="thesis-1-loop-104.grid").wait_for()

@@ -1,4 +1,6 @@
-"""Budgets bound: units end at worlds, long runs between steps, and what was met until then counts."""
+"""Budgets are kept: units end between worlds, long runs between steps, and findings up to then
+count.
+"""
 
 import json
 import math
@@ -35,7 +37,7 @@ CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, families=("features",), 
 
 
 class Spins:
-    """Turns on the spot, and counts how often it was asked."""
+    """Turns on the spot, and counts its calls."""
 
     senses = ("time",)
 
@@ -52,7 +54,7 @@ class Spins:
 
 @pytest.fixture
 def clock(monkeypatch):
-    """A clock that goes on by a second with each look at it."""
+    """A clock that advances by a second whenever it is read."""
     looks = count()
     now = looks.__next__
     monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=now))
@@ -160,7 +162,7 @@ class Mine:
 
 @pytest.fixture
 def heard():
-    """Ctrl-C as Python has it, whatever the tests were started with."""
+    """Restore Python's handling of Ctrl-C, however the tests were started."""
     if os.name == "nt":
         pytest.skip("sends itself SIGINT")
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -217,9 +219,9 @@ def test_ctrl_c_that_a_controller_swallows_is_heard_where_the_driver_listens():
 
 @pytest.fixture
 def stopped(monkeypatch):
-    """Ctrl-C at the time 0, which a worker sees at its second look at the clock.
+    """Press Ctrl-C at time 0, which a worker notices when it reads the clock a second time.
 
-    The clock itself stands still.
+    The clock itself does not move.
     """
     at = SimpleNamespace(now=0.0)
     looks = count()

@@ -1,4 +1,4 @@
-"""Campaigns: pure units, the same corpus for any number of workers, nothing lost on the way."""
+"""Campaigns: pure units, the same corpus for any number of workers, and no failure is lost."""
 
 import importlib
 from dataclasses import replace

@@ -1,4 +1,6 @@
-"""First looks, shrinking and units of controllers in shared libraries, in another process that may die."""
+"""Screening, shrinking and units of controllers in shared libraries, in a separate process that may
+die.
+"""
 
 import os
 import signal
@@ -45,7 +47,7 @@ def looks_of(name, count=60, budget=400):
 
 
 def alone(looks, n):
-    """The run of a look, by itself."""
+    """The run of a screening, on its own."""
     options = looks.scenario_of(n).options(looks.world(n))
     return simulate(
         looks.world(n), looks.scenario.controller, replace(options, steps=int(looks.budget[n]))

@@ -1,4 +1,6 @@
-"""Causes: what repeats decides, wherever it happens, and the overview groups, orders and compares them."""
+"""Causes depend on the repeated part of a run, not on its place; the overview groups, sorts and
+compares them.
+"""
 
 import json
 import math
@@ -56,7 +58,7 @@ class Still:
 
 
 class Pushes(Still):
-    """Drives straight on, whatever it touches."""
+    """Drives straight ahead, whatever it touches."""
 
     def act(self, observation, memory):
         return Command(observation.top_speed, 0.0), memory
@@ -70,7 +72,7 @@ class Dithers(Still):
 
 
 class Backs(Still):
-    """Drives a square of a cell, away from all walls."""
+    """Drives a square of one cell, away from all walls."""
 
     def reset(self):
         return (0.0,)
@@ -81,7 +83,9 @@ class Backs(Still):
 
 
 class WantsRoom(Still):
-    """Drives for the target, but stops in front of the gap of `gap` unless 60 % more fits."""
+    """Drives to the target, but stops in front of the gap of `gap` unless it is 60 % wider than
+    needed.
+    """
 
     def act(self, observation, memory):
         refuses = observation.x > 0.8 and 1.6 * observation.radius > 0.1
@@ -89,7 +93,7 @@ class WantsRoom(Still):
 
 
 class StopsBehind(WantsRoom):
-    """Does the same behind the gap, where there is room."""
+    """Does the same behind the gap, where there is enough room."""
 
     def act(self, observation, memory):
         refuses = observation.x > 1.2 and 1.6 * observation.radius > 0.1
@@ -108,7 +112,7 @@ class Wavers(Still):
 
 
 class Remembers(Still):
-    """Drives for the target until it bumps, and believes in that wall forever."""
+    """Drives to the target until it bumps, and remembers that wall forever."""
 
     def reset(self):
         return (0.0,)
@@ -141,7 +145,7 @@ def gap(opens_at=None):
 
 
 def hall(width=30, height=20, start=(1.55, 1.05)):
-    """An empty hall; the robot looks right, away from its target."""
+    """An empty hall in which the robot faces right, away from its target."""
     return World(
         np.zeros((height, width), bool),
         start=Pose(*start, 0.0),
@@ -365,7 +369,7 @@ def test_a_cause_that_only_natural_worlds_show_has_a_file_that_replays(tmp_path)
     assert worldgen("fuzz", "--resume", out).code == 1
     assert {path.name: path.read_bytes() for path in out.glob("*.grid")} == files
 
-    # Once it is known, no file is promised for it.
+    # If it is already known, it has no file.
     again = json.loads(worldgen(*options, tmp_path / "again", "--baseline", out).out)
     assert cause["cause"] in {one["cause"] for one in again["causes"]}
     named = {one[key] for one in again["causes"] for key in ("file", "smallest")}

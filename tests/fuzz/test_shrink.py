@@ -1,4 +1,4 @@
-"""Shrinking: what remains is small, still fails, still proved, and nothing more can go."""
+"""Shrinking: the result is small, still fails, is still proved, and nothing more can be removed."""
 
 import functools
 import math
@@ -184,7 +184,7 @@ def shrunk_found(controller, motion, family="features"):
 
 
 def plain_neighbours(world):
-    """Every world with one solid cell, row or column less, by plain NumPy."""
+    """Yield every world with one solid cell, row or column less, using plain NumPy."""
     for iy, ix in np.argwhere(world.walls):
         walls = world.walls.copy()
         walls[iy, ix] = False
@@ -195,7 +195,7 @@ def plain_neighbours(world):
 
 
 def fails_alike(world, failure):
-    """By the steps that a user would take: prove, run, compare."""
+    """Take the steps that a user would take: prove, run, compare."""
     record, options = failure.record, failure.options
     proved = None if world is None else certified(world.bare)
     if proved is None:

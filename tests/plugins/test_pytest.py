@@ -1,4 +1,4 @@
-"""The pytest plug-in, in real runs of pytest, each a process of its own."""
+"""The pytest plug-in, in real runs of pytest, each in its own process."""
 
 import importlib
 import re

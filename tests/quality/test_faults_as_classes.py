@@ -1,6 +1,6 @@
 """Seeded faults as Python classes.
 
-They run as their compiled functions do, and campaigns find them as soon.
+They run like their compiled functions, and campaigns find them just as soon.
 """
 
 import pytest

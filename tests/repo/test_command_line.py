@@ -15,7 +15,7 @@ HEAVY = ("numpy", "scipy", "numba", "shapely", "trimesh", "hypothesis", "PIL", "
 
 
 def modules_after(*args):
-    """Top-level modules that are loaded once a command has run, in a process of its own."""
+    """Return the top-level modules that are loaded after a command has run in its own process."""
     code = (
         "import sys\nfrom worldgen.cli.main import main\n"
         f"sys.argv = ['worldgen', *{list(map(str, args))!r}]\n"

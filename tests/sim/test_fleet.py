@@ -142,7 +142,7 @@ def test_a_counter_that_only_grows_is_never_a_proof():
 
 
 class Hidden(Ahead):
-    """Keeps its counter where no state shows it."""
+    """Keeps a counter outside its memory."""
 
     def __init__(self):
         self.steps = 0

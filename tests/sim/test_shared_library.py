@@ -1,6 +1,6 @@
 """Controllers in shared libraries.
 
-What they offer, what is refused, and what happens when they crash or hang.
+Their declarations, refused ones, and what happens when they crash or hang.
 """
 
 import os

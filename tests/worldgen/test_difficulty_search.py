@@ -1,4 +1,4 @@
-"""Worlds with wanted metrics are found, are ordinary worlds, and are searched for, not only drawn."""
+"""Worlds with requested metrics are found by a search, not just drawn, and are ordinary worlds."""
 
 import json
 
@@ -92,7 +92,7 @@ def test_the_command_writes_what_it_finds_and_says_how_to_make_it_again(tmp_path
     assert result.code == 0
     found = json.loads(result.out)
     assert read_world(path).provenance.metrics["concavity"] > 1 and found["file"] == str(path)
-    again = result.err.split("made again by: worldgen ")[1].split()
+    again = result.err.split("to make it again: worldgen ")[1].split()
     assert run(*again).out.encode() == path.read_bytes()
 
 

@@ -1,4 +1,4 @@
-"""Worlds of several robots from the command line: made, measured, shown, composed and made again."""
+"""Worlds with several robots on the command line: made, measured, shown, composed and regenerated."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""ROS map_server pairs: published values, thresholds, pictures, and what each fault is called."""
+"""ROS map_server pairs: published values, thresholds, pictures, and the code of each error."""
 
 import io
 
@@ -45,7 +45,7 @@ def picture(image, kind="PNG", **options):
 
 @pytest.fixture
 def pair(tmp_path):
-    """Writes a pair and gives the YAML file's path."""
+    """Write a pair and return the YAML file's path."""
 
     def write(pixels=None, text=None, **changes):
         if pixels is not None:
@@ -96,7 +96,7 @@ def test_raw_takes_bytes_up_to_100_as_they_are():
 
 
 def trinary_twin(pixels, occupied, free, negate):
-    """map_server's rule once more, in floats over whole arrays."""
+    """A second implementation of map_server's rule, in floats over whole arrays."""
     filled = pixels / 255.0 if negate else (255.0 - pixels) / 255.0
     return np.select([filled >= occupied, filled <= free], [100, 0], -1)
 

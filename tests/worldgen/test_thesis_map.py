@@ -1,4 +1,4 @@
-"""Map files of the thesis's simulator: in, out to the byte, and what each fault is called."""
+"""Map files of the thesis's simulator: reading, writing to the byte, and the code of each error."""
 
 import json
 import math
@@ -99,7 +99,7 @@ def test_a_thesis_map_is_known_by_its_first_bytes(write, name):
 
 def test_a_start_that_is_not_clear_is_placed_elsewhere_and_said(write):
     imported = import_world(write(room(size=20, target=(15, 15), walls=[(3, 3)]).values))
-    assert any("(0.35, 1.65) m is not clear for the robot" in note for note in imported.notes)
+    assert any("(0.35, 1.65) m has no room for the robot" in note for note in imported.notes)
     assert imported.decision.result == "reachable"
 
 
