@@ -204,7 +204,9 @@ def test_memory_and_commands_must_keep_their_shapes():
         "returned memory has shape (1,), but its shape was (1, 1)"
         in simulate(arena(), Flat()).evidence.error
     )
-    assert "speed has shape (1, 1), but there are 1 robots" in simulate(arena(), Wide()).evidence.error
+    assert (
+        "speed has shape (1, 1), but there are 1 robots" in simulate(arena(), Wide()).evidence.error
+    )
 
 
 def loops(world):
