@@ -109,7 +109,7 @@ q_learning_eighth_of_nine = planted(
     "q-learning-eighth-of-nine",
     q_learning,
     Verdict.CRASH,
-    "Counts nine eighths in a turn: straight back on the right is past the table's end.",
+    "Counts nine eighths to a full turn, so straight back on the right is past the table's end.",
 )
 q_learning_timer_off_by_one = planted(
     "q-learning-timer-off-by-one",

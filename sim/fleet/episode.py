@@ -298,7 +298,7 @@ def _decided(world: World, options: RunOptions, outcome: FleetOutcome) -> FleetE
 
 
 def _verdict(outcome: FleetOutcome) -> tuple[Verdict, int]:
-    """Return how a run ended that no proof ended, and the index of the robot that ended it."""
+    """Return how a run without a proof ended, and the index of the robot that ended it."""
     if outcome.robot >= 0:
         return Verdict(outcome.ending), outcome.robot
     cuts = [

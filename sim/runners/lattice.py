@@ -112,7 +112,8 @@ class LatticeRun:
     def _cells_to_cover(self) -> Bytes | None:
         """Return the cells that a coverage task asks for; ``None`` for another task.
 
-        The target then ends no run, so its disc gets a squared radius that no distance has.
+        Reaching the target then does not end a run: its disc gets a squared radius that no distance
+        matches.
 
         Raises:
             InvalidWorld: If the world changes, or there is nothing to cover but the start's cell.

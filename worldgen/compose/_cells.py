@@ -155,7 +155,7 @@ class PlacedCells(NamedTuple):
     Args:
         events: Its events.
         solid: (height, width) bool, its solid cells at time 0.
-        mask: (height, width) bool, the cells that it has a say in.
+        mask: (height, width) bool, the cells that it determines.
     """
 
     events: Events

@@ -150,9 +150,8 @@ def _retell(error: BaseException, address: str) -> None:
     if isinstance(error, KilledWorker):
         raise WorkersLost(
             "killed-worker",
-            "one piece of work ended {workers} workers, as many as the scheduler allows: perhaps "
-            "the controller kills them, or they have too little memory "
-            "(docs/howto/campaigns.md)",
+            "the same piece of work ended {workers} workers, the most that the scheduler allows; "
+            "the controller may kill them, or they may need more memory (docs/howto/campaigns.md)",
             workers=error.allowed_failures + 1,
         ) from error
     if isinstance(error, CancelledError | OSError):

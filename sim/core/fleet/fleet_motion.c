@@ -194,7 +194,7 @@ static double pair_contact(const WgFleet *fleet, const WgPair *pair)
     const WgMover *other = &fleet->movers[pair->other];
     WgPlace from = {one->place.x - other->place.x, one->place.y - other->place.y};
     WgVector by = {one->left.x - other->left.x, one->left.y - other->left.y};
-    // A touch that only exact arithmetic detects is at the end.
+    // A touch that only exact arithmetic detects counts as one at the end.
     return wg_lower(1.0, wg_touch_time((double)pair->clear_sq, from, by));
 }
 

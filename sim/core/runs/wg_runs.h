@@ -78,7 +78,7 @@ typedef struct WgTried {
 // settings:  those of the episode, whose arena has the shape after the edits and its events.
 // before:    those of the world before the edit, with the world's start.
 // old:       the cells before the edit, at time 0.
-// edits:     (count,) all of which lead to the arena's shape.
+// edits:     (count,) all of the arena's shape.
 WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
                        const WgEdit *edits, int64_t count, const WgWanted *wanted, WgTried *tried);
 

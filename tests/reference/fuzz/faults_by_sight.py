@@ -159,7 +159,7 @@ def dynamic_window_speed_in_km_h(
 def q_learning_eighth_of_nine(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Counts nine eighths in a turn: straight back on the right is past the table's end."""
+    """Counts nine eighths to a full turn, so straight back on the right is past the table's end."""
     number = situation(observation, memory)
     bearing = target_bearing(observation) % (2.0 * math.pi)
     if math.floor(bearing / (2.0 * math.pi) * 8.0 + 0.5) == 8:  # without the remainder

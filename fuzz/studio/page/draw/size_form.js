@@ -82,7 +82,7 @@ function sizeFault(width, height, limits) {
   return `Columns and rows must be 1 to ${grouped(longest)} each, with at most ${grouped(cells)} cells in total.`;
 }
 
-// Makes the choice of the part of the drawing that stays in place when the size changes.
+// Makes the field that chooses which part of the drawing stays in place when the size changes.
 function anchorPart(anchor) {
   const radio = ([row, up], [column, across]) =>
     el("input", {

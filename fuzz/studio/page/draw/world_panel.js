@@ -168,7 +168,8 @@ function placePart(studio, parts) {
   );
 }
 
-// Makes the part that measures the world's difficulty, only on request because that may take a while.
+// Makes the section that measures the world's difficulty, on request only, because that may take a
+// while.
 function hardPart(studio) {
   const found = el("div", { role: "status" });
   let measured = studio.model.version;

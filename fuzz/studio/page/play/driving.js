@@ -10,7 +10,7 @@ const PACE = 0.25; // share of real time: a robot crosses a small world in two s
 const HELP = "Drive with the arrow keys or W A S D, at a quarter of real speed. Press Escape to stop.";
 
 /**
- * Makes the button, and what happens while the user drives.
+ * Makes the button Drive, and handles the user's driving.
  * @param {object} uses
  * @param {() => Promise<object | null>} uses.begin - Runs the chosen robots; returns the settings of the run, or null
  * @param {(message: object) => Promise<any>} uses.ask - Asks the server for the run so far

@@ -395,7 +395,8 @@ function prefer(robots, failure) {
   showChanges(robots);
 }
 
-// Takes the robots, the motion model and the seed that a link names, as far as they are offered, and other settings.
+// Takes the robots, the motion model, the seed and other settings from a link; ignores any that are
+// not offered.
 function follow(robots, { robots: names, motion, seed }, more) {
   const { state, studio } = robots;
   refresh(robots);

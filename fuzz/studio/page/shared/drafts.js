@@ -169,7 +169,7 @@ function store(text) {
 }
 
 /**
- * Makes the draft that was found this tab's draft.
+ * Adopts the draft that was found as this tab's own.
  * @param {import("#studio/draw/model.js").Model} model
  */
 export function takeOver(model) {

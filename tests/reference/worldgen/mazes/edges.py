@@ -92,7 +92,7 @@ def prim(words, board, state, stride, scratch):
         board: (n,) the board; in the end each chamber names its parent.
         state: LEFT, and AT, the chamber to start with.
         stride: From a chamber to the one above it.
-        scratch: (2 n,) a heap of the keys of edges at the rim, four below each.
+        scratch: (2 n,) a heap of the keys of edges at the rim; each has four children.
 
     Sources: Robert C. Prim, "Shortest connection networks and some generalizations", Bell System
         Technical
