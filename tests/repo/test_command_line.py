@@ -69,6 +69,12 @@ def test_every_command_ends_its_help_with_examples_of_itself(name):
         assert f"worldgen {name}" in (one.epilog or ""), one.name
 
 
+def test_the_command_of_a_family_ends_its_help_with_examples():
+    assert worldgen("maze", "--help").out.endswith(
+        "  worldgen maze --where 'detour > 2' --out w.grid\n"
+    )
+
+
 def test_version_names_what_a_bug_report_needs():
     lines = worldgen("--version").out.splitlines()
     assert lines[0].startswith("worldgen, version ") and platform.python_version() in lines[1]

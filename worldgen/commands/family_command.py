@@ -35,6 +35,11 @@ if TYPE_CHECKING:
 
 __all__ = ["command_of", "family_command"]
 
+_EXAMPLES = (
+    "\b\n  worldgen {name} --seed 7 --out w.grid\n  worldgen {name} --count 20 --out worlds/\n"
+    "  worldgen {name} --where 'detour > 2' --out w.grid"
+)
+
 
 @functools.cache
 def family_command(name: str) -> click.Command:
@@ -93,7 +98,8 @@ def command_of(made_by: Family, name: str) -> click.Command:
         command = decorate(command)
     for parameter in reversed(made_by.all_parameters):
         command = _option(parameter, made_by)(command)
-    return click.command(name)(command)
+    named = f"compose {name}" if name.endswith(".toml") else name
+    return click.command(name, epilog=_EXAMPLES.format(name=named))(command)
 
 
 def _set_place(count: int | None, out: Path | None) -> Path | None:
