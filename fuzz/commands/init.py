@@ -135,7 +135,7 @@ def _report(project: Project, failures: int, written: list[Path]) -> None:
     for path in written:
         click.echo(f"wrote {path}")
     if missing := project.must_be_told_where_worldgen_is:
-        click.echo(f"fill in {missing}, from which CI gets worldgen")
+        click.echo(f"fill in {missing}; CI installs worldgen from there")
     if project.ci == "gitlab" and (project.folder / ".gitlab-ci.yml") not in written:
         click.echo("add to .gitlab-ci.yml: include: [{local: .gitlab/worldgen.yml}]")
     if not project.runs_fixed_failures:
