@@ -155,7 +155,7 @@ def test_in_a_large_world_the_widest_robot_is_found_on_demand(page):
     page.get_by_role("button", name="New").click()
     page.locator("#widest", has_text="In a large world this takes up to a minute.").wait_for()
     page.get_by_role("button", name="Find the widest robot that passes").press("Enter")
-    page.locator("#widest", has_text="Robots pass up to a radius of").wait_for()
+    page.locator("#widest", has_text="Robots with a radius of up to").wait_for()
     page.locator("#find-widest").wait_for(state="hidden")
     assert page.evaluate("document.activeElement.id") == "radius"
     drag(page, (20, 20), (60, 60))

@@ -103,7 +103,7 @@ def test_saving_a_nameless_world_while_playing_leads_at_once_to_its_name(page):
 
 @pytest.mark.nightly
 def test_the_radius_slider_shows_where_the_way_closes(page):
-    page.locator("#widest", has_text="Robots pass up to a radius of").wait_for()
+    page.locator("#widest", has_text="Robots with a radius of up to").wait_for()
     page.locator("#radius").focus()
     page.keyboard.press("End")
     page.locator("#proof.bad").wait_for()

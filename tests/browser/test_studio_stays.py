@@ -30,7 +30,7 @@ def has_asked(page):
 
 
 def test_where_every_way_closes_is_known_after_saving_as_before(page):
-    known = page.locator("#widest", has_text="Robots pass up to a radius of")
+    known = page.locator("#widest", has_text="Robots with a radius of up to")
     known.wait_for()
     words = known.inner_text()
     page.keyboard.press("Control+s")
