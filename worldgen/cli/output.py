@@ -69,7 +69,7 @@ workers_option: Callable[[F], F] = click.option(
 seed_option: Callable[[F], F] = click.option(
     "--seed",
     type=SEED,
-    help="Seed of all random numbers, 64 bits; random, and printed, if omitted.",
+    help="Seed of all random numbers, 64 bits; if omitted, a random seed is used and printed.",
 )
 
 
