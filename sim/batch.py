@@ -321,8 +321,9 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
         found = group.run(digest=digest)
         if found is None:
             warnings.warn(
-                f"{called(controller)} raised for some of many robots, or changed what is outside "
-                "its memory; it runs for one robot at a time, which takes far longer",
+                f"{called(controller)} raised an exception for some of its robots, or changed "
+                "something outside its memory; it now runs for one robot at a time, which takes "
+                "far longer",
                 stacklevel=2,
             )
             for row, which in zip(rows[part].tolist(), world[part].tolist(), strict=True):
