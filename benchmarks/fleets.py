@@ -45,11 +45,13 @@ APART = 1.0
 
 def hall_of(count: int) -> World:
     """Return a hall with so many robots, each of which wants to the place of another one."""
-    # Places on a square lattice, so that the density is the same for any number of robots.
-    side = math.ceil(math.sqrt(count))
-    cells = round(side * APART / 0.1)
+    # Places on a lattice that is as square as it can be without an empty place, so that the density
+    # is the same for any number of robots.
+    rows = next(rows for rows in range(math.isqrt(count), 0, -1) if count % rows == 0)
+    columns = count // rows
+    per_place = round(APART / 0.1)
     rng = RandomStream(count)
-    spots = [((k % side + 0.5) * APART, (k // side + 0.5) * APART) for k in range(count)]
+    spots = [((k % columns + 0.5) * APART, (k // columns + 0.5) * APART) for k in range(count)]
     # Each robot wants to where another one starts, so that many paths cross.
     order = list(range(count))
     rng.shuffle(order)
@@ -64,7 +66,7 @@ def hall_of(count: int) -> World:
     ]
     first, *others = robots
     return World(
-        [[False] * cells] * cells,
+        [[False] * (columns * per_place)] * (rows * per_place),
         first.start,
         first.target,
         robot_radius=RADIUS,
