@@ -21,7 +21,7 @@ from worldgen.lattice import (
     radius_in_cells,
 )
 from worldgen.random_streams import RandomStream
-from worldgen.reach.joint.one_by_one import OneByOne
+from worldgen.reach.joint.crowd import Crowd
 from worldgen.reach.still.lattice_graph import build_graph, flood
 from worldgen.support.progress import Work
 from worldgen.world import Pose, Robot, Target, World
@@ -207,7 +207,7 @@ def _one_by_one(
     radius = radius_in_cells(world)
     # Don't plan the paths of robots that there is no room for.
     _draw_ends(places, radius, rng.child("room"), boxes, [first], owner)
-    planned = OneByOne(world, count, margin)
+    planned = Crowd(world, count, margin)
     rooms = (_Room(places, radius), _Room(places, radius))
     _take(rooms, first)
     for box in boxes if planned.robots else ():

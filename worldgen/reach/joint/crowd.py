@@ -14,12 +14,12 @@ from worldgen.reach.joint.witness import make_joint_witness
 from worldgen.support.ccall import check, pointer
 from worldgen.world import JointWitness, Robot, World
 
-__all__ = ["OneByOne"]
+__all__ = ["Crowd"]
 
 _MOST_STATES = 50_000  # of one robot: enough for a path through a hall of 1000 robots
 
 
-class OneByOne:
+class Crowd:
     """Robots of equal size and speed that have paths around each other.
 
     A robot that finds no path is left out, and another one can be tried instead. So a crowd takes
@@ -54,6 +54,7 @@ class OneByOne:
 
     def add(self, robot: Robot) -> bool:
         """Add a robot if it finds a path that leaves those of the others as they are."""
+        # Find out how it gets onto the nodes.
         question = self._question
         if question is None:
             return False
@@ -64,6 +65,7 @@ class OneByOne:
         ends = RobotEnds(approach.start, approach.nodes[0], approach.goal)
         if not self._leg_fits(ends):
             return False
+        # Search a path for it, and keep the robot only if there is one.
         described = ffi.new("WgJointRobot *")
         described.number = len(self.robots)
         described.start = ends.node
