@@ -62,6 +62,8 @@ MAX_CROWD_ATTEMPTS = 6  # same, for more than FEW_ROBOTS, which are redrawn with
 # With this many robots, a single layout can take a minute. With fewer, only later ones are reported,
 # so that the report does not hide which of many worlds is being made.
 _MANY_ROBOTS = 50
+# Codes of errors about a layout that is too small for its robots.
+_CROWDED = ("too-many-robots", "no-joint-paths")
 _PASSAGES = ("width", "passage")  # parameters of families that set the width of passages
 ROBOTS = "robots"  # the parameter of every family that says how many robots its worlds have
 ROBOTS_PARAMETER = Parameter(
@@ -161,9 +163,10 @@ class Family:
                         world, decision = self._with_robots(world, stream, robots, margin, work)
                 except InvalidParameter as full:
                     # Another layout may have room for more of a crowd.
-                    if full.code != "too-many-robots" or fleet <= FEW_ROBOTS:
+                    if full.code not in _CROWDED or fleet <= FEW_ROBOTS:
                         raise
-                    if crowded is None or full.facts["placed"] > crowded.facts["placed"]:
+                    # Report the most robots that had paths, or else the most that there was room for.
+                    if crowded is None or _how_full(full) > _how_full(crowded):
                         crowded = full
                     # If not even half of them fit, wider passages may help, but no other layout.
                     if 2 * full.facts["placed"] < fleet:
@@ -375,6 +378,11 @@ class Family:
                 value=str(value)[:60],
                 here=str(here)[:60],
             )
+
+
+def _how_full(error: InvalidParameter) -> tuple[int, int]:
+    """Return a key that orders errors of crowded layouts; the highest one says the most."""
+    return _CROWDED.index(error.code), int(error.facts["placed"])
 
 
 def _attempts(robots: int) -> int:

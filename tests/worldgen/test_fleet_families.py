@@ -75,7 +75,7 @@ def test_a_crowd_is_placed_with_a_path_for_each_robot_and_made_again(name):
 
 
 def test_too_many_robots_are_told_how_many_have_paths():
-    with raises(InvalidParameter, code="too-many-robots") as caught:
+    with raises(InvalidParameter, code="no-joint-paths") as caught:
         generate("maze", 3, robots=60, size=30)
     assert 10 < caught.value.facts["placed"] < 60
 

@@ -257,7 +257,7 @@ def _too_many(owner: str, placed: int, robots: int) -> InvalidParameter:
 
 def _no_paths(owner: str, planned: int, robots: int) -> InvalidParameter:
     return InvalidParameter(
-        "too-many-robots",
+        "no-joint-paths",
         "{family}: only {placed} robots, not robots={robots}, were placed so that each has a path "
         "around the others",
         "give fewer or smaller robots, or a larger size",
