@@ -39,6 +39,7 @@ def _pyrvo(hall: dict[str, Any]) -> Step:
 def _navground(behaviour: str) -> Callable[[dict[str, Any]], Step]:
     def make(hall: dict[str, Any]) -> Step:
         """Make a world with the hall's walls, where robots see 2 m far."""
+        # The walls of the hall.
         core: Any = importlib.import_module("navground.core")
         library: Any = importlib.import_module("navground.sim")
         world = library.World()
@@ -47,6 +48,7 @@ def _navground(behaviour: str) -> Callable[[dict[str, Any]], Step]:
         corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
         for k in range(4):
             world.add_wall(library.Wall(corners[k], corners[k - 1]))
+        # The robots: each drives to its target and then stops.
         for start, target in zip(hall["starts"], hall["targets"], strict=True):
             kinematics = core.kinematics.OmnidirectionalKinematics(hall["speed"], 10.0)
             driver = core.Behavior.make_type(behaviour)
@@ -72,6 +74,7 @@ def _pogema(hall: dict[str, Any]) -> Step:
     """An empty grid, with random moves drawn beforehand. Robots that arrive stay."""
     library: Any = importlib.import_module("pogema")
     random = importlib.import_module("random").Random(0)
+    # Put starts and targets into cells.
     rows, columns = (round(hall[side] * PER_METRE) for side in ("height", "width"))
     cells = [
         [
@@ -95,6 +98,7 @@ def _pogema(hall: dict[str, Any]) -> Step:
         )
     )
     env.reset()
+    # Drawing the moves is not part of what is measured.
     actions = [[random.randrange(5) for _ in range(count)] for _ in range(64)]
     return lambda k: env.step(actions[k % 64])
 
