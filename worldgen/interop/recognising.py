@@ -9,7 +9,7 @@ from pathlib import Path
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Message
-from worldgen.interop.foreign_map import ForeignMap, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, naming, read_bounded
 from worldgen.interop.format import FORMATS, Format
 from worldgen.interop.sidecar import Sidecar, read_sidecar, with_sidecar
 from worldgen.parameters import split_options
@@ -213,4 +213,6 @@ def read_map_alone(
     # find_format has already refused it.
     if known.read is None:
         raise InvalidParameter("only-written", "{format} cannot be read", format=known.name)
-    return replace(known.read(path, **given), usual_robot=known.usual_robot), sidecar
+    with naming(path):
+        found = known.read(path, **given)
+    return replace(found, usual_robot=known.usual_robot), sidecar

@@ -63,7 +63,6 @@ class FolderMaps:
                     "unread-obstacles",
                     "has obstacles that are not read: {obstacles}",
                     obstacles="; ".join(found.unread),
-                    source=str(path),
                 )
             ends = _own_ends(found)
         except WorldgenError as error:

@@ -13,7 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from worldgen.domain import MAX_SIDE
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import (
     FLOOR_ROBOT,
     ForeignMap,
@@ -53,15 +53,13 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     """
     # Read the file.
     data = read_bounded(path, _MAX_YAML_BYTES)
-    source = str(path)
-    top = read_yaml(data, source, "a problem of db-CBS has `environment:` and `robots:`")
+    top = read_yaml(data, "a problem of db-CBS has `environment:` and `robots:`")
     for key in ("environment", "robots"):
         if key not in top:
             raise FormatError(
                 "missing-key",
                 "{key} is missing; a problem of db-CBS has `environment:` and `robots:`",
                 key=key,
-                source=source,
             )
     space = top.tables("environment")[0]
     low = _pair(space, "min")
@@ -69,7 +67,9 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     width = high[0] - low[0]
     height = high[1] - low[1]
     if width <= 0 or height <= 0:
-        raise space.fault("max", Message("out-of-range", "max must be above min, in x and in y"))
+        raise FormatError(
+            "out-of-range", "max must be above min, in x and in y", line=space.line_of("max")
+        )
 
     # Paint the obstacles.
     obstacles = space.tables("obstacles") if "obstacles" in space else []
@@ -78,7 +78,7 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     size = size or exact(DEFAULT_CELL_SIZE)
     check_between("cell_size", float(size), 1e-6, 1e6, "m")
     columns, rows = (min(math.ceil(side / size), MAX_SIDE + 1) for side in (width, height))
-    check_sides(columns, rows, source=source)
+    check_sides(columns, rows)
     raster = Raster(columns, rows, size)
     for box in boxes:
         raster.box(box)
@@ -92,7 +92,7 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     # Read the robots.
     found = [_robot(table, low) for table in top.tables("robots")]
     if not found:
-        raise FormatError("empty", "there is no robot", "add one to `robots:`", source=source)
+        raise FormatError("empty", "there is no robot", "add one to `robots:`")
     if any(robot.radius == _COVERED_BOX for robot in found):
         notes.append("robots that are boxes are covered by discs of 0.28 m")
     first = found[0]
@@ -107,22 +107,24 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
 def _pair(table: YamlTable, key: str) -> tuple[Fraction, Fraction]:
     rows = table.rows(key) if key in table else [[]]
     if len(rows) != 1 or len(rows[0]) != 2:
-        message = Message(
-            "wrong-count", "{key} must be two numbers, [x m, y m]; worlds are flat", key=key
+        raise FormatError(
+            "wrong-count",
+            "{key} must be two numbers, [x m, y m]; worlds are flat",
+            key=key,
+            line=table.line_of(key),
         )
-        if key in table:
-            raise table.fault(key, message)
-        raise FormatError.of(message, line=table.line, source=table.source)
     return rows[0][0], rows[0][1]
 
 
 def _box(table: YamlTable, low: tuple[Fraction, Fraction]) -> RasterBox:
     kind = table.word("type") if "type" in table else "nothing"
     if kind != "box":
-        message = Message(
-            "unsupported", "an obstacle of type {kind!q} cannot be read; only boxes can", kind=kind
+        raise FormatError(
+            "unsupported",
+            "an obstacle of type {kind!q} cannot be read; only boxes can",
+            kind=kind,
+            line=table.line,
         )
-        raise FormatError.of(message, line=table.line, source=table.source)
     x, y = _pair(table, "center")
     width, height = _pair(table, "size")
     left = x - width / 2 - low[0]
@@ -133,14 +135,14 @@ def _box(table: YamlTable, low: tuple[Fraction, Fraction]) -> RasterBox:
 def _robot(table: YamlTable, low: tuple[Fraction, Fraction]) -> ForeignRobot:
     kind = table.word("type") if "type" in table else "nothing"
     if not re.match(r"unicycle|integrator", kind):
-        message = Message(
+        raise FormatError(
             "unsupported",
             "a robot of type {kind!q} is not a disc, so it cannot be read",
             "give one of the unicycle types, such as {known}",
             kind=kind,
             known=_TYPE,
+            line=table.line,
         )
-        raise FormatError.of(message, line=table.line, source=table.source)
     start = _state(table, "start", low)
     goal = _state(table, "goal", low)
     radius = _SPHERE if kind.endswith("_sphere") else _COVERED_BOX
@@ -150,10 +152,12 @@ def _robot(table: YamlTable, low: tuple[Fraction, Fraction]) -> ForeignRobot:
 def _state(table: YamlTable, key: str, low: tuple[Fraction, Fraction]) -> tuple[float, ...]:
     rows = table.rows(key) if key in table else [[]]
     if len(rows) != 1 or not 2 <= len(rows[0]) <= 5:
-        message = Message("wrong-count", "{key} must be numbers, [x m, y m, heading rad]", key=key)
-        if key in table:
-            raise table.fault(key, message)
-        raise FormatError.of(message, line=table.line, source=table.source)
+        raise FormatError(
+            "wrong-count",
+            "{key} must be numbers, [x m, y m, heading rad]",
+            key=key,
+            line=table.line_of(key),
+        )
     x, y, *rest = rows[0]
     place = (float(x - low[0]), float(y - low[1]))
     return (*place, float(rest[0])) if rest else place

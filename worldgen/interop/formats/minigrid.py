@@ -61,18 +61,17 @@ def read_minigrid(
     """
     # Read the cells, two characters each.
     data = read_bounded(path)
-    source = str(path)
     rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
     width = (max(map(len, rows), default=0) + 1) // 2
-    check_sides(width, len(rows), source=source)
+    check_sides(width, len(rows))
     drawn = np.frombuffer(b"".join(row.ljust(2 * width) for row in rows), np.uint8).reshape(
         len(rows), width, 2
     )
     first = drawn[:, :, 0]
     second = drawn[:, :, 1]
-    _check_words(rows, source)
+    _check_words(rows)
     # Decide which cells are solid.
     solid = (first == ord("W")) | ((first == ord("V")) & (second != ord("V")))
     shut = np.isin(first, list(b"DL"))
@@ -83,12 +82,7 @@ def read_minigrid(
     goals = np.argwhere(first == ord("G")).tolist()
     if len(agents) > 1:
         raise FormatError(
-            "twice",
-            "{agents} agents",
-            "keep one",
-            agents=len(agents),
-            line=agents[1][0] + 1,
-            source=source,
+            "twice", "{agents} agents", "keep one", agents=len(agents), line=agents[1][0] + 1
         )
     # Report what the options decided.
     notes = _notes(
@@ -110,7 +104,7 @@ def read_minigrid(
     return ForeignMap(flip_rows(solid), cell_size, params, tuple(notes), start=start, target=target)
 
 
-def _check_words(rows: list[bytes], source: str) -> None:
+def _check_words(rows: list[bytes]) -> None:
     for number, row in enumerate(rows, 1):
         line = row + b" " * (len(row) % 2)
         if re.fullmatch(_WORDS + b"*", line):
@@ -124,7 +118,6 @@ def _check_words(rows: list[bytes], source: str) -> None:
             sign=line[at : at + 2],
             column=at + 1,
             line=number,
-            source=source,
         )
 
 

@@ -55,13 +55,12 @@ def read_picture(
     # Read the picture and its text.
     check_between("threshold", threshold, 1, _WHITE)
     data = read_bounded(path)
-    source = str(path)
-    image = read_grey_image(data, source)
+    image = read_grey_image(data)
     walls, greys = _solid(image, threshold, background)
     try:
         own_size, origin, places = _said(image)
     except InvalidParameter as error:
-        raise FormatError.of(error.message.behind("its text: "), source=source) from error
+        raise FormatError.of(error.message.behind("its text: ")) from error
     # Explain what the picture leaves open.
     notes = []
     if greys:

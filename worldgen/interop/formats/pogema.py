@@ -78,14 +78,13 @@ def read_pogema(
         )
     # Read the rows.
     data = read_bounded(path)
-    source = str(path)
     text = unix_text(data)
-    task = _task(text, source, map_name)
-    drawn = _drawn(task.rows, source)
+    task = _task(text, map_name)
+    drawn = _drawn(task.rows)
     walls = drawn == _WALL[0]
 
     # Find the agents and their targets, by number from 1.
-    letters = _letters(drawn, [number for number, _ in task.rows], source)
+    letters = _letters(drawn, [number for number, _ in task.rows])
     starts = _numbered(letters, ascii_lowercase)
     targets = _numbered(letters, ascii_uppercase)
     warnings: list[str] = []
@@ -95,7 +94,6 @@ def read_pogema(
                 "twice",
                 "the agents' places are given both as letters of the map and as agents_xy",
                 "keep one",
-                source=source,
             )
         starts = dict(enumerate(task.starts, start=1))
         targets = dict(enumerate(task.targets, start=1))
@@ -106,7 +104,6 @@ def read_pogema(
             "the configuration has no agents_xy and targets_xy, so POGEMA draws the agents' places "
             "at random",
             "write down the places that it drew",
-            source=source,
         )
     first = 1 + ascii_lowercase.index(agent)
     if starts and first not in starts:
@@ -118,7 +115,6 @@ def read_pogema(
             known=[
                 ascii_lowercase[number - 1] for number in sorted(starts)[: len(ascii_lowercase)]
             ],
-            source=source,
         )
 
     # Make robots of them.
@@ -138,7 +134,6 @@ def read_pogema(
                 "draw it, or read one agent only",
                 letter=letter,
                 target=letter.upper(),
-                source=source,
             )
     elif len(starts) > 1:
         notes = (
@@ -164,7 +159,7 @@ def read_pogema(
     )  # fmt: skip
 
 
-def _task(text: bytes, source: str, map_name: str) -> PogemaTask:
+def _task(text: bytes, map_name: str) -> PogemaTask:
     """Return the map's rows and, of a YAML file, the agents."""
     if KEY_LINE.search(text):
         if len(text) > _MAX_YAML_BYTES:
@@ -173,24 +168,22 @@ def _task(text: bytes, source: str, map_name: str) -> PogemaTask:
                 "is larger than {most} bytes",
                 "cut a smaller map out of it",
                 most=_MAX_YAML_BYTES,
-                source=source,
             )
-        return read_configuration(text, source, map_name)
+        return read_configuration(text, map_name)
     if map_name:
         raise FormatError(
             "unknown-name",
             "it is a map itself, so there is no map {name!q}",
             "omit map_name",
             name=map_name,
-            source=source,
         )
     lines = enumerate(text.split(b"\n"), 1)
     return PogemaTask([(number, line.strip()) for number, line in lines if line.strip()])
 
 
-def _drawn(rows: list[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
+def _drawn(rows: list[tuple[int, bytes]]) -> npt.NDArray[np.uint8]:
     """Return the characters of the rows, all of which are cells."""
-    drawn = equal_rows(rows, source)
+    drawn = equal_rows(rows)
     for (number, line), row in zip(rows, drawn, strict=True):
         if not re.fullmatch(_CELL + b"*", line):
             column = next(at for at in range(len(row)) if not re.match(_CELL, line[at : at + 1]))
@@ -201,7 +194,6 @@ def _drawn(rows: list[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
                 sign=line[column : column + 1],
                 column=column + 1,
                 line=number,
-                source=source,
             )
     return drawn
 
@@ -225,9 +217,7 @@ def _freed(walls: npt.NDArray[np.bool_], places: Iterable[tuple[int, int]]) -> I
         )
 
 
-def _letters(
-    drawn: npt.NDArray[np.uint8], numbers: list[int], source: str
-) -> dict[str, tuple[int, int]]:
+def _letters(drawn: npt.NDArray[np.uint8], numbers: list[int]) -> dict[str, tuple[int, int]]:
     """Return the row and column of each letter."""
     found: dict[str, tuple[int, int]] = {}
     for row, column in np.argwhere(
@@ -240,7 +230,6 @@ def _letters(
                 "{letter} occurs twice; each agent has one place, so remove one",
                 letter=letter,
                 line=numbers[row],
-                source=source,
             )
         found[letter] = (row, column)
     return found

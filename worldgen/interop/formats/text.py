@@ -52,11 +52,10 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     """
     # Read the rows.
     data = read_bounded(path)
-    source = str(path)
     rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
-    drawn = equal_rows(list(enumerate(rows, 1)), source)
+    drawn = equal_rows(list(enumerate(rows, 1)))
     # Refuse unknown characters.
     cells = _TABLE[drawn]
     if (cells == _BAD).any():
@@ -68,11 +67,10 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
             sign=rows[row_index][column : column + 1],
             column=column + 1,
             line=row_index + 1,
-            source=source,
         )
     # Find start and target.
-    start = _place(drawn, _START, "start", cell_size, source)
-    target = _place(drawn, _TARGET, "target", cell_size, source)
+    start = _place(drawn, _START, "start", cell_size)
+    target = _place(drawn, _TARGET, "target", cell_size)
     params: dict[str, Value] = {"format": "text", "source": path.name, "sha256": digest(data)}
     return ForeignMap(
         flip_rows(cells == 1),
@@ -83,12 +81,11 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     )
 
 
-def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
+def equal_rows(rows: Sequence[tuple[int, bytes]]) -> npt.NDArray[np.uint8]:
     """Return the characters of rows that must all have one length.
 
     Args:
         rows: Line number in the file and text of each row.
-        source: The file's name for messages.
 
     Returns:
         (rows, length) uint8.
@@ -98,7 +95,7 @@ def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np
             many.
     """
     width = len(rows[0][1]) if rows else 0
-    check_sides(width, len(rows), line=1, source=source)
+    check_sides(width, len(rows), line=1)
     for number, row in rows:
         if len(row) != width:
             raise FormatError(
@@ -107,7 +104,6 @@ def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np
                 cells=len(row),
                 width=width,
                 line=number,
-                source=source,
             )
     return np.frombuffer(b"".join(row for _, row in rows), np.uint8).reshape(len(rows), width)
 
@@ -148,7 +144,7 @@ def off_centre(world: World, cells: tuple[tuple[int, int], tuple[int, int]]) -> 
 
 
 def _place(
-    drawn: npt.NDArray[np.uint8], letters: bytes, name: str, cell_size: float, source: str
+    drawn: npt.NDArray[np.uint8], letters: bytes, name: str, cell_size: float
 ) -> tuple[float, float] | None:
     found = np.argwhere(np.isin(drawn, list(letters)))
     if len(found) > 1:
@@ -159,7 +155,6 @@ def _place(
             cells=len(found),
             name=name,
             line=int(found[1][0]) + 1,
-            source=source,
         )
     if not len(found):
         return None

@@ -68,13 +68,12 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
     """
     # Parse the map and choose the layer of walls.
     data = read_bounded(path, _MOST_BYTES)
-    source = str(path)
-    parsed = parse_tiled(data, source)
-    width, height = (checked_number(parsed, key, source) for key in ("width", "height"))
-    check_sides(width, height, source=source)
-    layers = all_layers(parsed, source)
-    walls_layer = tile_layer(layers, layer, source)
-    walls = flip_rows(tile_numbers(walls_layer, width, height, source) != 0)
+    parsed = parse_tiled(data)
+    width, height = (checked_number(parsed, key) for key in ("width", "height"))
+    check_sides(width, height)
+    layers = all_layers(parsed)
+    walls_layer = tile_layer(layers, layer)
+    walls = flip_rows(tile_numbers(walls_layer, width, height) != 0)
     # The map may have its own scale.
     said = numbers_of(parsed)
     size = cell_size or said.get("cell_size") or DEFAULT_CELL_SIZE
@@ -91,7 +90,7 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
             )
         )
     # Find start and target among the objects.
-    scale = exact(size) / checked_number(parsed, "tilewidth", source)
+    scale = exact(size) / checked_number(parsed, "tilewidth")
     start = first_object(layers, _STARTS)
     target = first_object(layers, _TARGETS)
     params: dict[str, Value] = {

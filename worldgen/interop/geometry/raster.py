@@ -204,10 +204,7 @@ def _common(a: Fraction, b: Fraction) -> Fraction:
 
 
 def painted(
-    extent: tuple[Fraction, Fraction],
-    cell_size: Fraction,
-    paint: Callable[[Raster], None],
-    source: str,
+    extent: tuple[Fraction, Fraction], cell_size: Fraction, paint: Callable[[Raster], None]
 ) -> Raster:
     """Return a grid of this size after ``paint`` has put a file's shapes into it.
 
@@ -215,7 +212,6 @@ def painted(
         extent: Width and height of the world, m.
         cell_size: Side of a cell, m.
         paint: Paints the shapes.
-        source: Name of the file, for messages.
 
     Raises:
         FormatError: If the cells are too small, too large or too many.
@@ -228,7 +224,6 @@ def painted(
             cell_size=float(cell_size),
             low=CELL_SIZES[0],
             high=CELL_SIZES[1],
-            source=source,
         )
     width, height = (math.ceil(side / cell_size) for side in extent)
     if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
@@ -239,11 +234,10 @@ def painted(
             width=width,
             height=height,
             cell_size=float(cell_size),
-            source=source,
         )
     raster = Raster(width, height, cell_size)
     try:
         paint(raster)
     except InvalidWorld as error:
-        raise FormatError.of(error.message, source=source) from error
+        raise FormatError.of(error.message) from error
     return raster

@@ -120,12 +120,11 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
             level=level,
             low=vertices[:, 2].min(),
             high=vertices[:, 2].max(),
-            source=str(path),
         )
 
     # Convert to cells.
     size = held.get("size") if held.get("cell_size") == cell_size else None
-    origin, width, height = _frame(vertices, cell_size, held.get("origin"), size, str(path))
+    origin, width, height = _frame(vertices, cell_size, held.get("origin"), size)
     solid = _cells(section, cell_size, origin, width, height)
     return _map(path, mesh, solid, cell_size, origin, _Told(plane, held, floors, bodies, vertices))
 
@@ -222,14 +221,13 @@ def _frame(
     cell_size: float,
     origin: list[float] | None,
     size: list[int] | None,
-    source: str,
 ) -> tuple[tuple[float, float], int, int]:
     """Return the grid's corner, m, and its sides, cells.
 
     They are the file's own if worldgen wrote it; otherwise they surround the mesh, on whole cells.
     """
     if origin is not None and size is not None:
-        check_sides(size[0], size[1], source=source)
+        check_sides(size[0], size[1])
         return (origin[0], origin[1]), size[0], size[1]
     cell = exact(cell_size)
     ends = np.stack([vertices[:, :2].min(axis=0), vertices[:, :2].max(axis=0)]) / cell_size
@@ -240,7 +238,6 @@ def _frame(
     check_sides(
         width,
         height,
-        source=source,
         remedy="give larger cells, or the file's unit if it is not the metre",
     )
     return (float(low[0] * cell), float(low[1] * cell)), width, height

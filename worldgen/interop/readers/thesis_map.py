@@ -135,11 +135,10 @@ def read_thesis_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
     Raises:
         FormatError: If it isn't a Java stream of bare numbers, or the numbers aren't a map.
     """
-    source = str(path)
     data = read_bounded(path, stream_bytes(MAX_SIZE**2))
-    values = _square(read_ints(data, source), source)
-    _check_values(values, source)
-    target = _target(values, source)
+    values = _square(read_ints(data))
+    _check_values(values)
+    target = _target(values)
     params: dict[str, Value] = {"format": "thesis", "source": path.name, "sha256": digest(data)}
     notes, warnings = _explain(values, target, params)
     size = values.shape[0]
@@ -187,13 +186,12 @@ _THROUGH_NOISE = Note(
 )
 
 
-def _square(values: Ints, source: str) -> Ints:
+def _square(values: Ints) -> Ints:
     if not len(values):
         raise FormatError(
             "empty",
             "the stream holds no numbers; a map of n x n cells has n * n",
             "fetch the file again",
-            source=source,
         )
     size = math.isqrt(len(values))
     if size * size != len(values):
@@ -202,7 +200,6 @@ def _square(values: Ints, source: str) -> Ints:
             "{numbers} numbers do not make a square; a map of n x n cells has n * n",
             "fetch the file again",
             numbers=len(values),
-            source=source,
         )
     if not MIN_SIZE <= size <= MAX_SIZE:
         raise FormatError(
@@ -212,12 +209,11 @@ def _square(values: Ints, source: str) -> Ints:
             size=size,
             min_size=MIN_SIZE,
             max_size=MAX_SIZE,
-            source=source,
         )
     return values.reshape(size, size)
 
 
-def _check_values(values: Ints, source: str) -> None:
+def _check_values(values: Ints) -> None:
     below = values < WALL
     if below.any():
         row, column = (int(index) for index in np.argwhere(below)[0])
@@ -229,7 +225,6 @@ def _check_values(values: Ints, source: str) -> None:
             column=column,
             row=row,
             wall=WALL,
-            source=source,
         )
     rim = np.ones(values.shape, np.bool_)
     rim[1:-1, 1:-1] = False
@@ -243,11 +238,10 @@ def _check_values(values: Ints, source: str) -> None:
             "close it in the program's map editor",
             column=column,
             row=row,
-            source=source,
         )
 
 
-def _target(values: Ints, source: str) -> tuple[int, int]:
+def _target(values: Ints) -> tuple[int, int]:
     """Return the column and row of the only target."""
     found = np.argwhere(values == 0)
     if len(found) != 1:
@@ -256,7 +250,6 @@ def _target(values: Ints, source: str) -> tuple[int, int]:
             "{targets} cells hold 0; a map has exactly one target (moving it onto a wall loses it)",
             "place one in the program's map editor",
             targets=len(found),
-            source=source,
         )
     row, column = found[0]
     return int(column), int(row)
