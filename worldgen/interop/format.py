@@ -240,11 +240,12 @@ def _accept(name: str, thing: Any) -> Format:
 
 
 def held_values(world: World, destination: Destination) -> dict[str, Value]:
-    """Return the facts of :data:`HELD` about a world, in m, rad and m/s.
+    """Return the size, in cells, and the facts of :data:`HELD` about a world, in m, rad and m/s.
 
     A point is two numbers, from the grid's lower-left corner.
     """
     return {
+        "size": [world.width, world.height],
         **robot_values(world.robots[0]),
         "cell_size": world.cell_size,
         "origin": list(destination.origin),
@@ -268,11 +269,13 @@ def held_lines(world: World, destination: Destination) -> list[str]:
 
     It is a sentence followed by ``name = value`` lines in TOML.
     """
-    values = {"size": [world.width, world.height], **held_values(world, destination)}
     return [
         "Below: m, rad, m/s; start and target from the grid's lower-left corner, which is at "
         "origin.",
-        *(f"{name} = {value_text(value, name)}" for name, value in values.items()),
+        *(
+            f"{name} = {value_text(value, name)}"
+            for name, value in held_values(world, destination).items()
+        ),
     ]
 
 

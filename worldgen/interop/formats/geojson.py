@@ -39,7 +39,6 @@ def write_geojson(world: World, destination: Destination) -> Exported:
         "worldgen": {
             "frame": "local",
             "units": "m",
-            "size": [world.width, world.height],
             **held_values(world, destination),
         },
         "features": list(_features(world, destination)),

@@ -108,12 +108,8 @@ def _extras(world: World, destination: Destination) -> dict[str, Value]:
 
     Lists in here make Assimp 5.2 abort with an assertion.
     """
-    said: dict[str, Value] = {
-        "size": [world.width, world.height],
-        **held_values(world, destination),
-    }
     plain: dict[str, Value] = {}
-    for name, value in said.items():
+    for name, value in held_values(world, destination).items():
         plain |= (
             {f"{name}_{axis}": part for axis, part in zip("xy", value, strict=True)}
             if isinstance(value, list)

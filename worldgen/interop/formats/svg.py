@@ -91,12 +91,7 @@ svg = Format(
 
 
 def _metadata(world: World, destination: Destination) -> str:
-    said = {
-        "frame": "local",
-        "units": "m",
-        "size": [world.width, world.height],
-        **held_values(world, destination),
-    }
+    said = {"frame": "local", "units": "m", **held_values(world, destination)}
     return html.escape(json.dumps(said), quote=False)
 
 

@@ -1,26 +1,36 @@
-"""Place walls as boxes in the coordinates of a file.
+"""Place walls as boxes in the coordinates of a file, and write them.
 
 Meshes, stages and the worlds of simulators are built from them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES
-from worldgen.interop.format import Destination
+from worldgen.interop.format import Destination, Exported
 from worldgen.interop.geometry.boxes import always_solid, closing_boxes, merged_boxes
 from worldgen.interop.geometry.grid_lines import GridLines
 from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
 from worldgen.world import World
 
-__all__ = ["BOX_CORNERS", "BOX_QUADS", "BOX_TRIANGLES", "PlacedBox", "placed_box", "solid_boxes"]
+__all__ = [
+    "BOX_CORNERS",
+    "BOX_QUADS",
+    "BOX_TRIANGLES",
+    "PlacedBox",
+    "box_mesh",
+    "box_writer",
+    "placed_box",
+    "solid_boxes",
+]
 
 BOX_CORNERS = tuple((k & 1, k >> 1 & 1, k >> 2) for k in range(8))
 """Corners of a box: 0 for the low end, 1 for the high end, of x, y and z."""
@@ -99,6 +109,51 @@ def solid_boxes(
             )
         )
     return boxes
+
+
+def box_writer(
+    contents: Callable[[World, Destination, list[PlacedBox]], bytes], *, bits: int = 53
+) -> Callable[..., Exported]:
+    """Return the writer of a format that has nothing but boxes.
+
+    Args:
+        contents: Returns the file with these boxes.
+        bits: Bits of a coordinate in the file, as for :func:`solid_boxes`.
+    """
+
+    def write(
+        world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
+    ) -> Exported:
+        """Return the file, in metres, z up.
+
+        Args:
+            world: A static world.
+            destination: Where the file is written.
+            height: Height of the walls, m.
+            floor: Whether to add a floor, a box one cell thick below z = 0.
+
+        Raises:
+            InvalidParameter: If the height isn't a valid length.
+            InvalidWorld: If the coordinates need more bits than they have.
+        """
+        boxes = solid_boxes(world, destination, height=height, floor=floor, bits=bits)
+        return Exported({destination.name: contents(world, destination, boxes)})
+
+    return write
+
+
+def box_mesh(boxes: Sequence[PlacedBox]) -> Any:
+    """Return one mesh of all boxes in the given order, eight vertices and twelve triangles each."""
+    import trimesh
+
+    ends = np.array(
+        [[*map(float, box.low), *map(float, box.high)] for box in boxes], np.float64
+    ).reshape(-1, 2, 3)
+    corners = np.stack([ends[:, pick, range(3)] for pick in BOX_CORNERS], axis=1)
+    faces = np.array(BOX_TRIANGLES, np.int64) + 8 * np.arange(len(boxes))[:, None, None]
+    return trimesh.Trimesh(
+        corners.reshape(-1, 3), faces.reshape(-1, 3), process=False, validate=False
+    )
 
 
 def placed_box(name: str, cells: Sequence[int], lines: GridLines, top: Fraction) -> PlacedBox:
