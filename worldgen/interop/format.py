@@ -28,13 +28,21 @@ __all__ = [
     "Format",
     "decimal",
     "decimal_text",
+    "degrees_text",
     "held_lines",
     "held_values",
+    "radians",
     "robot_values",
 ]
 
 # Limit on coordinates, m; beyond it a float cannot distinguish cells of a millimetre.
 _FURTHEST = 1e12
+
+_PI = Fraction(
+    "3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211706798"
+)
+# Number of decimals; the smallest float, 5e-324 rad, needs fewer.
+_MOST_PLACES = 400
 
 HELD = {
     "start": "the start",
@@ -110,6 +118,22 @@ def decimal_text(value: Fraction) -> str:
     sign = "-" if value < 0 else ""
     digits = str(abs(int(value * 10**places))).rjust(places + 1, "0")
     return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)
+
+
+def radians(degrees: Fraction) -> float:
+    """Convert degrees to an angle in rad, correctly rounded."""
+    return float(degrees * _PI / 180)
+
+
+def degrees_text(angle: float) -> str:
+    """Return the shortest decimal of degrees that :func:`radians` converts to the same angle.
+
+    Args:
+        angle: Angle, rad.
+    """
+    whole = Fraction(angle) * 180 / _PI
+    tried = (Fraction(round(whole * 10**places), 10**places) for places in range(_MOST_PLACES))
+    return next(decimal_text(value) for value in tried if radians(value) == angle)
 
 
 @dataclass(frozen=True)

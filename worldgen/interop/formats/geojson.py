@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
-from worldgen.interop.geometry.grid_lines import GridLines
+from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import border_cells, cell_polygons
 from worldgen.world import World
 

@@ -15,7 +15,7 @@ from typing import Any, SupportsFloat, TypeAlias
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, solid_boxes
-from worldgen.interop.readers.mesh_readers import metric_reader
+from worldgen.interop.readers.mesh_slice import metric_reader
 from worldgen.render import palette
 from worldgen.world import Value, World
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Format, decimal_text, held_lines
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, PlacedBox, box_writer
-from worldgen.interop.readers.mesh_readers import unitless_reader
+from worldgen.interop.readers.mesh_slice import unitless_reader
 from worldgen.world import World
 
 __all__ = ["obj"]

@@ -11,7 +11,7 @@ import struct
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import Destination, Format, decimal
 from worldgen.interop.geometry.placed_boxes import PlacedBox, box_mesh, box_writer
-from worldgen.interop.readers.mesh_readers import unitless_reader
+from worldgen.interop.readers.mesh_slice import unitless_reader
 from worldgen.world import World
 
 __all__ = ["stl"]

@@ -16,9 +16,16 @@ import json
 from collections.abc import Iterator
 from fractions import Fraction
 
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
-from worldgen.interop.geometry.degrees import degrees_text
-from worldgen.interop.geometry.grid_lines import GridLines
+from worldgen.interop.format import (
+    HELD,
+    Destination,
+    Exported,
+    Format,
+    decimal_text,
+    degrees_text,
+    held_values,
+)
+from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
 from worldgen.render import palette

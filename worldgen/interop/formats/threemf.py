@@ -22,7 +22,7 @@ from worldgen.interop.geometry.placed_boxes import (
     PlacedBox,
     box_writer,
 )
-from worldgen.interop.readers.mesh_readers import cut_mesh
+from worldgen.interop.readers.mesh_slice import Plane, read_slice
 from worldgen.world import World
 
 __all__ = ["read_3mf", "threemf"]
@@ -112,7 +112,7 @@ def read_3mf(
         up: The axis that points up in the file.
         floor: Number of the floor, from 0, the lowest.
     """
-    return cut_mesh(path, "3mf", slice_height, cell_size, 1.0, up, floor)
+    return read_slice(path, "3mf", Plane(slice_height, cell_size, up, 1.0, floor))
 
 
 threemf = Format(

@@ -11,8 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from worldgen.interop.format import HELD, Destination, Format, decimal_text, held_values
-from worldgen.interop.geometry.degrees import degrees_text
+from worldgen.interop.format import (
+    HELD,
+    Destination,
+    Format,
+    decimal_text,
+    degrees_text,
+    held_values,
+)
 from worldgen.interop.geometry.placed_boxes import PlacedBox, box_writer
 from worldgen.lattice import exact
 from worldgen.world import World

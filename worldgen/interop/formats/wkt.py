@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from worldgen.interop.format import Destination, Exported, Format, decimal_text
-from worldgen.interop.geometry.grid_lines import GridLines
+from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import Ring, border_cells, cell_polygons
 from worldgen.world import World
 

@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES
+from worldgen.errors import InvalidWorld
 from worldgen.interop.format import Destination, Exported
 from worldgen.interop.geometry.boxes import always_solid, closing_boxes, merged_boxes
-from worldgen.interop.geometry.grid_lines import GridLines
 from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
 from worldgen.world import World
@@ -25,6 +25,7 @@ __all__ = [
     "BOX_CORNERS",
     "BOX_QUADS",
     "BOX_TRIANGLES",
+    "GridLines",
     "PlacedBox",
     "box_mesh",
     "box_writer",
@@ -43,6 +44,48 @@ BOX_QUADS = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2
 
 BOX_TRIANGLES = tuple((quad[0], *pair) for quad in BOX_QUADS for pair in (quad[1:3], quad[2:4]))
 """The same faces as twelve triangles."""
+
+
+# Rounding may move a wall by at most this part of a cell.
+_FINEST = Fraction(1, 1000)
+
+
+class GridLines:
+    """Exact coordinates, m, of the lines between cells, in a file's frame.
+
+    They reach from -1 to one cell beyond the grid.
+
+    Args:
+        world: The world with the grid.
+        destination: Gives the frame of the coordinates.
+        bits: Bits of a coordinate's significand in the file or in the programs that read it; 24 for
+            float32.
+
+    Raises:
+        InvalidWorld: If cells are so far from the frame's origin that rounding moves a line by more
+            than a thousandth of a cell.
+    """
+
+    def __init__(self, world: World, destination: Destination, *, bits: int = 53) -> None:
+        cell = exact(world.cell_size)
+        x, y = (exact(value) for value in destination.origin)
+        self.x = {ix: ix * cell + x for ix in range(-1, world.width + 2)}
+        self.y = {iy: iy * cell + y for iy in range(-1, world.height + 2)}
+        furthest = max(
+            abs(end) for axis in (self.x, self.y) for end in (axis[-1], max(axis.values()))
+        )
+        if furthest / 2**bits > _FINEST * cell:
+            raise InvalidWorld(
+                "too-many-digits",
+                "cells of {cell_size:g} m around ({x:g}, {y:g}) m need more than the "
+                "{bits} bits that a coordinate has here",
+                "give --origin 0,0",
+                at_terminal=True,
+                cell_size=world.cell_size,
+                x=destination.origin[0],
+                y=destination.origin[1],
+                bits=bits,
+            )
 
 
 @dataclass(frozen=True)
@@ -84,11 +127,11 @@ def solid_boxes(
         destination: Gives the frame of the coordinates; z is 0 at the foot of the walls.
         height: Height of the walls, m.
         floor: True to add a box one cell thick below everything.
-        bits: Bits of a coordinate, as in :class:`~worldgen.interop.geometry.grid_lines.GridLines`.
+        bits: Bits of a coordinate, as in :class:`GridLines`.
 
     Raises:
         InvalidParameter: If the height is below 1e-6 or above 1e6 m.
-        InvalidWorld: If :class:`~worldgen.interop.geometry.grid_lines.GridLines` raises it.
+        InvalidWorld: If :class:`GridLines` raises it.
     """
     check_between("height", height, *CELL_SIZES, "m")
     lines = GridLines(world, destination, bits=bits)

@@ -14,8 +14,7 @@ from pathlib import PurePath
 
 from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.geometry.boxes import always_solid
-from worldgen.interop.geometry.grid_lines import GridLines
-from worldgen.interop.geometry.placed_boxes import PlacedBox, placed_box, solid_boxes
+from worldgen.interop.geometry.placed_boxes import GridLines, PlacedBox, placed_box, solid_boxes
 from worldgen.lattice import exact
 from worldgen.timeline import CellState
 from worldgen.world import World

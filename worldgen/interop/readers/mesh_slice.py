@@ -2,14 +2,19 @@
 
 As with a real lidar, anything lower or higher than the plane is not seen: only the legs of a table
     appear.
+
+Each format has the options that its kind of file leaves open. Source of the axes: glTF 2.0, section
+    3.3 (y up, metres); ROS REP 103 (z up), which STL, OBJ and PLY files in robotics follow although
+    their formats do not require it.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -18,13 +23,16 @@ from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop.foreign_map import ForeignMap, check_sides, digest
 from worldgen.interop.geometry.section import Bodies, Section, cut, paint, sort_bodies
-from worldgen.interop.readers.mesh_file import RawMesh, load_mesh
 from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
 from worldgen.world import Value
 
-__all__ = ["Plane", "read_slice"]
+if TYPE_CHECKING:
+    from worldgen.interop.readers.mesh_file import RawMesh
 
+__all__ = ["Plane", "metric_reader", "read_slice", "unitless_reader"]
+
+_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 
 # Default, m, if neither the user nor the file gives one.
 _USUAL_CELL = 0.05
@@ -71,6 +79,68 @@ class Plane:
     floor: int
 
 
+def unitless_reader(kind: str) -> Callable[..., ForeignMap]:
+    """Return the reader of a format without unit or up axis.
+
+    Args:
+        kind: ``stl``, ``obj`` or ``ply``.
+    """
+
+    def read(
+        path: Path,
+        *,
+        slice_height: float = 0.2,
+        cell_size: float = 0.0,
+        unit: Literal["m", "cm", "mm", "in"] = "m",
+        up: Literal["z", "y"] = "z",
+        floor: int = 0,
+    ) -> ForeignMap:
+        """Read a mesh, cut at a height.
+
+        Args:
+            path: The file.
+            slice_height: Height of the cut above the floor, m, such as the lidar's.
+            cell_size: Side of a cell, m; 0 means the file's own if worldgen wrote it, otherwise
+                0.05.
+            unit: The file's unit of length.
+            up: The axis that points up in the file; in Blender's OBJ files it is y.
+            floor: Number of the floor, from 0, the lowest.
+        """
+        return read_slice(path, kind, Plane(slice_height, cell_size, up, _METRES[unit], floor))
+
+    return read
+
+
+def metric_reader(kind: str) -> Callable[..., ForeignMap]:
+    """Return the reader of glTF, which is in metres, y up.
+
+    Args:
+        kind: ``glb`` or ``gltf``.
+    """
+
+    def read(
+        path: Path,
+        *,
+        slice_height: float = 0.2,
+        cell_size: float = 0.0,
+        up: Literal["y", "z"] = "y",
+        floor: int = 0,
+    ) -> ForeignMap:
+        """Read a mesh, cut at a height.
+
+        Args:
+            path: The file.
+            slice_height: Height of the cut above the floor, m, such as the lidar's.
+            cell_size: Side of a cell, m; 0 means the file's own if worldgen wrote it, otherwise
+                0.05.
+            up: The axis that points up in the file; glTF's is y, but not all exporters follow it.
+            floor: Number of the floor, from 0, the lowest.
+        """
+        return read_slice(path, kind, Plane(slice_height, cell_size, up, 1.0, floor))
+
+    return read
+
+
 def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     """Cut a mesh file and return the cells that are solid in the plane.
 
@@ -84,6 +154,9 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
         InvalidParameter: If there is no such floor, or a number is out of range.
         InvalidWorld: If there are too many cells.
     """
+    # trimesh takes a second to import, so it is imported when a mesh is read.
+    from worldgen.interop.readers.mesh_file import load_mesh
+
     check_between("slice_height", plane.height, 0.0, 1000.0, "m")
     mesh = load_mesh(path, kind)
     held = _checked(mesh.held) if _as_written(mesh, plane) else {}

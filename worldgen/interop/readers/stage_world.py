@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import ForeignMap, digest, naming, read_bounded, sibling_file
-from worldgen.interop.geometry.degrees import radians
+from worldgen.interop.format import radians
 from worldgen.interop.geometry.raster import painted
 from worldgen.interop.readers.grey_image import read_picture_file
 from worldgen.interop.readers.stage_file import Entity, read_stage_file
