@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.domain import MAX_SIDE
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, WorldgenError
 from worldgen.lattice import exact
 from worldgen.support.plain_text import quote
 from worldgen.world import Value, World
@@ -39,6 +39,7 @@ __all__ = [
     "read_bounded",
     "sibling_file",
     "unix_text",
+    "without_file",
 ]
 
 _Options = ParamSpec("_Options")
@@ -282,6 +283,13 @@ def check_sides(
             max_cells=MAX_CELLS,
             line=line,
         )
+
+
+def without_file(error: WorldgenError) -> str:
+    """Return an error in words without the name of its file."""
+    if isinstance(error, FormatError) and error.line is not None:
+        return f"line {error.line}: {error.message}"
+    return str(error.message)
 
 
 def digest(data: bytes) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -22,6 +23,8 @@ from worldgen.world import Robot, Value, World
 __all__ = [
     "FORMATS",
     "HELD",
+    "LENGTHS",
+    "PAIRS",
     "ROBOT_FACTS",
     "Destination",
     "Exported",
@@ -29,6 +32,7 @@ __all__ = [
     "decimal",
     "decimal_text",
     "degrees_text",
+    "fact_numbers",
     "held_lines",
     "held_values",
     "radians",
@@ -57,6 +61,10 @@ HELD = {
 """Facts about a world other than its cells, which a file may be unable to store, as worded in
 messages.
 """
+PAIRS = ("size", "start", "target", "origin")
+"""The facts that are two numbers; any other is one."""
+LENGTHS = ("size", "target_radius", "robot_radius", "robot_speed", "cell_size")
+"""The facts that are above 0."""
 ROBOT_FACTS = tuple(name for name in HELD if name not in ("cell_size", "origin"))
 """The facts of :data:`HELD` that each robot of a world has for itself."""
 
@@ -286,6 +294,23 @@ def robot_values(robot: Robot) -> dict[str, Value]:
         "robot_radius": robot.radius,
         "robot_speed": robot.speed,
     }
+
+
+def fact_numbers(name: str, value: object) -> tuple[float, ...] | None:
+    """Return the numbers of a fact of :data:`HELD`, or of the size, as a file has them.
+
+    It is None if their count is wrong, or one is not a finite number.
+    """
+    items = value if isinstance(value, list) else [value]
+    numbers = tuple(
+        float(item)
+        for item in items
+        if isinstance(item, int | float)
+        and not isinstance(item, bool)
+        and abs(item) <= sys.float_info.max
+    )
+    count = 2 if name in PAIRS else 1
+    return numbers if len(items) == len(numbers) == count else None
 
 
 def held_lines(world: World, destination: Destination) -> list[str]:

@@ -24,7 +24,7 @@ from worldgen.interop.foreign_map import (
     unix_text,
 )
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
+from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
@@ -144,9 +144,7 @@ def write_micromouse(world: World, destination: Destination) -> Exported:
     _check(world)
     # Mark the cells of start and target, and report what gets lost.
     walls = flip_rows(world.walls)
-    start = cell_of(world, world.start.x, world.start.y)
-    target = cell_of(world, world.target.x, world.target.y)
-    altered = off_centre(world, (start, target))
+    start, target, altered = end_cells(world)
     marks = {target: "G", start: "S"}
     for name, (column, row) in (("start", start), ("target", target)):
         if not (column % 2 and row % 2):

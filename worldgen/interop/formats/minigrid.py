@@ -20,10 +20,9 @@ from worldgen.interop.foreign_map import (
     check_sides,
     digest,
     read_bounded,
-    unix_text,
 )
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
+from worldgen.interop.formats.text import cell_centre, end_cells, text_rows
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
@@ -61,9 +60,7 @@ def read_minigrid(
     """
     # Read the cells, two characters each.
     data = read_bounded(path)
-    rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
-    while rows and not rows[-1]:
-        rows.pop()
+    rows = text_rows(data)
     width = (max(map(len, rows), default=0) + 1) // 2
     check_sides(width, len(rows))
     drawn = np.frombuffer(b"".join(row.ljust(2 * width) for row in rows), np.uint8).reshape(
@@ -158,13 +155,11 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
     cells[:] = np.frombuffer(_FREE, np.uint8)
     cells[walls] = np.frombuffer(_WALL, np.uint8)
     # Draw the goal and the agent, and report what gets lost.
-    start = cell_of(world, world.start.x, world.start.y)
-    target = cell_of(world, world.target.x, world.target.y)
+    start, target, altered = end_cells(world)
     turned = math.remainder(world.start.heading, 2 * math.pi)
     nearest = min(
         _HEADINGS, key=lambda word: abs(math.remainder(turned - _HEADINGS[word], 2 * math.pi))
     )
-    altered = off_centre(world, (start, target))
     # The agent is drawn on top.
     for name, (column, row), word in (
         ("target", target, _GOAL),

@@ -28,7 +28,7 @@ from worldgen.interop.foreign_map import (
     unix_text,
 )
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
+from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.lattice import exact, radius_in_cells
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
@@ -512,8 +512,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
     altered: dict[str, str] = {}
     for number in range(1, len(world.robots) + 1):
         alone = world.alone(number) if world.others else world
-        start = cell_of(alone, alone.start.x, alone.start.y)
-        goal = cell_of(alone, alone.target.x, alone.target.y)
+        start, goal, moved = end_cells(alone)
         moves = octile_moves(flip_rows(world.walls), start, goal)
         if moves is None:
             why = (
@@ -526,7 +525,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
         bucket = int(optimal.partition(".")[0]) // 4
         fields = (bucket, name, world.width, world.height, *start, *goal, optimal)
         rows.append("\t".join(map(str, fields)))
-        altered |= off_centre(alone, (start, goal))
+        altered |= moved
         if radius_in_cells(alone) != SCENARIO_RADIUS:
             altered["robot_radius"] = (
                 "the robot's radius is not stored; a scenario's robot has 0.4 cells"

@@ -27,7 +27,7 @@ from worldgen.interop.foreign_map import (
     unix_text,
 )
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.formats.text import cell_centre, cell_of, equal_rows, off_centre
+from worldgen.interop.formats.text import cell_centre, end_cells, equal_rows
 from worldgen.interop.readers.pogema_config import KEY_LINE, PogemaTask, read_configuration
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
@@ -255,11 +255,10 @@ def write_pogema(world: World, destination: Destination) -> Exported:
     # Draw each agent and its target, unless they share a cell or a wall is in the way.
     for number, letter in enumerate(ascii_lowercase[: len(world.robots)], start=1):
         alone = world.alone(number) if world.others else world
-        start = cell_of(alone, alone.start.x, alone.start.y)
-        target = cell_of(alone, alone.target.x, alone.target.y)
+        start, target, moved = end_cells(alone)
         taken = [int(cells[row, column]) for column, row in (start, target)]
         if start != target and taken == [_FREE[0]] * 2:
-            altered |= off_centre(alone, (start, target))
+            altered |= moved
             cells[start[1], start[0]] = ord(letter)
             cells[target[1], target[0]] = ord(letter.upper())
         elif world.others:
@@ -288,8 +287,7 @@ def _configuration(
     targets: dict[tuple[int, int], int] = {}
     for number in range(1, len(world.robots) + 1):
         alone = world.alone(number)
-        start = cell_of(alone, alone.start.x, alone.start.y)
-        target = cell_of(alone, alone.target.x, alone.target.y)
+        start, target, moved = end_cells(alone)
         # Agents may not begin in one cell, or have the same target.
         free = [int(cells[row, column]) for column, row in (start, target)] == [_FREE[0]] * 2
         if not free or starts.setdefault(start, number) + targets.setdefault(target, number) != (
@@ -302,7 +300,7 @@ def _configuration(
                 "export it as movingai",
                 number=number,
             )
-        altered |= off_centre(alone, (start, target))
+        altered |= moved
     lines = ["# A world made by worldgen for POGEMA; positions are [row, column].", "map: |-"]
     lines += [f"  {row.tobytes().decode()}" for row in cells]
     lines.append(f"num_agents: {len(world.robots)}")

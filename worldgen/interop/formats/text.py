@@ -20,10 +20,11 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = [
     "cell_centre",
     "cell_of",
+    "end_cells",
     "equal_rows",
-    "off_centre",
     "read_text_map",
     "text",
+    "text_rows",
     "write_text_map",
 ]
 
@@ -52,9 +53,7 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     """
     # Read the rows.
     data = read_bounded(path)
-    rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
-    while rows and not rows[-1]:
-        rows.pop()
+    rows = text_rows(data)
     drawn = equal_rows(list(enumerate(rows, 1)))
     # Refuse unknown characters.
     cells = _TABLE[drawn]
@@ -79,6 +78,14 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
         start=None if start is None else (*start, 0.0),
         target=None if target is None else (*target, lattice_to_metres(UNIT // 2, cell_size)),
     )
+
+
+def text_rows(data: bytes) -> list[bytes]:
+    """Return the lines of a text, without empty ones at its end."""
+    rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
+    while rows and not rows[-1]:
+        rows.pop()
+    return rows
 
 
 def equal_rows(rows: Sequence[tuple[int, bytes]]) -> npt.NDArray[np.uint8]:
@@ -125,22 +132,23 @@ def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
     return min(ix, world.width - 1), world.height - 1 - min(iy, world.height - 1)
 
 
-def off_centre(world: World, cells: tuple[tuple[int, int], tuple[int, int]]) -> dict[str, str]:
-    """Return a sentence for each fact about start and target that the file's cells cannot hold.
+def end_cells(world: World) -> tuple[tuple[int, int], tuple[int, int], dict[str, str]]:
+    """Return column and row, from the top, of the cells that a file stores as start and target.
 
-    Args:
-        world: The world.
-        cells: Column and row, from the top, that the file stores as start and as target.
+    The last part is a sentence for each of them that is not the centre of its cell.
     """
     altered = {}
     points = (world.start.x, world.start.y), (world.target.x, world.target.y)
-    for name, (column, row), point in zip(("start", "target"), cells, points, strict=True):
+    start, target = (cell_of(world, *point) for point in points)
+    for name, (column, row), point in zip(
+        ("start", "target"), (start, target), points, strict=True
+    ):
         if cell_centre(column, world.height - 1 - row, world.cell_size) != point:
             altered[name] = (
                 f"the {name} is stored as the centre of the cell in column {column}, row {row} "
                 f"from the top"
             )
-    return altered
+    return start, target, altered
 
 
 def _place(
@@ -170,10 +178,8 @@ def write_text_map(world: World, destination: Destination) -> Exported:
         destination: Where the file is written.
     """
     # Draw the marks on free cells.
-    start = cell_of(world, world.start.x, world.start.y)
-    target = cell_of(world, world.target.x, world.target.y)
+    start, target, altered = end_cells(world)
     cells = np.where(flip_rows(world.walls), np.uint8(_SOLID[0]), np.uint8(_FREE[0]))
-    altered = off_centre(world, (start, target))
     marks = (("start", start, _START[0]), ("target", target, _TARGET[0]))
     for name, (column, row), letter in marks:
         if cells[row, column] == _FREE[0]:

@@ -22,6 +22,7 @@ import numpy.typing as npt
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop.foreign_map import ForeignMap, check_sides, digest
+from worldgen.interop.format import HELD, LENGTHS, PAIRS, fact_numbers
 from worldgen.interop.geometry.section import Bodies, Section, cut, paint, sort_bodies
 from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
@@ -46,18 +47,10 @@ _SMALL = 0.25
 _ROUNDED = 2.0**-22
 # Depth in cells, as in `worldgen.interop.geometry.raster`.
 _TOUCH = 1e-6
+# Largest number in a file from worldgen.
+_FURTHEST = 1e15
 # Sizes in m; a smaller or larger building is probably in another unit.
 _ODD_SIDES = (0.5, 1000.0)
-_OURS = (
-    "start",
-    "heading",
-    "target",
-    "target_radius",
-    "robot_radius",
-    "robot_speed",
-    "cell_size",
-    "origin",
-)
 
 
 @dataclass(frozen=True)
@@ -226,32 +219,21 @@ def _checked(held: dict[str, Any]) -> dict[str, Any]:
 
     Otherwise the file is read like any other.
     """
-    numbers: dict[str, Any] = {}
-    # Each fact must have the right number of finite values.
-    for name in ("size", *_OURS):
-        value = held.get(name)
-        if value is None:
+    facts: dict[str, Any] = {}
+    for name in ("size", *HELD):
+        if held.get(name) is None:
             continue
-        pair = name in ("size", "start", "target", "origin")
-        items = value if isinstance(value, list) else [value]
-        if len(items) != 1 + pair or any(
-            isinstance(one, bool) or not isinstance(one, int | float) for one in items
-        ):
+        numbers = fact_numbers(name, held[name])
+        if numbers is None or max(map(abs, numbers)) >= _FURTHEST:
             return {}
-        if not all(math.isfinite(one) and abs(one) < 1e15 for one in items):
+        if name in LENGTHS and min(numbers) <= 0:
             return {}
-        if (
-            name in ("size", "cell_size", "robot_radius", "robot_speed", "target_radius")
-            and min(items) <= 0
-        ):
-            return {}
-        numbers[name] = (
-            [int(one) for one in items] if name == "size" else [float(one) for one in items]
-        )
+        facts[name] = list(numbers) if name in PAIRS else numbers[0]
     # The grid needs all three of its facts.
-    if not {"size", "cell_size", "origin"} <= numbers.keys():
+    if not {"size", "cell_size", "origin"} <= facts.keys():
         return {}
-    return {name: value if len(value) > 1 else value[0] for name, value in numbers.items()}
+    facts["size"] = [int(side) for side in facts["size"]]
+    return facts
 
 
 def _floors(

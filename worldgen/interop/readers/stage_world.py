@@ -99,6 +99,7 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     Raises:
         FormatError: If a file breaks a rule, with the line if there is one.
     """
+    # Parse the file and those that it includes.
     includes = _Includes(path)
     data = read_bounded(path, _MAX_BYTES)
     world = read_stage_file(_text(path), str(path), includes)
@@ -108,6 +109,7 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     place = floor.place("bitmap")
     with naming(Path(place.source)):
         image = sibling_file(path, "bitmap", floor.text("bitmap"), line=place.line)
+    # Black pixels are walls.
     grey, image_digest = read_picture_file(image)
     solid = flip_rows(grey.values.astype(np.int64) * 255 // grey.maximum <= _BLACK)
     if not solid.any():
@@ -123,6 +125,7 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
         "format": "stage", "source": path.name, "sha256": digest(data), "image": image.name,
         "image_sha256": image_digest,
     }  # fmt: skip
+    # Read the robot and its target.
     robot = _robot(world, includes.notes)
     start = _pose(robot, plan, unit, turn) if robot is not None else None
     speeds = robot.numbers("velocity_bounds") if robot is not None else []
