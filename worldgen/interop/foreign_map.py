@@ -259,11 +259,7 @@ def unix_text(data: bytes) -> bytes:
 
 
 def check_sides(
-    width: int,
-    height: int,
-    *,
-    line: int | None = None,
-    remedy: str = "cut or shrink it",
+    width: int, height: int, *, line: int | None = None, remedy: str = "cut or shrink it"
 ) -> None:
     """Reject sizes that no world may have.
 

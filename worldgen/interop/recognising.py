@@ -93,7 +93,8 @@ def find_format(path: Path, name: str | None = None) -> Format:
 
 def _unknown(suffix: str) -> Message:
     """Return an error for a file of an unreadable format, with a remedy."""
-    written = [name for name in sorted(FORMATS.entry_points()) if _is_only_written(name, suffix)]
+    formats = [(name, FORMATS.get(name)) for name in sorted(FORMATS.entry_points())]
+    written = [name for name, known in formats if known.read is None and suffix in known.suffixes]
     if written:
         problem = "ends in {suffix}, and {formats} can be written but not read"
         return Message(
@@ -110,11 +111,6 @@ def _unknown(suffix: str) -> Message:
         "`worldgen formats` lists the known ones; if it is one of these, name it with --from",
         at_terminal=True,
     )
-
-
-def _is_only_written(name: str, suffix: str) -> bool:
-    known = FORMATS.get(name)
-    return known.read is None and suffix in known.suffixes
 
 
 def _only(found: list[Format], path: Path) -> Format:

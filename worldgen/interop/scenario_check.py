@@ -208,9 +208,7 @@ def _solve(
         return replace(report, misfit=count, fault=fault)
     if max(width * height, problems.size[0] * problems.size[1]) > _MOST_CELLS:
         return replace(
-            report,
-            misfit=count,
-            fault=f"more than {_MOST_CELLS} cells, the limit for solving",
+            report, misfit=count, fault=f"more than {_MOST_CELLS} cells, the limit for solving"
         )
     if problems.size != (width, height):
         terrain = _scaled(terrain, *problems.size)

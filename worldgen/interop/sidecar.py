@@ -93,9 +93,6 @@ def sidecar_text(
 def read_sidecar(path: Path) -> Sidecar | None:
     """Return the sidecar next to a file, or None if there is none.
 
-    Args:
-        path: The map's file.
-
     Raises:
         FormatError: If it isn't a sidecar, with the line at fault.
     """

@@ -164,12 +164,7 @@ def _state(table: YamlTable, key: str, low: tuple[Fraction, Fraction]) -> tuple[
 
 
 def write_dbcbs(world: World, destination: Destination) -> Exported:
-    """Return a problem with a unicycle robot for each of the world's.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
-    """
+    """Return a problem with a unicycle robot for each of the world's."""
     altered: dict[str, str] = {}
     for robot in world.robots:
         if robot.radius != _SPHERE:

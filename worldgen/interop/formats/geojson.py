@@ -27,20 +27,12 @@ def write_geojson(world: World, destination: Destination) -> Exported:
 
     Its features are ``walls``, ``border``, ``start``, ``target``, and a ``change`` for every event.
 
-    Args:
-        world: Any world.
-        destination: Where the file is written.
-
     Raises:
         InvalidWorld: If the coordinates need more than 64 bits.
     """
     document = {
         "type": "FeatureCollection",
-        "worldgen": {
-            "frame": "local",
-            "units": "m",
-            **held_values(world, destination),
-        },
+        "worldgen": {"frame": "local", "units": "m", **held_values(world, destination)},
         "features": list(_features(world, destination)),
     }
     return Exported({destination.name: _text(document)})

@@ -14,13 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import (
-    GRID_AGENT,
-    ForeignMap,
-    check_sides,
-    digest,
-    read_bounded,
-)
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, end_cells, text_rows
 from worldgen.support.rows import flip_rows
@@ -92,7 +86,10 @@ def read_minigrid(
     start = (
         None
         if not agents
-        else (*_centre(agents[0], len(rows), cell_size), _heading(drawn, agents[0]))
+        else (
+            *_centre(agents[0], len(rows), cell_size),
+            _HEADINGS[drawn[tuple(agents[0])].tobytes()],
+        )
     )
     target = _centre(goals[0], len(rows), cell_size) if goals else None
     params: dict[str, Value] = {
@@ -124,10 +121,6 @@ def _agents(drawn: npt.NDArray[np.uint8]) -> list[list[int]]:
     return found
 
 
-def _heading(drawn: npt.NDArray[np.uint8], at: list[int]) -> float:
-    return _HEADINGS[drawn[at[0], at[1]].tobytes()]
-
-
 def _centre(at: list[int], height: int, cell_size: float) -> tuple[float, float]:
     return cell_centre(at[1], height - 1 - at[0], cell_size)
 
@@ -143,12 +136,7 @@ def _notes(counts: dict[str, int], taken: dict[str, str]) -> list[str]:
 
 
 def write_minigrid(world: World, destination: Destination) -> Exported:
-    """Write a printed grid of grey walls, one agent and one green goal, the top row first.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
-    """
+    """Write a printed grid of grey walls, one agent and one green goal, the top row first."""
     # Draw floor and walls.
     walls = flip_rows(world.walls)
     cells = np.empty((*walls.shape, 2), np.uint8)
@@ -161,10 +149,7 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
         _HEADINGS, key=lambda word: abs(math.remainder(turned - _HEADINGS[word], 2 * math.pi))
     )
     # The agent is drawn on top.
-    for name, (column, row), word in (
-        ("target", target, _GOAL),
-        ("start", start, nearest),
-    ):
+    for name, (column, row), word in (("target", target, _GOAL), ("start", start, nearest)):
         if walls[row, column]:
             altered[name] = f"the {name} is not drawn, because its cell is solid"
         else:

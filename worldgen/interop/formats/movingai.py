@@ -160,7 +160,7 @@ def _parse(data: bytes) -> npt.NDArray[np.uint8]:
     # Some programs write the width first. Each number has its name, so both orders are accepted.
     first, second = (
         ("height", "width")
-        if lines[1:2] and not _has_key(lines[1], "width")
+        if lines[1:2] and lines[1].lower().split()[:1] != [b"width"]
         else ("width", "height")
     )
     sizes = {key: _size(_words(lines, at, key), key, at) for at, key in ((2, first), (3, second))}
@@ -170,10 +170,6 @@ def _parse(data: bytes) -> npt.NDArray[np.uint8]:
     if len(lines) < 4 or lines[3].lower().split() != [b"map"]:
         _expect(lines, 4, "map")
     return _rows(head[4] if len(head) > 4 else b"", width, height)
-
-
-def _has_key(line: bytes, key: str) -> bool:
-    return line.lower().split()[:1] == [key.encode()]
 
 
 def _words(lines: list[bytes], number: int, key: str) -> bytes:
@@ -214,11 +210,30 @@ def _rows(body: bytes, width: int, height: int) -> npt.NDArray[np.uint8]:
     # size.
     rows = [row.rstrip() for row in body.split(b"\n", height)]
     rest = rows.pop() if len(rows) > height else b""
+    # Of an empty last row, only the line end before it was there.
+    if rows and not rows[-1]:
+        rows.pop()
     for index, row in enumerate(rows):
         if len(row) != width:
-            _wrong_row(row, index, len(rows), width, height)
+            _check_characters(row, index)
+            raise FormatError(
+                "ragged-rows",
+                "a row of {cells} cells; the header has width {width}; every row has that many "
+                "cells",
+                "perhaps its width and height are swapped" if len(row) == height else "",
+                cells=len(row),
+                width=width,
+                line=_FIRST_ROW + index,
+            )
     if len(rows) < height:
-        _too_few(len(rows), height)
+        raise FormatError(
+            "wrong-size",
+            "{rows} rows; the header has height {height}",
+            "add the missing rows or correct the header",
+            rows=len(rows),
+            height=height,
+            line=_FIRST_ROW + len(rows),
+        )
     if rest.strip():
         raise FormatError(
             "wrong-size",
@@ -229,48 +244,23 @@ def _rows(body: bytes, width: int, height: int) -> npt.NDArray[np.uint8]:
         )
     cells = _TABLE[np.frombuffer(b"".join(rows), np.uint8).reshape(height, width)]
     if (cells == _BAD).any():
-        row_index, column = divmod(int(np.argmax(cells == _BAD)), width)
-        _wrong_character(rows[row_index], row_index, column)
+        index = int(np.argmax(cells == _BAD)) // width
+        _check_characters(rows[index], index)
     return cells
 
 
-def _wrong_row(row: bytes, index: int, count: int, width: int, height: int) -> NoReturn:
-    # Only the last line end was split off.
-    if not row and index == count - 1:
-        _too_few(index, height)
+def _check_characters(row: bytes, index: int) -> None:
     strange = np.flatnonzero(_TABLE[np.frombuffer(row, np.uint8)] == _BAD)
     if len(strange):
-        _wrong_character(row, index, int(strange[0]))
-    raise FormatError(
-        "ragged-rows",
-        "a row of {cells} cells; the header has width {width}; every row has that many cells",
-        "perhaps its width and height are swapped" if len(row) == height else "",
-        cells=len(row),
-        width=width,
-        line=_FIRST_ROW + index,
-    )
-
-
-def _too_few(count: int, height: int) -> NoReturn:
-    raise FormatError(
-        "wrong-size",
-        "{rows} rows; the header has height {height}",
-        "add the missing rows or correct the header",
-        rows=count,
-        height=height,
-        line=_FIRST_ROW + count,
-    )
-
-
-def _wrong_character(row: bytes, index: int, column: int) -> NoReturn:
-    raise FormatError(
-        "unknown-sign",
-        "character {sign!q} at column {column} is not an octile cell",
-        ". G S are passable, @ O T W are blocked",
-        sign=row[column : column + 1],
-        column=column + 1,
-        line=_FIRST_ROW + index,
-    )
+        column = int(strange[0])
+        raise FormatError(
+            "unknown-sign",
+            "character {sign!q} at column {column} is not an octile cell",
+            ". G S are passable, @ O T W are blocked",
+            sign=row[column : column + 1],
+            column=column + 1,
+            line=_FIRST_ROW + index,
+        )
 
 
 @dataclass(frozen=True)

@@ -110,12 +110,7 @@ def _solid(cells: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
 
 
 def write_numpy_map(world: World, destination: Destination) -> Exported:
-    """Return a bool array, True where solid, the top row first.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
-    """
+    """Return a bool array, True where solid, the top row first."""
     stream = io.BytesIO()
     np.lib.format.write_array(
         stream, np.ascontiguousarray(flip_rows(world.walls)), (1, 0), allow_pickle=False

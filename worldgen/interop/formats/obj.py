@@ -24,7 +24,8 @@ def _contents(world: World, destination: Destination, boxes: list[PlacedBox]) ->
 
     The world's other facts are in comments, as TOML.
     """
-    lines = [*_comments(world, destination), "s off"]
+    lines = ["worldgen: m, z up, one closed box per object.", *held_lines(world, destination)]
+    lines = [*(f"# {line}" for line in lines), "s off"]
     for number, box in enumerate(boxes):
         lines += _object(box, 8 * number + 1)
     return ("\n".join(lines) + "\n").encode()
@@ -40,11 +41,6 @@ obj = Format(
     client="CAD and modelling programs, PyBullet",
     usual_robot=FLOOR_ROBOT,
 )
-
-
-def _comments(world: World, destination: Destination) -> Iterator[str]:
-    yield "# worldgen: m, z up, one closed box per object."
-    yield from (f"# {line}" for line in held_lines(world, destination))
 
 
 def _object(box: PlacedBox, first: int) -> Iterator[str]:

@@ -132,10 +132,6 @@ def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
 def write_png(world: World, destination: Destination) -> Exported:
     """Return a grey picture, one pixel per cell, black for solid, with its facts in ``tEXt``.
 
-    Args:
-        world: The world.
-        destination: Where the file is written.
-
     Raises:
         InvalidParameter: If its suffix belongs to another kind of picture.
     """

@@ -239,10 +239,6 @@ def write_pogema(world: World, destination: Destination) -> Exported:
     """Return a map with an agent for each robot, ``a`` to ``A`` and so on, the top row first.
 
     More robots than there are letters make a configuration in YAML.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
     """
     # Choose the form: letters, as far as they go.
     notes: tuple[str, ...] = ()

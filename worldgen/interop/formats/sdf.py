@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from importlib import resources
 from typing import Literal
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
@@ -19,9 +18,9 @@ from worldgen.interop.geometry.placed_boxes import PlacedBox
 from worldgen.interop.geometry.solid_scene import (
     TIMESTEPS,
     Body,
-    events_file,
     numbered,
     plain_name,
+    player_files,
     scene,
 )
 from worldgen.interop.readers.gazebo_world import grid_line
@@ -130,16 +129,11 @@ def write_sdf(
         "</sdf>",
     ]
     # Add the player if something changes.
-    files = {destination.name: ("\n".join(lines) + "\n").encode()}
-    notes = []
-    if parts.bodies:
-        script = destination.sibling_file("_player.py")
-        table = destination.sibling_file("_events.json")
-        files[script] = (
-            resources.files("worldgen.interop").joinpath("players", "gazebo_player.py").read_bytes()
-        )
-        files[table] = events_file(destination.name, parts.bodies, height, world=name)
-        notes.append(f"{script} moves the cells that change, because a world file has no events")
+    player = player_files(destination, "gazebo_player.py", parts.bodies, height, name)
+    notes = [
+        f"{script} moves the cells that change, because a world file has no events"
+        for script in [*player][:1]
+    ]
     # Many boxes make Gazebo slow.
     boxes = len(parts.still) + len(parts.bodies)
     if boxes > _MANY:
@@ -147,7 +141,9 @@ def write_sdf(
             f"{boxes} boxes: Gazebo falls behind real time; doubling the boxes makes a step take "
             f"four times as long"
         )
-    return Exported(files, notes=tuple(notes))
+    return Exported(
+        {destination.name: ("\n".join(lines) + "\n").encode(), **player}, notes=tuple(notes)
+    )
 
 
 def _head(world: World, destination: Destination, timestep: float) -> Iterator[str]:

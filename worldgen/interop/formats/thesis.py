@@ -54,7 +54,9 @@ def write_thesis_map(
     _check_shape(world)
     column, row = _target_cell(world)
     values = signal(flip_rows(world.walls), (column, row))
-    if noise == "on" or (noise == "as-imported" and _had_noise(world)):
+    made = world.provenance
+    had_noise = made is not None and made.family == "import" and made.params.get("noise") is True
+    if noise == "on" or (noise == "as-imported" and had_noise):
         values = filtered(values, (column, row))
     why = unloadable(world.width)
     altered = dict(_altered(world, column, row))
@@ -71,11 +73,6 @@ thesis = Format(
     holds=frozenset({"start", "heading", "target", "target_radius", "robot_radius", "robot_speed"}),
     client="the thesis's simulator",
 )
-
-
-def _had_noise(world: World) -> bool:
-    made = world.provenance
-    return made is not None and made.family == "import" and made.params.get("noise") is True
 
 
 def _check_shape(world: World) -> None:

@@ -16,12 +16,7 @@ from typing import Literal
 
 from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap
 from worldgen.interop.format import HELD, Destination, Format, decimal_text, held_lines
-from worldgen.interop.geometry.placed_boxes import (
-    BOX_CORNERS,
-    BOX_TRIANGLES,
-    PlacedBox,
-    box_writer,
-)
+from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, PlacedBox, box_writer
 from worldgen.interop.readers.mesh_slice import Plane, read_slice
 from worldgen.world import World
 
@@ -31,14 +26,7 @@ _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _OWN = "urn:worldgen:3mf"
 _PACKAGE = "http://schemas.openxmlformats.org/package/2006"
 # The earliest time that an archive can store, so that the bytes do not depend on the clock.
-_EPOCH = (
-    1980,
-    1,
-    1,
-    0,
-    0,
-    0,
-)
+_EPOCH = (1980, 1, 1, 0, 0, 0)
 _TYPES = (
     f'<?xml version="1.0" encoding="UTF-8"?>\n<Types xmlns="{_PACKAGE}/content-types">'
     f'<Default Extension="rels" '

@@ -160,12 +160,7 @@ def _point(
 
 
 def write_tiled(world: World, destination: Destination) -> Exported:
-    """Return a map with a layer of tiles and one of objects, and the picture of its one tile.
-
-    Args:
-        world: The world.
-        destination: Where the map is written.
-    """
+    """Return a map with a layer of tiles and one of objects, and the picture of its one tile."""
     picture = destination.sibling_file("-tile.png")
     made = {
         "compressionlevel": -1, "height": world.height, "infinite": False,

@@ -18,10 +18,6 @@ __all__ = ["wkt", "write_wkt"]
 def write_wkt(world: World, destination: Destination) -> Exported:
     """Return one MULTIPOLYGON on one line, coordinates as exact decimals.
 
-    Args:
-        world: A static world.
-        destination: Where the file is written.
-
     Raises:
         InvalidWorld: If the coordinates need more than 64 bits.
     """

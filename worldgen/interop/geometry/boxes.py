@@ -75,10 +75,7 @@ def _lines(padded: _Bools) -> _Lines:
     inside = np.zeros((height - 1, width + 1), np.int8)
     inside[:, 1:] = padded[:-1] & padded[1:]
     # x counts padded cells, so it is one more than that of the left corner.
-    edges = np.diff(
-        inside,
-        axis=1,
-    )
+    edges = np.diff(inside, axis=1)
     y, begin = np.nonzero(edges == 1)
     return _Lines(y, begin - 1, np.nonzero(edges == -1)[1] - 1)
 

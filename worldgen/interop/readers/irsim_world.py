@@ -68,10 +68,10 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
         raise FormatError(
             "missing-key", "world is missing; an IR-SIM world has `world:` with width and height"
         )
-    world = top.tables("world")[0] if not top.is_null("world") else None
+    world = YamlTable() if top.is_null("world") else top.tables("world")[0]
     # Collect the walls.
-    scene = _IrsimScene(_length(world, "width"), _length(world, "height"), _corner(world))
-    if world is not None and "obstacle_map" in world and not world.is_null("obstacle_map"):
+    scene = _IrsimScene(_length(world, "width"), _length(world, "height"), _point(world, "offset"))
+    if "obstacle_map" in world and not world.is_null("obstacle_map"):
         scene.image = _picture(world, path, threshold)
     for table in _tables(top, "obstacle"):
         _add_obstacles(scene, table)
@@ -92,17 +92,17 @@ def _tables(table: YamlTable, key: str) -> list[YamlTable]:
     return table.tables(key) if key in table and not table.is_null(key) else []
 
 
-def _word(table: YamlTable | None, key: str, default: str) -> str:
-    return default if table is None or key not in table or table.is_null(key) else table.word(key)
+def _word(table: YamlTable, key: str, default: str) -> str:
+    return default if key not in table or table.is_null(key) else table.word(key)
 
 
-def _fraction(table: YamlTable | None, key: str, default: Fraction) -> Fraction:
-    return default if table is None or key not in table else table.fraction(key)
+def _fraction(table: YamlTable, key: str, default: Fraction) -> Fraction:
+    return default if key not in table else table.fraction(key)
 
 
-def _length(table: YamlTable | None, key: str, default: Fraction = _SIZE) -> Fraction:
+def _length(table: YamlTable, key: str, default: Fraction = _SIZE) -> Fraction:
     value = _fraction(table, key, default)
-    if table is not None and key in table and not 0 < value < 10**9:
+    if key in table and not 0 < value < 10**9:
         raise FormatError(
             "not-positive",
             "{key} is {value:g}; it must be a length above 0 m",
@@ -113,13 +113,12 @@ def _length(table: YamlTable | None, key: str, default: Fraction = _SIZE) -> Fra
     return value
 
 
-def _corner(world: YamlTable | None) -> tuple[Fraction, Fraction]:
-    if world is None or "offset" not in world:
-        return Fraction(0), Fraction(0)
-    rows = world.rows("offset")
-    if len(rows) != 1 or len(rows[0]) != 2:
+def _point(table: YamlTable, key: str) -> tuple[Fraction, Fraction]:
+    """Return the two numbers of a key; 0 and 0 if it is missing."""
+    rows = table.rows(key) if key in table else [[Fraction(0), Fraction(0)]]
+    if len(rows[0]) != 2 or (key == "offset" and len(rows) != 1):
         raise FormatError(
-            "wrong-type", "offset must be two numbers, [x m, y m]", line=world.line_of("offset")
+            "wrong-type", f"{key} must be two numbers, [x m, y m]", line=table.line_of(key)
         )
     return rows[0][0], rows[0][1]
 
@@ -194,7 +193,7 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
         return
     # Add one shape after another.
     states = table.rows("state") if "state" in table else [_STATE]
-    shapes: list[YamlTable | None] = [*_tables(table, "shape")] or [None]
+    shapes = _tables(table, "shape") or [YamlTable()]
     flat = len(states) == 1
     for index in range(min(number, max(len(states), len(shapes)))):
         state = states[0] if flat else states[min(index, len(states) - 1)]
@@ -211,28 +210,28 @@ def _placing(table: YamlTable) -> str:
 
 
 def _add_shape(
-    scene: _IrsimScene, owner: YamlTable, shape: YamlTable | None, state: list[Fraction]
+    scene: _IrsimScene, owner: YamlTable, shape: YamlTable, state: list[Fraction]
 ) -> None:
     """Add one shape at a state, or the parts of a compound shape one after another."""
     # The shape's name decides how it is read.
     x, y, heading = (*state, Fraction(0))[:3]
     at = (x - scene.corner[0], y - scene.corner[1])
-    name = "circle" if shape is None else _word(shape, "name", "circle")
-    if shape is not None and _word(shape, "random_shape", "false").lower() == "true":
+    name = _word(shape, "name", "circle")
+    if _word(shape, "random_shape", "false").lower() == "true":
         scene.unread.append(f"the obstacle at line {shape.line}, with a random shape")
     elif name == "circle":
-        radius = Fraction(1) if shape is None else _length(shape, "radius", Fraction(1, 5))
-        middle = _middle(shape)
-        scene.shapes.disc(middle, radius, at, heading)
-    elif shape is not None and name == "rectangle":
+        usual = Fraction(1, 5) if _tables(owner, "shape") else Fraction(1)
+        radius = _length(shape, "radius", usual)
+        scene.shapes.disc(_point(shape, "center"), radius, at, heading)
+    elif name == "rectangle":
         half = _length(shape, "length", Fraction(1)) / 2, _length(shape, "width", Fraction(1)) / 2
         back = (
             half[0] if "wheelbase" not in shape else (2 * half[0] - shape.fraction("wheelbase")) / 2
         )
         scene.shapes.outline(_corners(-back, -half[1], 2 * half[0] - back, half[1]), at, heading)
-    elif shape is not None and name in ("polygon", "linestring") and "vertices" in shape:
+    elif name in ("polygon", "linestring") and "vertices" in shape:
         scene.shapes.outline(_vertices(shape), at, heading, closed=name == "polygon")
-    elif shape is not None and name == "compound":
+    elif name == "compound":
         _add_parts(scene, owner, shape, (x, y, heading))
     else:
         raise FormatError(
@@ -241,19 +240,6 @@ def _add_shape(
             shape=name,
             line=owner.line_of("shape"),
         )
-
-
-def _middle(shape: YamlTable | None) -> tuple[Fraction, Fraction]:
-    rows = (
-        shape.rows("center")
-        if shape is not None and "center" in shape
-        else [[Fraction(0), Fraction(0)]]
-    )
-    if shape is not None and len(rows[0]) != 2:
-        raise FormatError(
-            "wrong-type", "center must be two numbers, [x m, y m]", line=shape.line_of("center")
-        )
-    return rows[0][0], rows[0][1]
 
 
 def _vertices(shape: YamlTable) -> list[tuple[Fraction, Fraction]]:

@@ -47,9 +47,6 @@ _RECORDS = {
 def read_ints(data: bytes) -> Ints:
     """Return the numbers of a stream that contains nothing else.
 
-    Args:
-        data: The file's bytes.
-
     Returns:
         (n,) int32.
 
@@ -153,12 +150,13 @@ def write_ints(values: npt.NDArray[np.integer]) -> bytes:
         values: Numbers of at most 32 bits, in the order of writing.
     """
     payload = values.astype(">i4").tobytes()
-    blocks = (payload[at : at + _BLOCK] for at in range(0, len(payload), _BLOCK))
-    return _HEADER + b"".join(_block_head(len(block)) + block for block in blocks)
-
-
-def _block_head(length: int) -> bytes:
-    return bytes([_SHORT, length]) if length <= 255 else bytes([_LONG]) + length.to_bytes(4, "big")
+    stream = bytearray(_HEADER)
+    for at in range(0, len(payload), _BLOCK):
+        block = payload[at : at + _BLOCK]
+        short = len(block) <= 255
+        stream.append(_SHORT if short else _LONG)
+        stream += len(block).to_bytes(1 if short else 4, "big") + block
+    return bytes(stream)
 
 
 def stream_bytes(count: int) -> int:

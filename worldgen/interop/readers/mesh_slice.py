@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -192,18 +192,30 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     size = held.get("size") if held.get("cell_size") == cell_size else None
     origin, width, height = _frame(vertices, cell_size, held.get("origin"), size)
     solid = _cells(section, cell_size, origin, width, height)
-    return _map(path, mesh, solid, cell_size, origin, _Told(plane, held, floors, bodies, vertices))
+    params: dict[str, Value] = {
+        "format": mesh.kind,
+        "source": path.name,
+        "sha256": digest(mesh.sha_data),
+        "slice_height": plane.height,
+        "floor": plane.floor,
+        "up": plane.up,
+    }
+    found = ForeignMap(solid, cell_size, params, origin=origin)
+    if not held:
+        notes = _notes(plane, floors, bodies, mesh.left_out)
+        return replace(found, notes=notes, warnings=_warnings(vertices))
 
-
-@dataclass(frozen=True)
-class _Told:
-    """The plane of a cut, the facts that the file holds, and those for the notes."""
-
-    plane: Plane
-    held: dict[str, Any]
-    floors: list[float]
-    bodies: Bodies
-    vertices: npt.NDArray[np.float64]
+    # A file from worldgen may have start, target and robot too.
+    start = held.get("start")
+    target = held.get("target")
+    radius = [held["target_radius"]] if "target_radius" in held else []
+    return replace(
+        found,
+        start=None if start is None else (*start, held.get("heading", 0.0)),
+        target=None if target is None else (*target, *radius),
+        robot_radius=held.get("robot_radius"),
+        robot_speed=held.get("robot_speed"),
+    )
 
 
 def _as_written(mesh: RawMesh, plane: Plane) -> bool:
@@ -291,9 +303,7 @@ def _frame(
     high = [math.ceil(value - slack) for value in ends[1].tolist()]
     width, height = (max(b - a, 1) for a, b in zip(low, high, strict=True))
     check_sides(
-        width,
-        height,
-        remedy="give larger cells, or the file's unit if it is not the metre",
+        width, height, remedy="give larger cells, or the file's unit if it is not the metre"
     )
     return (float(low[0] * cell), float(low[1] * cell)), width, height
 
@@ -315,46 +325,7 @@ def _cells(
     return paint(in_cells, width, height, _slack(furthest))
 
 
-def _map(
-    path: Path,
-    mesh: RawMesh,
-    solid: npt.NDArray[np.bool_],
-    cell_size: float,
-    origin: tuple[float, float],
-    told: _Told,
-) -> ForeignMap:
-    plane = told.plane
-    held = told.held
-    params: dict[str, Value] = {
-        "format": mesh.kind,
-        "source": path.name,
-        "sha256": digest(mesh.sha_data),
-        "slice_height": plane.height,
-        "floor": plane.floor,
-        "up": plane.up,
-    }
-    start = held.get("start")
-    target = held.get("target")
-    return ForeignMap(
-        solid,
-        cell_size,
-        params,
-        () if held else _notes(told, mesh.left_out),
-        () if held else _warnings(told),
-        start=None if start is None else (*start, held.get("heading", 0.0)),
-        target=None
-        if target is None
-        else (*target, *([held["target_radius"]] if "target_radius" in held else [])),
-        robot_radius=held.get("robot_radius"),
-        robot_speed=held.get("robot_speed"),
-        origin=origin,
-    )
-
-
-def _notes(told: _Told, left_out: int) -> tuple[str, ...]:
-    plane = told.plane
-    floors = told.floors
-    bodies = told.bodies
+def _notes(plane: Plane, floors: list[float], bodies: Bodies, left_out: int) -> tuple[str, ...]:
     level = floors[plane.floor]
     notes = [
         f"cut {plane.height:g} m above the floor at {level:g} m; parts that end below it or begin "
@@ -378,8 +349,8 @@ def _notes(told: _Told, left_out: int) -> tuple[str, ...]:
     return (*notes, "everything beyond these cells is solid")
 
 
-def _warnings(told: _Told) -> tuple[str, ...]:
-    sides = (told.vertices.max(axis=0) - told.vertices.min(axis=0)).tolist()
+def _warnings(vertices: npt.NDArray[np.float64]) -> tuple[str, ...]:
+    sides = (vertices.max(axis=0) - vertices.min(axis=0)).tolist()
     if _ODD_SIDES[0] <= max(sides[:2]) <= _ODD_SIDES[1]:
         return ()
     return (

@@ -55,9 +55,6 @@ class XmlElement:
 def read_xml(data: bytes) -> XmlElement:
     """Return the root of a file.
 
-    Args:
-        data: The file.
-
     Raises:
         FormatError: If it isn't well-formed XML, declares a document type, or is nested too deep.
     """

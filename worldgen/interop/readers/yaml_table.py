@@ -46,16 +46,16 @@ class YamlTable:
     Its methods raise an error with the line if a value has another form.
 
     Args:
-        node: The mapping.
+        node: The mapping; an empty one if omitted.
 
     Raises:
         FormatError: If a key is given twice.
     """
 
-    def __init__(self, node: yaml.MappingNode) -> None:
-        self.line = node.start_mark.line + 1
+    def __init__(self, node: yaml.MappingNode | None = None) -> None:
+        self.line = 1 if node is None else node.start_mark.line + 1
         self._entries: dict[str, _Entry] = {}
-        for key, value in node.value:
+        for key, value in () if node is None else node.value:
             line = key.start_mark.line + 1
             name = key.value if isinstance(key, yaml.ScalarNode) else "a list or mapping"
             if name in self._entries:
