@@ -20,8 +20,8 @@ from worldgen.interop import (
     export_world,
     import_world,
 )
+from worldgen.interop.formats.thesis import MAX_SIZE, filtered, read_thesis_map, signal
 from worldgen.interop.readers.java_stream import read_ints, write_ints
-from worldgen.interop.readers.thesis_map import MAX_SIZE, filtered, read_thesis_map, signal
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
 

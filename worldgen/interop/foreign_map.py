@@ -100,7 +100,7 @@ class ForeignMap:
     Args:
         walls: (height, width) bool, True is solid; row 0 is the lowest y.
         cell_size: Side of a cell, m.
-        params: Provenance of the source: file, format, digests, origin, ...
+        params: Provenance beyond the file's format, name and digest, which the importer records.
         notes: Sentences worth knowing.
         warnings: Sentences about likely mistakes.
         world: The world, if the format stores a complete one.
@@ -174,6 +174,7 @@ def names_its_file(
     return named
 
 
+@names_its_file
 def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     """Return a file's bytes.
 
@@ -181,29 +182,25 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
         FormatError: If it is missing, unreadable, not a regular file, or larger than ``limit``
             bytes.
     """
-    with naming(path):
-        try:
-            if not stat.S_ISREG(path.stat().st_mode):
-                raise FormatError(
-                    "not-a-regular-file", "is not a regular file", "give the map file itself"
-                )
-            with path.open("rb") as stream:
-                data = stream.read(limit + 1)
-        except FormatError:
-            raise
-        # ValueError means that the name contains a NUL.
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or error
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
             raise FormatError(
-                "unreadable", "cannot be read: {reason}", "check the name", reason=reason
-            ) from error
-        if len(data) > limit:
-            raise FormatError(
-                "too-large",
-                "is larger than {most} bytes",
-                "cut a smaller map out of it",
-                most=limit,
+                "not-a-regular-file", "is not a regular file", "give the map file itself"
             )
+        with path.open("rb") as stream:
+            data = stream.read(limit + 1)
+    except FormatError:
+        raise
+    # ValueError means that the name contains a NUL.
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", "check the name", reason=reason
+        ) from error
+    if len(data) > limit:
+        raise FormatError(
+            "too-large", "is larger than {most} bytes", "cut a smaller map out of it", most=limit
+        )
     return data
 
 

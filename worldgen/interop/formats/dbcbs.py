@@ -19,7 +19,6 @@ from worldgen.interop.foreign_map import (
     ForeignMap,
     ForeignRobot,
     check_sides,
-    digest,
     read_bounded,
 )
 from worldgen.interop.format import Destination, Exported, Format, decimal, decimal_text
@@ -28,7 +27,7 @@ from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_siz
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
-from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = ["dbcbs", "read_dbcbs", "write_dbcbs"]
 
@@ -96,9 +95,8 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     if any(robot.radius == _COVERED_BOX for robot in found):
         notes.append("robots that are boxes are covered by discs of 0.28 m")
     first = found[0]
-    params: dict[str, Value] = {"format": "dbcbs", "source": path.name, "sha256": digest(data)}
     return ForeignMap(
-        raster.solid, float(size), params, tuple(notes),
+        raster.solid, float(size), notes=tuple(notes),
         start=first.start, target=first.target, robot_radius=first.radius, robot_speed=_SPEED,
         origin=(float(low[0]), float(low[1])), others=tuple(found[1:]),
     )  # fmt: skip

@@ -19,14 +19,13 @@ from worldgen.interop.foreign_map import (
     GRID_AGENT,
     ForeignMap,
     check_sides,
-    digest,
     read_bounded,
     unix_text,
 )
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.support.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = ["micromouse", "read_micromouse", "write_micromouse"]
 
@@ -91,8 +90,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
         if goals < 2
         else (f"there are {goals} goals; the target is the first, row by row from the top",)
     )
-    params: dict[str, Value] = {"format": "micromouse", "source": path.name, "sha256": digest(data)}
-    return ForeignMap(flip_rows(walls), cell_size, params, notes, start=places[0], target=places[1])
+    return ForeignMap(flip_rows(walls), cell_size, notes=notes, start=places[0], target=places[1])
 
 
 def _parts(line: bytes, row: int) -> list[tuple[bool, str]]:

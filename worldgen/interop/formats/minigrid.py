@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, end_cells, text_rows
 from worldgen.support.rows import flip_rows
@@ -92,9 +92,7 @@ def read_minigrid(
         )
     )
     target = _centre(goals[0], len(rows), cell_size) if goals else None
-    params: dict[str, Value] = {
-        "format": "minigrid", "source": path.name, "sha256": digest(data), "doors": doors, "things": things,
-    }  # fmt: skip
+    params: dict[str, Value] = {"doors": doors, "things": things}
     return ForeignMap(flip_rows(solid), cell_size, params, tuple(notes), start=start, target=target)
 
 

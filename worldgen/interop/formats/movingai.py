@@ -22,7 +22,6 @@ from worldgen.interop.foreign_map import (
     GRID_AGENT,
     ForeignMap,
     check_sides,
-    digest,
     names_its_file,
     read_bounded,
     unix_text,
@@ -32,7 +31,7 @@ from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.lattice import exact, radius_in_cells
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = [
     "BLOCKED",
@@ -88,9 +87,7 @@ def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     """
     data = read_bounded(path)
     walls = flip_rows(_parse(data) != GROUND)
-    params: dict[str, Value] = {"format": "movingai", "source": path.name, "sha256": digest(data)}
-    found = ForeignMap(walls, cell_size, params)
-    return _with_only_problem(found, path)
+    return _with_only_problem(ForeignMap(walls, cell_size), path)
 
 
 def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:

@@ -16,10 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.support.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = ["npy", "read_numpy_map", "write_numpy_map"]
 
@@ -81,8 +81,7 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
         )
     # Arrays may be stored by columns.
     cells = np.frombuffer(body, kind).reshape((height, width), order="F" if by_columns else "C")
-    params: dict[str, Value] = {"format": "npy", "source": path.name, "sha256": digest(data)}
-    return ForeignMap(flip_rows(_solid(cells)), cell_size, params)
+    return ForeignMap(flip_rows(_solid(cells)), cell_size)
 
 
 def _header(

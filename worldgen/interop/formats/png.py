@@ -12,7 +12,7 @@ import numpy.typing as npt
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.readers.grey_image import GreyImage, read_grey_image, walls_png
 from worldgen.interop.readers.places_text import (
@@ -84,9 +84,7 @@ def read_picture(
                 f"{path.with_suffix(ending).name} next to it may be the map that has scale and "
                 f"origin"
             )
-    params: dict[str, Value] = {
-        "format": "png", "source": path.name, "sha256": digest(data), "threshold": threshold, "background": background,
-    }  # fmt: skip
+    params: dict[str, Value] = {"threshold": threshold, "background": background}
     return ForeignMap(
         flip_rows(walls), cell_size or own_size or DEFAULT_CELL_SIZE, params, tuple(notes), origin=origin,
         start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,

@@ -22,7 +22,6 @@ from worldgen.interop.foreign_map import (
     GRID_AGENT,
     ForeignMap,
     ForeignRobot,
-    digest,
     read_bounded,
     unix_text,
 )
@@ -140,12 +139,7 @@ def read_pogema(
             f"the robot is agent {agent} of {len(starts)}; the others are ignored; --from "
             f"pogema+agents=all reads them all",
         )
-    params: dict[str, Value] = {
-        "format": "pogema",
-        "source": path.name,
-        "sha256": digest(data),
-        "agent": agent,
-    }
+    params: dict[str, Value] = {"agent": agent}
     if task.map_name is not None:
         params["map_name"] = task.map_name
     return ForeignMap(

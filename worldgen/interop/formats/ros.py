@@ -19,7 +19,7 @@ import numpy.typing as npt
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import check_choice
-from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap, digest, read_bounded, sibling_file
+from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap, read_bounded, sibling_file
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_picture_file
 from worldgen.interop.readers.places_text import (
@@ -125,9 +125,12 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
         )
     # Record where the map came from.
     params: dict[str, Value] = {
-        "format": "ros", "source": path.name, "sha256": digest(text), "image": metadata.image.name,
-        "image_sha256": image_digest, "mode": metadata.mode, "origin": [x, y], "unknown": unknown,
-    }  # fmt: skip
+        "image": metadata.image.name,
+        "image_sha256": image_digest,
+        "mode": metadata.mode,
+        "origin": [x, y],
+        "unknown": unknown,
+    }
     params |= {"yaw": metadata.yaw} if metadata.yaw != 0.0 else {}
     warnings = tuple(_warnings(image, metadata))
     places = metadata.places or Places()

@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, unix_text
+from worldgen.interop.foreign_map import ForeignMap, check_sides, read_bounded, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.support.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = [
     "cell_centre",
@@ -70,11 +70,9 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     # Find start and target.
     start = _place(drawn, _START, "start", cell_size)
     target = _place(drawn, _TARGET, "target", cell_size)
-    params: dict[str, Value] = {"format": "text", "source": path.name, "sha256": digest(data)}
     return ForeignMap(
         flip_rows(cells == 1),
         cell_size,
-        params,
         start=None if start is None else (*start, 0.0),
         target=None if target is None else (*target, lattice_to_metres(UNIT // 2, cell_size)),
     )

@@ -20,7 +20,7 @@ import numpy as np
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format
 from worldgen.interop.readers.grey_image import png_bytes
 from worldgen.interop.readers.tiled_parts import (
@@ -93,9 +93,7 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
     scale = exact(size) / checked_number(parsed, "tilewidth")
     start = first_object(layers, _STARTS)
     target = first_object(layers, _TARGETS)
-    params: dict[str, Value] = {
-        "format": "tiled", "source": path.name, "sha256": digest(data), "layer": str(walls_layer["name"]),
-    }  # fmt: skip
+    params: dict[str, Value] = {"layer": str(walls_layer["name"])}
     return ForeignMap(
         walls, size, params, tuple(notes), _warnings(walls),
         start=None if start is None else _start(start, scale, height * exact(size)),

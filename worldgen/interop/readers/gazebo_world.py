@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.geometry.raster import RasterBox, RasterDisc, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
@@ -155,12 +155,7 @@ def read_gazebo_world(
     walls, notes = _cells(scene, frame, inner=raster == "inner")
     if own is None:
         notes.append("everything beyond these cells is solid here, but open ground in Gazebo")
-    params: dict[str, Value] = {
-        "format": "barn",
-        "source": path.name,
-        "sha256": digest(data),
-        "raster": raster,
-    }
+    params: dict[str, Value] = {"raster": raster}
     # Find start, target and robot.
     start, target = _ends(scene, frame, barn=barn and own is None, ours=own is not None)
     radius = None

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded, sibling_file
+from worldgen.interop.foreign_map import ForeignMap, read_bounded, sibling_file
 from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.grey_image import read_picture_file
@@ -76,10 +76,10 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
     for table in _tables(top, "obstacle"):
         _add_obstacles(scene, table)
     walls, size = _cells(scene, cell_size)
-    # Record the source, and read the robot.
-    params: dict[str, Value] = {"format": "irsim", "source": path.name, "sha256": digest(data)}
-    if scene.image is not None:
-        params |= {"image": scene.image[1], "image_sha256": scene.image[2]}
+    # Record the picture, and read the robot.
+    params: dict[str, Value] = (
+        {} if scene.image is None else {"image": scene.image[1], "image_sha256": scene.image[2]}
+    )
     robot = _robot(top, scene)
     origin = (float(scene.corner[0]), float(scene.corner[1]))
     return ForeignMap(

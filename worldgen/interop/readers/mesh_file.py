@@ -42,7 +42,6 @@ class RawMesh(NamedTuple):
     """A mesh as stored in its file.
 
     Args:
-        kind: The file's format.
         up: The axis that points up by the format's convention, ``y`` or ``z``.
         vertices: (n, 3) float64, in the file's unit and axes.
         faces: (m, 3) int64.
@@ -50,17 +49,14 @@ class RawMesh(NamedTuple):
             :data:`~worldgen.interop.format.HELD`, and ``size``; empty for other files.
         unit: Metres per unit, if the file gives it.
         left_out: Parts that are not surfaces, such as points and lines.
-        sha_data: The bytes of the file.
     """
 
-    kind: str
     up: str
     vertices: npt.NDArray[np.float64]
     faces: npt.NDArray[np.int64]
     held: dict[str, Any]
     unit: float | None
     left_out: int
-    sha_data: bytes
 
 
 def load_mesh(path: Path, kind: str) -> RawMesh:
@@ -92,7 +88,7 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
             held = _held(data, kind)
         vertices, faces, left_out = _in_one_frame(_loaded(data, kind, path))
     _check_arrays(vertices, faces)
-    return RawMesh(kind, up, vertices, faces, held, unit, left_out, data)
+    return RawMesh(up, vertices, faces, held, unit, left_out)
 
 
 def _check_counts(data: bytes, kind: str) -> None:

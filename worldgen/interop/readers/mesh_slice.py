@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest
+from worldgen.interop.foreign_map import ForeignMap, check_sides
 from worldgen.interop.format import HELD, LENGTHS, PAIRS, fact_numbers
 from worldgen.interop.geometry.section import Bodies, Section, cut, paint, sort_bodies
 from worldgen.lattice import exact
@@ -192,14 +192,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     size = held.get("size") if held.get("cell_size") == cell_size else None
     origin, width, height = _frame(vertices, cell_size, held.get("origin"), size)
     solid = _cells(section, cell_size, origin, width, height)
-    params: dict[str, Value] = {
-        "format": mesh.kind,
-        "source": path.name,
-        "sha256": digest(mesh.sha_data),
-        "slice_height": plane.height,
-        "floor": plane.floor,
-        "up": plane.up,
-    }
+    params: dict[str, Value] = {"slice_height": plane.height, "floor": plane.floor, "up": plane.up}
     found = ForeignMap(solid, cell_size, params, origin=origin)
     if not held:
         notes = _notes(plane, floors, bodies, mesh.left_out)

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, digest, naming, read_bounded, sibling_file
+from worldgen.interop.foreign_map import ForeignMap, naming, read_bounded, sibling_file
 from worldgen.interop.format import radians
 from worldgen.interop.geometry.raster import painted
 from worldgen.interop.readers.grey_image import read_picture_file
@@ -93,7 +93,6 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     """
     # Parse the file and those that it includes.
     includes = _Includes(path)
-    data = read_bounded(path, _MAX_BYTES)
     world = read_stage_file(_text(path), str(path), includes)
     unit, turn = _units(world)
     floor = _floor_plan(world, includes.notes)
@@ -113,10 +112,7 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
         )
     plan = _plan(floor, solid, unit, includes.notes)
     walls, size = _cells(plan, cell_size, includes.notes)
-    params: dict[str, Value] = {
-        "format": "stage", "source": path.name, "sha256": digest(data), "image": image.name,
-        "image_sha256": image_digest,
-    }  # fmt: skip
+    params: dict[str, Value] = {"image": image.name, "image_sha256": image_digest}
     # Read the robot and its target.
     robot = _robot(world, includes.notes)
     start = _pose(robot, plan, unit, turn) if robot is not None else None
