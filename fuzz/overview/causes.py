@@ -27,6 +27,7 @@ class CauseTotals:
         file: File of the world to look at, relative to the campaign's folder; empty if there is
             none.
         failure: The failure in ``file``.
+        original: The failure that ``failure`` was shrunk from, if only natural worlds have it.
         smallest: File of the simplest world; empty if there is none.
         why: The single changes after which the robot of ``file`` arrives; ``None`` if not tried.
         fault: The controller's error in ``file``, and its place: ``mine.py:6: KeyError: 'left'``;
@@ -40,6 +41,7 @@ class CauseTotals:
     natural: int | None = None
     file: str = ""
     failure: Failure | None = None
+    original: Failure | None = None
     smallest: str = ""
     why: Counterfactuals | None = None
     fault: str = ""
@@ -49,6 +51,11 @@ class CauseTotals:
     def met(self) -> int:
         """Number of classified failures of this cause."""
         return sum(self.verdicts.values())
+
+    @property
+    def is_only_shrunk(self) -> bool:
+        """True if only shrinking led to it: no world of the search and no natural world shows it."""
+        return not self.met and not self.natural
 
     def table(self) -> CauseRow:
         """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
