@@ -24,8 +24,10 @@ from fuzz.simplicity import Case
 from fuzz.triage.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of
+from fuzz.triage.repeated_moves import describe_period
 from sim.evidence import FaultEvidence
 from sim.runners.stopping import OutOfTime, stopping_when
+from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 
 __all__ = [
@@ -215,6 +217,7 @@ def _with_worlds(
         file=chosen.file,
         failure=chosen.failure,
         smallest=smallest.file if existing else chosen.file,
+        repeats=_repeats(chosen.failure, is_over) if is_explained else "",
         why=explained(chosen.failure, is_over) if is_explained else None,
         fault=_fault_of(chosen.failure),
         original=chosen.original,
@@ -302,6 +305,17 @@ def _fault_of(failure: Failure) -> str:
     if not isinstance(evidence, FaultEvidence):
         return ""
     return ": ".join(filter(None, (evidence.at, evidence.error)))
+
+
+def _repeats(failure: Failure, is_over: Callable[[], bool] | None) -> str:
+    """Return what the robot of a failure repeats; empty without time to run it."""
+    if failure.verdict != Verdict.LOOP or failure.oracle is not None:
+        return ""
+    try:
+        with stopping_when(is_over or (lambda: False)):
+            return describe_period(failure.world, failure.run())
+    except (WorldgenError, OutOfTime):
+        return ""
 
 
 def explained(

@@ -29,6 +29,7 @@ class CauseTotals:
         failure: The failure in ``file``.
         original: The failure that ``failure`` was shrunk from, if only natural worlds have it.
         smallest: File of the simplest world; empty if there is none.
+        repeats: What its robot repeats, to follow ``it``; empty if it does not loop, or not tried.
         why: The single changes after which the robot of ``file`` arrives; ``None`` if not tried.
         fault: The controller's error in ``file``, and its place: ``mine.py:6: KeyError: 'left'``;
             empty if the controller raised none.
@@ -43,6 +44,7 @@ class CauseTotals:
     failure: Failure | None = None
     original: Failure | None = None
     smallest: str = ""
+    repeats: str = ""
     why: Counterfactuals | None = None
     fault: str = ""
     state: str = ""
@@ -72,6 +74,7 @@ class CauseTotals:
             file=self.file,
             smallest=self.smallest,
             fault=self.fault,
+            repeats=self.repeats,
             why="" if self.why is None else self.why.describe(),
             changes=[] if self.why is None else [vars(change) for change in self.why.changes],
         )

@@ -85,13 +85,7 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
         advice = f"   {cause.cause.sentence} {cause.cause.advice}"
         lines += [f"{number}. {_title(cause, overview.natural)}", advice]
-    more = len(causes) - 1 - _MOST_IN_SHORT
-    if more > 0:
-        names = ", ".join(cause.cause.value for cause in causes[1 + _MOST_IN_SHORT :])
-        lines.append(f"and {counted(more, 'more cause')}: {names}")
-    others = [one for one in overview.causes if one not in causes]
-    if others:
-        lines.append(f"not counted: {'; '.join(map(_uncounted, others))}")
+    lines += _others(overview, causes[1 + _MOST_IN_SHORT :], causes)
     if overview.comparison is not None:
         lines.append(shown(overview.comparison.describe()))
     # Known classes have their own line, and the report lists what was tried.
@@ -104,6 +98,20 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     if _is_open(overview, headline) and headline.lasts:
         lines.append(f"give it more time: worldgen fuzz --resume {folder} --budget 5m")
     return lines
+
+
+def _others(
+    overview: Overview, more: Sequence[CauseTotals], causes: Sequence[CauseTotals]
+) -> list[str]:
+    """Return at most one line, with the names of further causes and of those that do not count."""
+    parts = []
+    if more:
+        names = ", ".join(cause.cause.value for cause in more)
+        parts.append(f"and {counted(len(more), 'more cause')}: {names}")
+    others = [one for one in overview.causes if one not in causes]
+    if others:
+        parts.append(f"not counted: {', '.join(map(_uncounted, others))}")
+    return ["; ".join(parts)] if parts else []
 
 
 def _counted_causes(overview: Overview) -> list[CauseTotals]:
@@ -261,10 +269,11 @@ def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline
     has_file = bool(cause.file) and headline.lasts and not cause.file.startswith(MEMORY)
     if has_file:
         lines.append(f"   worldgen replay {path} --show")
+    known = [cause.repeats, "" if cause.why is None else cause.why.describe()]
     if cause.fault:
         lines.append(f"   {shown(cause.fault)}")
-    elif cause.why is not None:
-        lines.append(f"   In this world it {shown(cause.why.describe())}.")
+    elif any(known):
+        lines.append(f"   In this world it {shown('. It '.join(filter(None, known)))}.")
     elif has_file and cause.cause.severity in _EXPLAINED:
         lines.append(f"   what the failure depends on: worldgen explain {path}")
     return lines

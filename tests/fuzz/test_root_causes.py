@@ -555,7 +555,7 @@ def test_counts_never_contradict_each_other(tmp_path):
     assert "1. pushes-a-wall: none of 8 natural worlds; examined: 1 loop" in lines
     assert "2. wanders: 2 of 8 natural worlds; not met by the search" in lines
     assert (
-        "not counted: stands-still (only in worlds that shrinking made); "
+        "not counted: stands-still (only in worlds that shrinking made), "
         "harmed-by-what-it-cannot-sense (24 burned)"
     ) in lines
 

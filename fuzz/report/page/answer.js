@@ -206,15 +206,16 @@ function causeItem(cause, answer, failure, first) {
     ),
     el("p", {}, `${cause.sentence} ${cause.advice}`),
     cause.fault ? el("p", { class: "why" }, el("code", {}, cause.fault)) : null,
-    whyPart(cause, first && failure),
+    whyPart(cause, failure, first),
     first && failure ? commandPart(failure) : null,
   );
 }
 
 // What no change explains has no sentence; where the campaign had no time for it, a command makes up for that.
-function whyPart(cause, failure) {
-  if (cause.why) return el("p", { class: "why" }, `In its example it ${cause.why}.`);
-  if (!failure || !EXPLAINED.has(cause.severity)) return null;
+function whyPart(cause, failure, first) {
+  const known = [cause.repeats || (failure ? failure.repeats : ""), cause.why].filter(Boolean);
+  if (known.length) return el("p", { class: "why" }, `In its example it ${known.join(". It ")}.`);
+  if (!failure || !first || !EXPLAINED.has(cause.severity)) return null;
   return el("p", { class: "why" }, "What it depends on: ", el("code", {}, failure.explain));
 }
 
