@@ -6,6 +6,7 @@ which touch, and by how much.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -79,7 +80,12 @@ def describe_period(world: World, episode: Episode) -> str:
     moves = list(_moves(world, trace, first, last))
     begin = f"repeats {counted(loop.period, 'step')} ({duration}): "
     if len(moves) <= _MOST_MOVES:
-        return begin + "; ".join(_describe(move, world.robot_radius) for move in moves)
+        told = [_describe(move, world.robot_radius) for move in moves]
+        # Moves may recur while the controller's memory differs.
+        parts = [(words, len(list(same))) for words, same in itertools.groupby(told)]
+        return begin + "; ".join(
+            words if count == 1 else f"{words}, {count} times" for words, count in parts
+        )
     return begin + _summary(world, trace, first, last)
 
 

@@ -274,6 +274,7 @@ interface ReportCampaign {
   motion: string;
   seed: string;
   units: number;
+  units_cut: number;
   worlds: number;
   steps: number;
   seconds: number;

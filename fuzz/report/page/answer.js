@@ -33,6 +33,9 @@ const COLOURS = {
 // What can depend on a wall or a number; an error of the controller or a rule of the user's does not.
 const EXPLAINED = new Set(["through-walls", "harmed", "never-arrives", "too-slow"]);
 
+// Causes that are described; the names of the others follow. The first has its example too, so that all fits a screen.
+const MOST_SHOWN = 3;
+
 /**
  * Fills the section with the answer for each controller.
  * @param {HTMLElement} section
@@ -74,8 +77,9 @@ function answerPart(answer, find, several, campaign) {
         el(
           "ol",
           { class: "causes" },
-          causes.map((cause, index) => causeItem(cause, answer, find(cause.file), index === 0)),
+          causes.slice(0, MOST_SHOWN).map((cause, index) => causeItem(cause, answer, find(cause.file), index === 0)),
         ),
+        causes.length > MOST_SHOWN ? morePart(causes.slice(MOST_SHOWN), find) : null,
         others.length ? othersPart(others, find) : null,
         answer.comparison ? el("p", { class: "quiet" }, capital(`${answer.comparison.sentence}.`)) : null,
         answer.natural && answer.natural.worlds ? coverage(answer.natural) : null,
@@ -90,14 +94,24 @@ function isCounted(cause) {
   return cause.severity !== "unsensed" && (cause.met > 0 || cause.natural > 0);
 }
 
+function morePart(causes, find) {
+  return namesPart(`And ${plural(causes.length, "more cause")}`, causes, find, verdictsOf);
+}
+
 function othersPart(causes, find) {
+  return namesPart("Not counted", causes, find, (cause) =>
+    cause.severity === "unsensed" ? verdictsOf(cause) : "only in worlds that shrinking made",
+  );
+}
+
+function namesPart(words, causes, find, noteOn) {
   const part = (cause) => {
     const failure = find(cause.file);
     const name = cause.cause.replaceAll("-", " ");
-    const reason = cause.severity === "unsensed" ? verdictsOf(cause) : "only in worlds that shrinking made";
-    return [failure ? el("a", { href: `#${failure.id}` }, name) : name, reason ? ` (${reason})` : ""];
+    const remark = noteOn(cause);
+    return [failure ? el("a", { href: `#${failure.id}` }, name) : name, remark ? ` (${remark})` : ""];
   };
-  return el("p", { class: "quiet" }, "Not counted: ", ...causes.flatMap((cause, index) => [index ? "; " : "", ...part(cause)]), ".");
+  return el("p", { class: "quiet" }, `${words}: `, ...causes.flatMap((cause, index) => [index ? "; " : "", ...part(cause)]), ".");
 }
 
 function verdictsOf(cause) {
@@ -206,16 +220,16 @@ function causeItem(cause, answer, failure, first) {
     ),
     el("p", {}, `${cause.sentence} ${cause.advice}`),
     cause.fault ? el("p", { class: "why" }, el("code", {}, cause.fault)) : null,
-    whyPart(cause, failure, first),
+    first ? whyPart(cause, failure) : null,
     first && failure ? commandPart(failure) : null,
   );
 }
 
 // What no change explains has no sentence; where the campaign had no time for it, a command makes up for that.
-function whyPart(cause, failure, first) {
+function whyPart(cause, failure) {
   const known = [cause.repeats || (failure ? failure.repeats : ""), cause.why].filter(Boolean);
   if (known.length) return el("p", { class: "why" }, `In its example it ${known.join(". It ")}.`);
-  if (!failure || !first || !EXPLAINED.has(cause.severity)) return null;
+  if (!failure || !EXPLAINED.has(cause.severity)) return null;
   return el("p", { class: "why" }, "What it depends on: ", el("code", {}, failure.explain));
 }
 

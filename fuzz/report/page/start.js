@@ -31,10 +31,10 @@ function showTotals() {
   if (failures.length > 0)
     items.push(["", `${grouped(confirmed)} of ${grouped(failures.length)}`, " confirmed by running them again"]);
   const all = campaigns.length === 1 && failures.every((failure) => failure.campaign === 0); // one campaign's folder
-  for (const { seed, units, worlds, steps, seconds } of all ? campaigns : []) {
+  for (const { seed, units, units_cut, worlds, steps, seconds } of all ? campaigns : []) {
     items.push(
       ["seed ", seed, ""],
-      some(units, "unit"),
+      units_cut ? ["", grouped(units), ` units and ${grouped(units_cut)} cut short`] : some(units, "unit"),
       some(worlds, "world"),
       ["", short(steps), " steps"],
       ["", seconds.toFixed(1), " s"],
