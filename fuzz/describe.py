@@ -76,7 +76,8 @@ def describe(
     repeats = ""
     if trail is not None and not failure.is_breach and failure.oracle is None:
         repeats = describe_period(world, episode)
-    depends = f"  It {why}.\n" if why else ""
+    who = "The fleet" if world.others else "It"
+    depends = f"  {who} {why}.\n" if why else ""
     color = wants_color(sys.stdout)
     return (
         f"{shown(failure.who)}: {record.verdict}{shown(words)}\n"

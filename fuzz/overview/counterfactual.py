@@ -52,7 +52,7 @@ _MOST_CELLS = 256
 _MOST_EVENTS = 64
 
 # Places of a loop at which the robot starts without memory.
-_MOST_RESTARTS = 4
+_MOST_RESTARTS = 8
 
 # Limit on the simulated steps of one explanation: about a second of the C core, and of Python code.
 _MOST_STEPS = 30_000_000

@@ -273,7 +273,9 @@ def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline
     if cause.fault:
         lines.append(f"   {shown(cause.fault)}")
     elif any(known):
-        lines.append(f"   In this world it {shown('. It '.join(filter(None, known)))}.")
+        is_fleet = cause.failure is not None and bool(cause.failure.world.others)
+        who = "the fleet" if is_fleet else "it"
+        lines.append(f"   In this world {who} {shown('. It '.join(filter(None, known)))}.")
     elif has_file and cause.cause.severity in _EXPLAINED:
         lines.append(f"   what the failure depends on: worldgen explain {path}")
     return lines

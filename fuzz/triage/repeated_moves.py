@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,24 +128,39 @@ def _describe(move: _Move, radius: float) -> str:
 
 
 def _summary(world: World, trace: Trace, first: int, last: int) -> str:
-    """Return the moves of a long period in total: turns, touches and their side."""
-    turns = [_turn(trace, step) for step in range(first, last)]
+    """Return the moves of a long period in total: turns, touches and their side.
+
+    A turn answers the touch before it, so turns after a touch are kept apart from the others.
+    """
+    at_walls = [_turn(trace, step) for step in range(first, last) if trace.bump[step]]
+    between = [_turn(trace, step) for step in range(first, last) if not trace.bump[step]]
+    if not at_walls:
+        return f"it turns {_in_all(between)} in all, and touches no wall"
+    touched = [step for step in range(first, last) if trace.bump[step]]
+    share = max(round(100 * len(touched) / (last - first)), 1)
+    often = f"it touches a wall in {share} % of its steps{_sides(world, trace, touched)}"
+    if not between:
+        return f"{often}, and turns {_in_all(at_walls)} in all"
+    return f"{often}; it turns {_in_all(at_walls)} there, and {_in_all(between)} in between"
+
+
+def _in_all(turns: Sequence[float]) -> str:
     left = sum(turn for turn in turns if turn > 0.0)
     right = -sum(turn for turn in turns if turn < 0.0)
-    parts = [f"it turns {left:.0f} degrees left and {right:.0f} degrees right in all"]
-    touched = [step for step in range(first + 1, last + 1) if trace.bump[step]]
-    if not touched:
-        return f"{parts[0]}, and touches no wall"
-    share = round(100 * len(touched) / (last - first))
-    part = f"touches a wall in {max(share, 1)} % of its steps"
-    sides = [bearing_of_wall(world, trace, step) for step in touched]
-    for side, count in (
-        ("left", sum(one > 0.0 for one in sides)),
-        ("right", sum(one < 0.0 for one in sides)),
-    ):
-        if count >= _MOSTLY * len(sides):
-            part += f", nearly always on its {side}"
-    return ", and ".join([*parts, part])
+    return f"{left:.0f} degrees left and {right:.0f} degrees right"
+
+
+def _sides(world: World, trace: Trace, touched: Sequence[int]) -> str:
+    """Return on which side the robot touches walls, if not only ahead: a wall follower has one."""
+    bearings = (math.degrees(bearing_of_wall(world, trace, step)) for step in touched)
+    lefts = [bearing > 0.0 for bearing in bearings if abs(bearing) > _AHEAD]
+    if not lefts:
+        return ""
+    for side, count in (("left", sum(lefts)), ("right", len(lefts) - sum(lefts))):
+        if count >= _MOSTLY * len(lefts):
+            return f", nearly always on its {side}"
+    changes = sum(one != before for one, before in zip(lefts, [lefts[-1], *lefts], strict=False))
+    return f", which changes between its left and its right {changes} times"
 
 
 def _wall(world: World, trace: Trace, step: int) -> str:

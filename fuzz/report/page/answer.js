@@ -228,7 +228,8 @@ function causeItem(cause, answer, failure, first) {
 // What no change explains has no sentence; where the campaign had no time for it, a command makes up for that.
 function whyPart(cause, failure) {
   const known = [cause.repeats || (failure ? failure.repeats : ""), cause.why].filter(Boolean);
-  if (known.length) return el("p", { class: "why" }, `In its example it ${known.join(". It ")}.`);
+  const who = failure && failure.now.others?.length ? "the fleet" : "it";
+  if (known.length) return el("p", { class: "why" }, `In its example ${who} ${known.join(". It ")}.`);
   if (!failure || !EXPLAINED.has(cause.severity)) return null;
   return el("p", { class: "why" }, "What it depends on: ", el("code", {}, failure.explain));
 }

@@ -105,7 +105,14 @@ function start() {
   addEventListener("keydown", keyListener(page, neighboursOf));
   addEventListener("resize", redraw);
   // Small pictures are drawn when they come into view, which on paper they all do.
-  addEventListener("beforeprint", () => page.overview?.drawAll());
+  addEventListener("beforeprint", () => {
+    page.overview?.drawAll();
+    // Paper cannot unfold anything.
+    for (const folded of document.querySelectorAll("main details:not([open])")) folded.setAttribute("open", "for-print");
+  });
+  addEventListener("afterprint", () => {
+    for (const unfolded of document.querySelectorAll("details[open='for-print']")) unfolded.removeAttribute("open");
+  });
   route();
   page.answer.redraw();
 }
