@@ -9,7 +9,7 @@ import { Refused } from "#studio/shared/refusals.js";
 import { makeSettings } from "#studio/play/settings.js";
 
 const SETUP = "play"; // key for the set-up of the last run, in the browser's storage
-const FLEET = "naive"; // what each robot of a fleet runs if nothing else was chosen
+const FLEET = { motion: "swept", controller: "naive" }; // of each robot of a fleet, if nothing that fits was chosen
 const WIDE = 15; // letters of a name that fill half a line
 
 /**
@@ -207,10 +207,9 @@ function refresh(robots) {
 // The thesis's model runs one robot. In a world with several, another model is chosen, and robots that go for their targets.
 function suitFleet(robots) {
   const { studio, state } = robots;
-  const usual = studio.offered.motions.find(({ thesis }) => !thesis);
-  if (robotsIn(studio.model.world) < 2 || !motionOf(robots).thesis || !usual) return;
-  state.chosen = [FLEET];
-  setMotion(robots, usual.name);
+  if (robotsIn(studio.model.world) < 2 || !motionOf(robots).thesis) return;
+  state.chosen = [FLEET.controller];
+  setMotion(robots, FLEET.motion);
 }
 
 function takeOffered(robots) {
