@@ -74,7 +74,8 @@ def describe_period(world: World, episode: Episode) -> str:
     trace = episode.trace
     if not isinstance(loop, LoopEvidence) or trace is None:
         return ""
-    first, last = loop.entry, loop.entry + loop.period
+    first = loop.entry
+    last = first + loop.period
     length = float(np.hypot(np.diff(trace.x), np.diff(trace.y))[first:last].sum())
     duration = f"{loop.period * trace.time_step:.3g} s, {length:.2g} m"
     moves = list(_moves(world, trace, first, last))

@@ -47,11 +47,14 @@ def test_the_robot_arrives_after_each_change_and_not_before():
             walls[iy, ix] = False
             world = replace(failure.world, walls=walls, certificate=None)
             assert arrives(replace(subject, world=world))
+        elif change.what == "memory":
+            world = replace(failure.world, start=Pose(*change.value), certificate=None)
+            assert arrives(replace(subject, world=world))
         else:
             axis = AXES[change.what]
             assert change.was == axis.value(axis.index(subject))
             assert arrives(axis.at(subject, change.value))
-    assert kinds == {"cell", "heading", "radius", "speed", "time-step"}
+    assert kinds == {"cell", "memory", "heading", "radius", "speed", "time-step"}
 
 
 def test_a_fire_that_burns_the_robot_is_what_its_failure_depends_on():
@@ -76,6 +79,13 @@ class Tires:
         return Command(speed, 0.0), (min(memory[0] + 1.0, 20.0),)
 
 
+class Rests(Tires):
+    """Never drives, whatever it remembers."""
+
+    def act(self, observation, memory):
+        return Command(0.0, 0.0), memory
+
+
 def test_a_robot_that_only_its_memory_holds_arrives_from_there_without_it():
     world = World(
         np.zeros((5, 12), bool),
@@ -89,7 +99,9 @@ def test_a_robot_that_only_its_memory_holds_arrives_from_there_without_it():
     (change,) = (one for one in found.changes if one.what == "memory")
     assert 0.5 < change.value[0] < 0.9 and change.value[1:] == [0.25, 0.0]
     assert "if its memory is cleared in the loop" in found.describe()
-    assert not any(one.what == "memory" for one in counterfactuals(Failure.read(WALL)).changes)
+
+    still = failure_of(failure.world, Scenario("tests.fuzz.test_counterfactual:Rests"))
+    assert not any(one.what == "memory" for one in counterfactuals(still).changes)
 
 
 def test_equal_failures_give_equal_answers():
