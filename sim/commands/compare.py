@@ -12,6 +12,7 @@ import click
 from worldgen.cli.output import (
     PATH,
     SEED,
+    check_out,
     emit_json,
     force_option,
     json_option,
@@ -20,7 +21,7 @@ from worldgen.cli.output import (
     steps_option,
     time_step_option,
     typed,
-    write_bytes,
+    write_out,
 )
 from worldgen.support.progress import working
 
@@ -117,14 +118,10 @@ def compare(
     from sim.compare.report import as_csv, as_text
     from sim.compare.report import as_json as plain
     from sim.options.unused import ineffective
-    from worldgen.files.whole import check_output
 
     # Refuse bad output before the work.
-    if picture is not None and picture.suffix != ".png":
-        raise click.UsageError(f"--picture {picture}: name a .png file")
-    for out in (table, picture):
-        if out is not None:
-            check_output(out, force)
+    check_out("--picture", picture, ".png", force=force)
+    check_out("--csv", table, force=force)
     if table is not None and picture is not None and table.resolve() == picture.resolve():
         raise click.UsageError(f"--csv and --picture both name {table}; give two names")
     # Read the figures, the controllers and the worlds.
@@ -149,13 +146,11 @@ def compare(
     else:
         click.echo(as_text(comparison, beside), nl=False)
     if table is not None:
-        write_bytes(table, as_csv(comparison).encode(), force=force)
-        note(f"wrote {table}")
+        write_out(table, as_csv(comparison).encode(), force=force)
     if picture is not None:
         with working(f"drawing {picture}"):
             drawn = draw_comparison(comparison)
-        write_bytes(picture, drawn, force=force)
-        note(f"wrote {picture}")
+        write_out(picture, drawn, force=force)
 
 
 def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow, ...]:
@@ -169,14 +164,9 @@ def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow,
     for path in dict.fromkeys(paths):
         place = (path if path.is_dir() else path.parent) / PUBLISHED
         if place.is_file():
-            figures = read_figures(
-                read_text(place), str(place), folder=str(path) if path.is_dir() else ""
-            )
-            found += (
-                figures
-                if path.is_dir()
-                else [figure for figure in figures if figure.world == _stem(path)]
-            )
+            folder = str(path) if path.is_dir() else ""
+            figures = read_figures(read_text(place), str(place), folder)
+            found += [one for one in figures if path.is_dir() or one.world == _stem(path)]
     return tuple(found)
 
 

@@ -20,6 +20,7 @@ from sim.controllers.variants import Variants
 from sim.kernels import layout
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Bools, Floats
 
 if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration
@@ -44,7 +45,6 @@ __all__ = [
     "wants_world",
 ]
 
-Floats: TypeAlias = npt.NDArray[np.float64]
 Act: TypeAlias = Callable[[Floats, Floats, Floats], None]
 Memory: TypeAlias = tuple[float, ...]
 
@@ -137,7 +137,7 @@ NO_NEIGHBOURS: Floats = np.zeros((0, 0, layout.NEIGHBOUR_MESSAGE))
 class Observations(NamedTuple):
     """Observations of many robots: the fields of an :class:`Observation`, of shape (n,) each."""
 
-    bump: npt.NDArray[np.bool_]
+    bump: Bools
     bump_bearing: Floats
     signal: Floats
     signal_heading: Floats
@@ -353,7 +353,6 @@ class VectorController(Protocol):
 
 
 Controller: TypeAlias = CompiledController | PythonController | VectorController
-
 
 # Senses that the core computes only on request, because they cost time.
 _COSTLY_SENSES: dict[str, int] = {

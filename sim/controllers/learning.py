@@ -15,12 +15,11 @@ from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
 import msgspec
-import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.files.json_file import converted
 from worldgen.files.whole import expanded
+from worldgen.support.arrays import Floats
 
 __all__ = [
     "LEARNED",
@@ -32,8 +31,6 @@ __all__ = [
     "learned_text",
     "read_learned",
 ]
-
-Floats = npt.NDArray[np.float64]
 
 LEARNED = "learned"
 """The option that gives a controller the numbers of such a file: ``mine.py:Mine+learned=FILE``."""

@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import Controller
 from sim.drawing.wall_penetrations import penetrated_cells
@@ -22,6 +21,7 @@ from worldgen.plugins.registry import user_code
 from worldgen.reach import reachable_cells
 from worldgen.render import Drive, EventMark, Trail
 from worldgen.render.overlay import Disturbances, MarkKind, Remembered, Shove
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 __all__ = [
@@ -140,7 +140,7 @@ def drives_of(episode: Episode, world: World) -> list[Drive]:
     ]
 
 
-def _missed(trace: Trace, world: World | None) -> npt.NDArray[np.bool_] | None:
+def _missed(trace: Trace, world: World | None) -> Bools | None:
     """Return the cells of a coverage task that the robot missed."""
     if trace.task != COVER or world is None:
         return None
@@ -172,11 +172,10 @@ def disturbances_in(trace: Trace) -> Disturbances:
         x = float(trace.path_x[first + best])
         y = float(trace.path_y[first + best])
         pushes.append(Shove(x, y, float(dx[best]), float(dy[best])))
+    places = (Shove(one.x, one.y, one.dx, one.dy) for one in pushing_places_of(robot))
     return Disturbances(
         pushes=tuple(pushes),
-        places=tuple(
-            Shove(place.x, place.y, place.dx, place.dy) for place in pushing_places_of(robot)
-        ),
+        places=tuple(places),
         decoys=tuple((decoy.x, decoy.y) for decoy in decoys_of(robot)),
         drift_heading=robot.drift_heading if robot.drift > 0.0 else None,
     )
@@ -188,12 +187,7 @@ def drive_of(episode: Episode, world: World, name: str = "") -> Drive:
     trail = trail_of(episode, world)
     if trace is None or trail is None:
         start = world.start
-        return Drive(
-            name,
-            Trail(np.array([start.x]), np.array([start.y])),
-            np.zeros(1),
-            np.array([start.heading]),
-            1.0,
-        )
+        trail = Trail(np.array([start.x]), np.array([start.y]))
+        return Drive(name, trail, np.zeros(1), np.array([start.heading]), 1.0)
     times = np.maximum(trace.path_step - 1 + trace.path_share, 0.0) * trace.time_step
     return Drive(name, trail, times, trace.heading, trace.time_step)

@@ -27,12 +27,12 @@ from sim.runners.lattice import LatticeRun
 from sim.runners.long_runs import MOST_HELD
 from sim.runners.python_loop import crash_of, hidden_state, memory_at_start, plans
 from sim.runners.stopping import OutOfTime
-from sim.trace import Words
 from sim.verdict import Verdict
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import clear_distance_sq, metres_to_lattice, radius_in_cells
 from worldgen.random_streams import GAMMA, mix64
+from worldgen.support.arrays import Words
 from worldgen.world import World
 
 __all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed"]

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.motion import MOTIONS, THESIS, Motion
 from sim.options.disturbances import delay_of
@@ -22,6 +21,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
 from worldgen.parameters import parameters_of_fields
 from worldgen.reach.still.cells import reachable_cells
+from worldgen.support.arrays import Words
 from worldgen.support.bounds import Bounds, check_choice
 from worldgen.support.plain_text import quote
 from worldgen.world import JointWitness, Pose, Value, Witness, World
@@ -340,11 +340,8 @@ def check_world(world: object) -> World:
     """
     if isinstance(world, World):
         return world
-    way = (
-        "read it: worldgen.read_world({path!r})"
-        if isinstance(world, str | Path)
-        else "give a World"
-    )
+    is_path = isinstance(world, str | Path)
+    way = "read it: worldgen.read_world({path!r})" if is_path else "give a World"
     raise InvalidParameter(
         "wrong-type", "{world} is not a world", way, world=quote(world), path=str(world)
     )
@@ -390,7 +387,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
     return poses
 
 
-def seeds_of(seeds: object) -> npt.NDArray[np.uint64]:
+def seeds_of(seeds: object) -> Words:
     """Return the given seeds, or those from 0 if a count is given.
 
     Raises:

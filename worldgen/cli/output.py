@@ -14,7 +14,7 @@ import click
 from click.core import ParameterSource
 
 from worldgen.domain import MASK64
-from worldgen.files.whole import write_bytes
+from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import shown, shown_lines
 from worldgen.support.progress import is_quiet, spoke
 
@@ -22,6 +22,7 @@ __all__ = [
     "CONTROLLER_HELP",
     "PATH",
     "SEED",
+    "check_out",
     "draw_seed",
     "emit_json",
     "force_option",
@@ -36,6 +37,7 @@ __all__ = [
     "typed",
     "workers_option",
     "write_bytes",
+    "write_out",
 ]
 
 CONTROLLER_HELP = (
@@ -127,6 +129,33 @@ def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:
     """
     spoke()
     click.echo(text, nl=nl, color=color)
+
+
+def check_out(option: str, out: Path | None, *suffixes: str, force: bool) -> None:
+    """Refuse a file to write before the work for it begins.
+
+    Args:
+        option: The option that names it, such as ``--picture``.
+        out: The file; ``None`` if it was not given.
+        *suffixes: What its name may end with; anything if omitted.
+        force: True if an existing file may be overwritten.
+
+    Raises:
+        click.UsageError: If its name ends otherwise.
+        OutputError: If it exists, or cannot be written.
+    """
+    if out is None:
+        return
+    if suffixes and out.suffix not in suffixes:
+        article = "an" if suffixes[0] == ".svg" else "a"
+        raise click.UsageError(f"{option} {out}: name {article} {', '.join(suffixes)} file")
+    check_output(out, force)
+
+
+def write_out(out: Path, data: bytes, *, force: bool) -> None:
+    """Write a file that the user asked for, and say so."""
+    write_bytes(out, data, force=force)
+    note(f"wrote {out}")
 
 
 def emit_json(result: Mapping[str, Any]) -> None:
