@@ -227,7 +227,9 @@ def _check_inside(name: str, point: _Point, walls: npt.NDArray[np.bool_], cell_s
         raise InvalidWorld(
             "outside-grid",
             "{name} ({x:g}, {y:g}) m is outside the map of {width:g} x {height:g} m",
-            "give m from its lower-left corner, x right, y up",
+            "give m from its lower-left corner, x right, y up; --frame map takes the file's own "
+            "coordinates",
+            at_terminal=True,
             name=name,
             x=point[0],
             y=point[1],
