@@ -123,11 +123,8 @@ def _frame(frame: Mapping[str, Value]) -> str:
 
 def _multiple(budget: BudgetEvidence) -> str:
     """Return the budget as a multiple of the witness's time, after a comma; empty without one."""
-    return (
-        ""
-        if budget.witness_multiple is None
-        else f", {budget.witness_multiple} times the witness's time"
-    )
+    times = budget.witness_multiple
+    return "" if times is None else f", {times} times the witness's time"
 
 
 def _fault(verdict: Verdict, fault: FaultEvidence) -> str:

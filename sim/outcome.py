@@ -14,9 +14,10 @@ from sim.evidence import (
     WallEvidence,
     evidence_table,
 )
-from sim.trace import Trace, Words
+from sim.trace import Trace
 from sim.verdict import AT_ONCE, Verdict
 from worldgen.lattice import exact
+from worldgen.support.arrays import Words
 from worldgen.world import World
 
 __all__ = [
@@ -199,8 +200,7 @@ class Episode:
         )
         return (
             f"{self.verdict}: {self.steps} steps, {self.time:g} s, {self.path_length:.3f} m "
-            f"driven, "
-            f"{self.collisions} collisions, trace {self.trace_digest}{evidence}"
+            f"driven, {self.collisions} collisions, trace {self.trace_digest}{evidence}"
         )
 
 

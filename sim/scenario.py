@@ -184,9 +184,9 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
         return _with_own(name, options)
     head, colon, command = text.partition(":")
     name, options = split_options(head, "cmd+motion=endpoint:./mine")
-    own = {*_OF_EVERY_RUN, *RobotOptions.names(), *RobotOptions.TOGETHER}
+    own = {*_OF_EVERY_RUN, *RobotOptions.words()}
     if is_composition_name(text):
-        own |= {*ThesisOptions.names(), *ThesisOptions.TOGETHER}
+        own |= ThesisOptions.words()
     of_the_run = {option: value for option, value in options.items() if option in own}
     others = {option: value for option, value in options.items() if option not in own}
     return with_options(name, others) + colon + command, of_the_run
@@ -194,8 +194,7 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
 
 def _with_own(name: str, options: dict[str, str | None]) -> tuple[str, dict[str, str | None]]:
     """Move a controller's own options, such as ``places=16``, from those of the run into its name."""
-    of_runs = {*_OF_EVERY_RUN, *RobotOptions.names(), *ThesisOptions.names()}
-    of_runs |= {*RobotOptions.TOGETHER, *ThesisOptions.TOGETHER}
+    of_runs = {*_OF_EVERY_RUN, *RobotOptions.words(), *ThesisOptions.words()}
     if of_runs.issuperset(options):
         return name, options
     own = CONTROLLERS.option_names(name)
@@ -226,9 +225,9 @@ def _parsed(motion: str, name: str, text: str | None, controller: str) -> dict[s
     """Return one option as written; an option of another motion model raises an error that says so."""
     own = switch_class(motion)
     other = RobotOptions if own is ThesisOptions else ThesisOptions
-    if name not in (*own.names(), *own.TOGETHER) and name in (*other.names(), *other.TOGETHER):
+    if name in other.words() - own.words():
         raise option_without_effect(motion, name)
-    if name in (*own.names(), *own.TOGETHER) or _has_options_first(controller):
+    if name in own.words() or _has_options_first(controller):
         return own.parse(name, text)
     plain, _ = split_options(controller)
     return own.parse(name, text, also=CONTROLLERS.option_names(plain))

@@ -10,21 +10,20 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.options.robot import RobotOptions
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Bools, Floats, Ints, Words
 
 __all__ = ["BEHAVIOURS", "Recall", "Trace", "fnv1a", "state_digest"]
 
 BEHAVIOURS = ("collide", "seek", "drive")
 """Behaviours of the thesis's robot, in the order of their numbers."""
 
-Floats = npt.NDArray[np.float64]
-Words = npt.NDArray[np.uint64]
-Recall: TypeAlias = Callable[[npt.NDArray[np.int64], Callable[[int, Floats], None]], None]
+Recall: TypeAlias = Callable[[Ints, Callable[[int, Floats], None]], None]
 """Runs again, and shows the memory after each of some steps, given in rising order."""
 
 _HASH_START = 1469598103934665603
 _HASH_PRIME = 1099511628211
-_MASK = (1 << 64) - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,10 +59,10 @@ class Trace:
     x: Floats
     y: Floats
     heading: Floats
-    bump: npt.NDArray[np.bool_]
+    bump: Bools
     path_x: Floats
     path_y: Floats
-    path_step: npt.NDArray[np.int64]
+    path_step: Ints
     path_share: Floats
     words: Words
     states: Words
@@ -96,9 +95,7 @@ class Trace:
         self.show_memory(np.array([step]), lambda _, memory: found.append(memory.copy()))
         return found[0]
 
-    def show_memory(
-        self, steps: npt.NDArray[np.int64], take: Callable[[int, Floats], None]
-    ) -> None:
+    def show_memory(self, steps: Ints, take: Callable[[int, Floats], None]) -> None:
         """Pass the controller's memory after each of some steps to ``take``.
 
         Args:
@@ -152,7 +149,7 @@ def fnv1a(words: Words) -> str:
     """Return the rolling FNV-1a hash of 64-bit words as 16 hex digits, in plain Python integers."""
     value = _HASH_START
     for word in words.ravel().tolist():
-        value = ((value ^ word) * _HASH_PRIME) & _MASK
+        value = ((value ^ word) * _HASH_PRIME) & MASK64
     return f"{value:016x}"
 
 

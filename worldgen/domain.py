@@ -15,6 +15,7 @@ from worldgen.errors import Message
 __all__ = [
     "CELL_SIZES",
     "LATEST",
+    "MASK64",
     "MAX_ROBOTS",
     "MAX_SIDE",
     "RADII",
@@ -23,6 +24,9 @@ __all__ = [
     "radius_fault",
     "speed_fault",
 ]
+
+MASK64: Final = (1 << 64) - 1
+"""All bits of a 64-bit word, and the largest seed."""
 
 MAX_SIDE: Final = 20_000
 """Most cells in a row or a column."""

@@ -292,6 +292,21 @@ class FormatError(WorldgenError, ValueError):
         self.line = line
         self.source = source
 
+    @classmethod
+    def unreadable(cls, source: object, error: Exception) -> Self:
+        """Return the error for a file that cannot be read.
+
+        Args:
+            source: The file's name for the message.
+            error: What the system reported: an ``OSError``, or a ``ValueError`` about a NUL.
+        """
+        if isinstance(error, FileNotFoundError):
+            return cls(
+                "no-such-file", "there is no such file", "check the name", source=str(source)
+            )
+        reason = getattr(error, "strerror", None) or str(error)
+        return cls("unreadable", "cannot be read: {reason}", reason=reason, source=str(source))
+
     @property
     def place(self) -> str:
         """``FILE:LINE``, as far as known."""

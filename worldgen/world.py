@@ -467,18 +467,7 @@ class World(HoldsFrozen):
         Args:
             number: The robot's number, from 1.
         """
-        robot = self.robots[number - 1]
-        return replace(
-            self,
-            start=robot.start,
-            target=robot.target,
-            robot_radius=robot.radius,
-            robot_speed=robot.speed,
-            certificate=None,
-            provenance=None,
-            failure=None,
-            others=(),
-        )
+        return self.bare.with_robots([self.robots[number - 1]])
 
     def with_robots(self, robots: Iterable[Robot], **parts: Any) -> World:
         """Return the world with other robots, of which there must be at least one.

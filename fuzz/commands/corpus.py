@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, shown, write_bytes
+from worldgen.cli.output import (
+    PATH,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    shown,
+    write_bytes,
+)
 from worldgen.support.plain_text import aligned, counted
 
 if TYPE_CHECKING:
@@ -18,8 +26,6 @@ if TYPE_CHECKING:
 __all__ = ["corpus"]
 
 F = TypeVar("F", bound=Callable[..., Any])
-
-FILE = click.Path(path_type=Path)
 
 
 def _filters(command: F) -> F:
@@ -39,7 +45,7 @@ def _filters(command: F) -> F:
 
 def _paths(command: F) -> F:
     return click.argument(
-        "paths", nargs=-1, required=True, type=FILE, metavar="PATH|DIR|ARCHIVE..."
+        "paths", nargs=-1, required=True, type=PATH, metavar="PATH|DIR|ARCHIVE..."
     )(command)
 
 
@@ -99,7 +105,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
 @_paths
 @_filters
 @click.option(
-    "--png", type=FILE, metavar="OUT", help="Draw all on one sheet instead, as a PNG picture."
+    "--png", type=PATH, metavar="OUT", help="Draw all on one sheet instead, as a PNG picture."
 )
 @json_option
 @force_option
@@ -152,7 +158,7 @@ def show(
 @corpus.command(epilog="\b\n  worldgen corpus merge baseline/ failures/ --out baseline/ --force")
 @_paths
 @_filters
-@click.option("--out", type=FILE, required=True, help="Folder for the failures.")
+@click.option("--out", type=PATH, required=True, help="Folder for the failures.")
 @json_option
 @force_option
 def merge(
@@ -183,8 +189,8 @@ def merge(
 
 
 @corpus.command(epilog="\b\n  worldgen corpus diff baseline/ failures/")
-@click.argument("old", type=FILE, metavar="OLD")
-@click.argument("new", type=FILE, metavar="NEW")
+@click.argument("old", type=PATH, metavar="OLD")
+@click.argument("new", type=PATH, metavar="NEW")
 @_filters
 @json_option
 def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> None:
@@ -231,7 +237,7 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
 
 
 @corpus.command(epilog="\b\n  worldgen corpus prune failures/ --dry-run")
-@click.argument("folder", type=FILE, metavar="DIR")
+@click.argument("folder", type=PATH, metavar="DIR")
 @_filters
 @click.option("--dry-run", is_flag=True, help="Print what would be deleted, but delete nothing.")
 @json_option
@@ -290,7 +296,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
 @_filters
 @click.option(
     "--out",
-    type=FILE,
+    type=PATH,
     required=True,
     help="A .zip, .tar.gz, .tar.bz2, .tar, .csv or .parquet file.",
 )

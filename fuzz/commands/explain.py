@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, json_option, note, shown
+from worldgen.cli.output import PATH, emit_json, json_option, note, shown
 from worldgen.support.progress import working
 
 __all__ = ["explain"]
@@ -15,9 +15,7 @@ EXAMPLES = "\b\n  worldgen explain failures/loop-wall.grid\n  worldgen explain f
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument(
-    "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH|DIR..."
-)
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="PATH|DIR...")
 @click.option("--controller", help="Use this controller instead of the one that the file names.")
 @json_option
 def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> None:

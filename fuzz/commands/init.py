@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import CONTROLLER_HELP, emit_json, force_option, json_option, note
+from worldgen.cli.output import (
+    CONTROLLER_HELP,
+    PATH,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+)
 
 if TYPE_CHECKING:
     from fuzz.ci.project import Project
@@ -22,7 +29,7 @@ EXAMPLES = (
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("folder", type=click.Path(path_type=Path), default=Path())
+@click.argument("folder", type=PATH, default=Path())
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option(
@@ -83,7 +90,10 @@ def init(
             CampaignOptions(controller=controller, motion=motion, families=families), SEED
         )
         # Search for today's failures in a temporary folder.
-        note(f"searching for the current failures of {controller}")
+        note(
+            f"searching for the current failures of {controller}, as CI will, and shrinking them; "
+            f"this can take minutes (--units {max(1, units // 3)} takes less)"
+        )
         campaign_run = store.begin(config, Path(scratch) / "found", store.Budget(units=units))
         with contextlib.redirect_stdout(None):
             code = CampaignSession(

@@ -7,23 +7,34 @@ from pathlib import Path
 import click
 
 from fuzz.commands._options import output_options
-from worldgen.cli.output import emit_json, force_option, json_option, note, shown
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, shown
 from worldgen.support.progress import working
 
 __all__ = ["replay"]
 
 
+def _check(_context: click.Context, _option: click.Parameter, name: str | None) -> str | None:
+    """Refuse a missing controller once, instead of once per failure."""
+    from sim.controllers import CONTROLLERS
+
+    if name is not None:
+        CONTROLLERS.get(name)
+    return name
+
+
 @click.command(
     epilog="\b\n  worldgen replay failures/\n  worldgen replay failures/tunnel-post.grid --show"
 )
-@click.argument(
-    "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH|DIR..."
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="PATH|DIR...")
+@click.option(
+    "--controller",
+    callback=_check,
+    help="Use this controller instead of the one that the file names.",
 )
-@click.option("--controller", help="Use this controller instead of the one that the file names.")
 @click.option("--show", "with_picture", is_flag=True, help="Draw each failure in the terminal.")
 @click.option(
     "--transcript",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="OUT",
     help="Save what was sent to a program (cmd:) in a single failure, for use in a debugger.",
 )

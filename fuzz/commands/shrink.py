@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import Duration
-from worldgen.cli.output import emit_json, force_option, json_option, named_also, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, named_also, note
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -41,10 +41,10 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     "  worldgen shrink big.grid --keep class --budget 10s\n"
     "  worldgen shrink big.grid --snippet > test_small.py"
 )
-@click.argument("path", type=click.Path(path_type=Path))
+@click.argument("path", type=PATH)
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="File to write.  [default: NAME.shrunk.grid, or no file with --snippet]",
 )
 @named_also(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import note
+from worldgen.cli.output import PATH, note
 
 __all__ = ["studio"]
 
@@ -17,7 +17,7 @@ EXAMPLES = (
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path), default=".", metavar="[PATH|DIR]")
+@click.argument("path", type=PATH, default=".", metavar="[PATH|DIR]")
 @click.option(
     "--controller",
     "controllers",

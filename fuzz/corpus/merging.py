@@ -6,8 +6,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from fuzz.corpus.entry import CorpusEntry
-from fuzz.corpus.names import name_of
+from fuzz.corpus.entry import CorpusEntry, name_of
 from fuzz.failure import Failure
 from fuzz.simplicity import FailureOrder
 from worldgen.errors import OutputError

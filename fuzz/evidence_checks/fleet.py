@@ -19,8 +19,7 @@ from fuzz.evidence_checks._plain import (
     target_gap,
 )
 from fuzz.evidence_checks.burned import check_burned
-from fuzz.evidence_checks.overlap import check_overlap
-from fuzz.evidence_checks.tunnel import check_tunnel
+from fuzz.evidence_checks.walls import check_overlap, check_tunnel
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,

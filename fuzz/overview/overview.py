@@ -63,5 +63,4 @@ def read_overview(folder: Path) -> OverviewTable | None:
     Raises:
         FormatError: If the file cannot be read, or is not an overview of version 1.
     """
-    path = folder / MEMORY / OVERVIEW_FILE
-    return _FILE.read(path) if path.is_file() else None
+    return _FILE.find(folder / MEMORY / OVERVIEW_FILE)

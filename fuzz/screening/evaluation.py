@@ -182,16 +182,8 @@ class Screening:
         return self.driven / np.maximum(self.visited, 1)
 
     @property
-    def least_clearance(self) -> Ints:
-        """Distance to the nearest wall among the cells that the centre visited.
-
-        1 or 2; 3 for any larger distance.
-        """
-        return self.raw["least_clearance"]
-
-    @property
     def mean_clearance(self) -> Floats:
-        """Mean of these distances, 1 to 3."""
+        """Mean distance to the nearest wall over the cells that the centre visited: 1, 2, or 3 for more."""
         return self.raw["clearances"] / np.maximum(self.visited, 1)
 
     @property

@@ -12,7 +12,7 @@ from hypothesis import reject
 from hypothesis import strategies as st
 
 from worldgen.errors import InvalidWorld
-from worldgen.lattice import UNIT, lattice_to_metres
+from worldgen.lattice import cell_middle
 from worldgen.world import Pose, Robot, Target, World
 
 __all__ = ["fleet_worlds"]
@@ -118,7 +118,4 @@ def _drawn_place(
 def _centre(cell: npt.NDArray[np.int64], side: float) -> tuple[float, float]:
     """Return the middle of a cell (iy, ix), m."""
     iy, ix = cell.tolist()
-    return (
-        lattice_to_metres(ix * UNIT + UNIT // 2, side),
-        lattice_to_metres(iy * UNIT + UNIT // 2, side),
-    )
+    return cell_middle(ix, side), cell_middle(iy, side)

@@ -13,7 +13,7 @@ from fuzz.simplicity import Case, rounder
 from sim.options.run import DEFAULT_TIME_STEP
 from sim.runners.edited import CellEdit, EditKind
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.lattice import UNIT, in_cells, lattice_to_metres, metres_to_lattice
+from worldgen.lattice import UNIT, cell_middle, in_cells, lattice_to_metres, metres_to_lattice
 from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, Robot, World
 
 __all__ = ["PASSES", "Change", "Edit", "Pass"]
@@ -124,8 +124,9 @@ def _centre(case: Case) -> Iterator[Edit]:
     for index, robot in enumerate(case.world.robots):
         for name in ("start", "target"):
             point = getattr(robot, name)
-            x = _middle(point.x, side)
-            y = _middle(point.y, side)
+            x, y = (
+                cell_middle(math.floor(in_cells(place, side)), side) for place in (point.x, point.y)
+            )
             for where in ({"x": x, "y": y}, {"x": x}, {"y": y}):
                 yield partial(_robot, case, index, **{name: replace(point, **where)})
 
@@ -232,11 +233,6 @@ def _halves(count: int) -> list[int]:
 
 def _one(cells: int) -> int:
     return (cells > 0) - (cells < 0)
-
-
-def _middle(place: float, side: float) -> float:
-    """Return the middle of the cell that contains a coordinate, m."""
-    return lattice_to_metres(math.floor(in_cells(place, side)) * UNIT + UNIT // 2, side)
 
 
 def _shifted(place: float, cells: int, side: float) -> float:

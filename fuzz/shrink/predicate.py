@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
 from fuzz.triage.crash_bucket import crash_bucket, has_facts
-from fuzz.triage.fleet_signature import standoff
 from fuzz.triage.judging import oracle_of
+from fuzz.triage.signature import standoff
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
 from sim.evidence import (

@@ -16,9 +16,8 @@ from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import Arrives, arrives_in, fails_by_timing, needs_a_wider_gap
-from fuzz.triage.fleet_signature import Standoff, standoff
 from fuzz.triage.hazards import Hazard, hazard_in
-from fuzz.triage.signature import is_entered
+from fuzz.triage.signature import Standoff, is_entered, standoff
 from sim.episode import Episode
 from sim.evidence import (
     BudgetEvidence,

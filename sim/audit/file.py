@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.judge import Trajectory
 from worldgen.errors import FormatError
+from worldgen.support.arrays import Floats, Ints
 
 __all__ = ["parse_trajectories", "read_trajectories"]
 
@@ -133,17 +133,17 @@ def parse_trajectories(
 
 
 def _has_robots(header: str) -> bool:
-    return any(_names(header, delimiter).count(_ROBOT) == 1 for delimiter in _DELIMITERS)
+    return any(_names(header.lower(), delimiter).count(_ROBOT) == 1 for delimiter in _DELIMITERS)
 
 
 def _samples(
-    owners: npt.NDArray[np.float64],
+    owners: Floats,
     robots: int,
     only: int | None,
     body: str,
     header_line: int,
     source: str,
-) -> dict[int, npt.NDArray[np.int64]]:
+) -> dict[int, Ints]:
     """Return the rows of each robot's samples."""
     wrong = np.flatnonzero(~np.isin(owners, np.arange(1, robots + 1)))
     if len(wrong):
@@ -170,22 +170,22 @@ def _samples(
 
 
 def _names(header: str, delimiter: str) -> list[str]:
-    """Return the names of the columns, in lower case."""
+    """Return the names of the columns."""
     names = header.strip().lstrip("#").split(delimiter)
-    return [name.strip().strip('"').strip().lower() for name in names]
+    return [name.strip().strip('"').strip() for name in names]
 
 
 def _columns(header: str, wanted: Sequence[str], line: int, source: str) -> tuple[str, list[int]]:
     """Return the separator of the columns, and the indices of the wanted ones."""
     for delimiter in _DELIMITERS:
-        lower = _names(header, delimiter)
+        lower = _names(header.lower(), delimiter)
         if all(lower.count(name) == 1 for name in wanted):
             return delimiter, [lower.index(name) for name in wanted]
 
     # No separator gives all of them, so report the one that splits the header furthest.
     furthest = max(_DELIMITERS, key=header.count)
-    lower = _names(header, furthest)
-    found = [name.strip().strip('"').strip() for name in header.strip().lstrip("#").split(furthest)]
+    found = _names(header, furthest)
+    lower = [name.lower() for name in found]
     wrong = next(name for name in COLUMNS if lower.count(name) != 1)
     how = f"two columns {wrong!r}" if wrong in lower else f"no column {wrong!r}"
     shown = ", ".join(found)[:80]
@@ -200,7 +200,7 @@ def _columns(header: str, wanted: Sequence[str], line: int, source: str) -> tupl
     )
 
 
-def _quick(body: str, delimiter: str, places: list[int]) -> tuple[npt.NDArray[np.float64], ...]:
+def _quick(body: str, delimiter: str, places: list[int]) -> tuple[Floats, ...]:
     if not body.strip():
         return (np.zeros(0),) * len(places)
     columns = np.loadtxt(
@@ -217,7 +217,7 @@ def _quick(body: str, delimiter: str, places: list[int]) -> tuple[npt.NDArray[np
 
 def _slow(
     body: str, delimiter: str, places: Mapping[str, int], header_line: int, source: str
-) -> tuple[npt.NDArray[np.float64], ...]:
+) -> tuple[Floats, ...]:
     """Read line by line, to report the line that is not a sample."""
     rows: list[list[float]] = []
     for line, text in enumerate(body.split("\n"), header_line + 1):

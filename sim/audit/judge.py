@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.path import AuditPath
 from sim.audit.scan import Hits, Scan, merged, scan
 from worldgen.errors import InvalidParameter, Message
+from worldgen.support.arrays import Floats
 from worldgen.world import World
 
 __all__ = [
@@ -27,8 +27,6 @@ __all__ = [
     "Trajectory",
     "audit",
 ]
-
-Floats = npt.NDArray[np.float64]
 
 KINDS = ("tunnel", "overlap", "outside", "jump", "burned", "start")
 # Depth up to which a cut is not reported, m.
@@ -233,11 +231,9 @@ def audit(
     # Collect findings along the path, of moves that are too fast, and of the start.
     way = AuditPath(world, trajectory.times, trajectory.x, trajectory.y)
     result = scan(way, world.robot_radius / size, tolerance / size, straight=straight)
-    findings = [
-        finding
-        for kind, hits in result.hits.items()
-        for finding in _findings(kind, hits, way, size)
-    ]
+    findings: list[Finding] = []
+    for kind, hits in result.hits.items():
+        findings += _findings(kind, hits, way, size)
     findings += _jumps(world, trajectory, slack)
     elsewhere = _elsewhere(world, trajectory, max(tolerance, slack))
     findings += elsewhere if from_start else []
@@ -273,17 +269,8 @@ def _findings(kind: str, hits: Hits, way: AuditPath, unit: float) -> list[Findin
     t, x, y = way.place(hits.worst)
     begin = way.place(hits.begin)[0]
     end = way.place(hits.end)[0]
-    columns = (
-        t,
-        x,
-        y,
-        hits.depth * unit,
-        hits.ix,
-        hits.iy,
-        begin,
-        end,
-        np.floor(hits.worst).astype(int),
-    )
+    sample = np.floor(hits.worst).astype(int)
+    columns = (t, x, y, hits.depth * unit, hits.ix, hits.iy, begin, end, sample)
     return [
         Finding(kind, t, x, y, depth, (ix, iy), begin, end, sample)
         for t, x, y, depth, ix, iy, begin, end, sample in zip(
@@ -351,8 +338,7 @@ def _report(
     if result.shaved:
         notes.append(
             f"{result.shaved} straight line{'s' if result.shaved > 1 else ''} between clear "
-            f"samples cut a corner, by "
-            f"up to {depth:.3g} m; --straight counts them"
+            f"samples cut a corner, by up to {depth:.3g} m; --straight counts them"
         )
     nearest = way.place(np.array([result.nearest]))
     return Audit(

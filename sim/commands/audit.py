@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    write_out,
+)
 from worldgen.support.progress import working
 
 __all__ = ["audit"]
@@ -16,7 +24,6 @@ EXAMPLES = (
     "  worldgen run w.grid --controller turn-right --trace own.csv; worldgen audit w.grid own.csv\n"
     "  my-simulator | worldgen audit w.grid - --json"
 )
-PATH = click.Path(path_type=Path)
 
 
 @click.command(epilog=EXAMPLES)
@@ -82,13 +89,9 @@ def audit(
     from sim.audit.report import as_lines, as_object, draw, fleet_lines, fleet_object
     from worldgen.errors import InvalidParameter
     from worldgen.files.grid import read_world
-    from worldgen.files.whole import check_output
 
     # Refuse bad output before the work.
-    if picture is not None and picture.suffix != ".png":
-        raise click.UsageError(f"--picture {picture}: name a .png file")
-    if picture is not None:
-        check_output(picture, force)
+    check_out("--picture", picture, ".png", force=force)
     # Read and audit.
     world = read_world(world_path)
     if robot is not None and robot > len(world.robots):
@@ -100,18 +103,12 @@ def audit(
             robots=len(world.robots),
         )
     trajectories = read_trajectories(trajectory_path, len(world.robots), robot)
+    driven = {number: world.alone(number) if world.others else world for number in trajectories}
+    judge = partial(
+        audit_trajectory, tolerance=tolerance, slack=slack, straight=straight, from_start=from_start
+    )
     with working(f"auditing {trajectory_path}"):
-        audits = {
-            number: audit_trajectory(
-                world.alone(number) if world.others else world,
-                trajectory,
-                tolerance=tolerance,
-                slack=slack,
-                straight=straight,
-                from_start=from_start,
-            )
-            for number, trajectory in trajectories.items()
-        }
+        audits = {number: judge(driven[number], own) for number, own in trajectories.items()}
 
     # Report; a recording of one robot needs no numbers.
     if len(audits) > 1:
@@ -120,7 +117,7 @@ def audit(
     else:
         ((number, result),) = audits.items()
         found = as_object(result, tolerance)
-        lines = as_lines(world.alone(number) if world.others else world, result)
+        lines = as_lines(driven[number], result)
     if as_json:
         emit_json(found)
     else:
@@ -129,7 +126,6 @@ def audit(
     # Draw; the exit code tells whether the trajectories were possible.
     if picture is not None:
         recorded = {number: (trajectories[number], audits[number]) for number in audits}
-        write_bytes(picture, draw(world, recorded, trajectory_path.name), force=force)
-        note(f"wrote {picture}")
+        write_out(picture, draw(world, recorded, trajectory_path.name), force=force)
     if not all(result.ok for result in audits.values()):
         raise SystemExit(1)

@@ -20,6 +20,7 @@ from sim.controllers.variants import Variants
 from sim.kernels import layout
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Bools, Floats
 
 if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration
@@ -44,7 +45,6 @@ __all__ = [
     "wants_world",
 ]
 
-Floats: TypeAlias = npt.NDArray[np.float64]
 Act: TypeAlias = Callable[[Floats, Floats, Floats], None]
 Memory: TypeAlias = tuple[float, ...]
 
@@ -94,7 +94,9 @@ class Observation(NamedTuple):
         odometry_x: x according to the wheels, m.
         odometry_y: y according to the wheels, m.
         odometry_heading: Heading according to the wheels, rad.
-        beams: Distance to the nearest wall or robot along each range beam, m.
+        beams: Distance to the nearest wall or robot along each range beam, m, counter-clockwise
+            from straight ahead. Empty unless the controller's attribute ``beams`` or an option such
+            as ``+beams=36`` sets their number.
         neighbours: Other robots within range, the nearest first.
     """
 
@@ -135,7 +137,7 @@ NO_NEIGHBOURS: Floats = np.zeros((0, 0, layout.NEIGHBOUR_MESSAGE))
 class Observations(NamedTuple):
     """Observations of many robots: the fields of an :class:`Observation`, of shape (n,) each."""
 
-    bump: npt.NDArray[np.bool_]
+    bump: Bools
     bump_bearing: Floats
     signal: Floats
     signal_heading: Floats
@@ -351,7 +353,6 @@ class VectorController(Protocol):
 
 
 Controller: TypeAlias = CompiledController | PythonController | VectorController
-
 
 # Senses that the core computes only on request, because they cost time.
 _COSTLY_SENSES: dict[str, int] = {

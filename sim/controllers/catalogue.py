@@ -26,7 +26,7 @@ from sim.controllers.programs.process import ProcessController, is_process_name
 from sim.controllers.shared.library import library_controller
 from sim.controllers.shared.object_file import is_library_name, library_file
 from sim.controllers.taught import with_numbers
-from sim.controllers.variants import Variants, no_options
+from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
@@ -115,7 +115,14 @@ class ControllerRegistry(Registry[Controller]):
             variants: Variants | None = getattr(found, "variants", None)
             unknown = [one for one in words if variants is None or one not in variants.names()]
             if variants is None or unknown:
-                raise InvalidParameter.of(no_options(base, unknown[0]))
+                raise InvalidParameter(
+                    "unknown-name",
+                    "controller {controller!r} has no option {option!r} of its own",
+                    "leave it out; options of a run belong in RunOptions, and Scenario.parse() "
+                    "reads both",
+                    controller=base,
+                    option=unknown[0],
+                )
             found = variants.named(words, base, name)
         if not has_learned:
             return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -160,15 +159,9 @@ def with_numbers(controller: Controller, numbers: tuple[float, ...], name: str) 
             "train it again",
             name=name,
         )
-    return restarted(controller, _put(controller, learning, numbers, name), name)
-
-
-def _put(
-    controller: Controller, learning: Learning, numbers: Iterable[float], name: str
-) -> tuple[float, ...]:
     memory = list(memory_at_reset(controller, name))
     memory[learning.places] = numbers
-    return tuple(memory)
+    return restarted(controller, tuple(memory), name)
 
 
 def with_exploration(controller: Controller, thousandths: int, name: str) -> Controller:

@@ -19,10 +19,9 @@ from sim.controllers.contract import ContractBroken, no_command, no_memory
 from sim.kernels import layout
 from sim.runners.controller_time import timed
 from sim.runners.stopping import breakable
+from worldgen.support.arrays import Floats
 
 __all__ = ["Asker", "OneOfMany"]
-
-Floats = npt.NDArray[np.float64]
 
 
 class Asker:

@@ -6,14 +6,12 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import Controller
 from sim.drawing.wall_penetrations import penetrated_cells
 from sim.episode import Episode
 from sim.evidence import JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.fleet.episode import FleetEpisode
-from sim.fleet.run import world_of_robot
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
 from sim.options.run import COVER
 from sim.trace import Trace
@@ -23,6 +21,7 @@ from worldgen.plugins.registry import user_code
 from worldgen.reach import reachable_cells
 from worldgen.render import Drive, EventMark, Trail
 from worldgen.render.overlay import Disturbances, MarkKind, Remembered, Shove
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 __all__ = [
@@ -125,7 +124,7 @@ def trails_of(episode: Episode, world: World) -> Trail | list[Trail] | None:
         return trail_of(episode, world)
     found: list[Trail] = []
     for number, one in enumerate(episode.robots):
-        trail = trail_of(one, world_of_robot(world, number))
+        trail = trail_of(one, world.alone(number + 1))
         if trail is not None:
             found.append(replace(trail, blocked_by=episode.blockers(number + 1)))
     return found
@@ -136,12 +135,12 @@ def drives_of(episode: Episode, world: World) -> list[Drive]:
     if not isinstance(episode, FleetEpisode):
         return [drive_of(episode, world)]
     return [
-        drive_of(one, world_of_robot(world, number), f"robot {number + 1}")
+        drive_of(one, world.alone(number + 1), f"robot {number + 1}")
         for number, one in enumerate(episode.robots)
     ]
 
 
-def _missed(trace: Trace, world: World | None) -> npt.NDArray[np.bool_] | None:
+def _missed(trace: Trace, world: World | None) -> Bools | None:
     """Return the cells of a coverage task that the robot missed."""
     if trace.task != COVER or world is None:
         return None
@@ -173,11 +172,10 @@ def disturbances_in(trace: Trace) -> Disturbances:
         x = float(trace.path_x[first + best])
         y = float(trace.path_y[first + best])
         pushes.append(Shove(x, y, float(dx[best]), float(dy[best])))
+    places = (Shove(one.x, one.y, one.dx, one.dy) for one in pushing_places_of(robot))
     return Disturbances(
         pushes=tuple(pushes),
-        places=tuple(
-            Shove(place.x, place.y, place.dx, place.dy) for place in pushing_places_of(robot)
-        ),
+        places=tuple(places),
         decoys=tuple((decoy.x, decoy.y) for decoy in decoys_of(robot)),
         drift_heading=robot.drift_heading if robot.drift > 0.0 else None,
     )
@@ -189,12 +187,7 @@ def drive_of(episode: Episode, world: World, name: str = "") -> Drive:
     trail = trail_of(episode, world)
     if trace is None or trail is None:
         start = world.start
-        return Drive(
-            name,
-            Trail(np.array([start.x]), np.array([start.y])),
-            np.zeros(1),
-            np.array([start.heading]),
-            1.0,
-        )
+        trail = Trail(np.array([start.x]), np.array([start.y]))
+        return Drive(name, trail, np.zeros(1), np.array([start.heading]), 1.0)
     times = np.maximum(trace.path_step - 1 + trace.path_share, 0.0) * trace.time_step
     return Drive(name, trail, times, trace.heading, trace.time_step)

@@ -27,21 +27,21 @@ from sim.runners.lattice import LatticeRun
 from sim.runners.long_runs import MOST_HELD
 from sim.runners.python_loop import crash_of, hidden_state, memory_at_start, plans
 from sim.runners.stopping import OutOfTime
-from sim.trace import Words
 from sim.verdict import Verdict
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import clear_distance_sq, metres_to_lattice, radius_in_cells
+from worldgen.random_streams import GAMMA, mix64
+from worldgen.support.arrays import Words
 from worldgen.world import World
 
-__all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed", "world_of_robot"]
+__all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed"]
 
 Ints = npt.NDArray[np.int64]
 Recordings = list[tuple[Ints, Ints]]
 
 # Most steps, of all robots, that are driven beyond the budget to prove a joint loop.
 _MOST_DRIVEN = 500_000
-
-_MASK = (1 << 64) - 1
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class FleetRun:
         self.controllers = own_controllers(controllers)
         self.runs = [
             LatticeRun(
-                world_of_robot(world, number),
+                world.alone(number + 1),
                 controller,
                 replace(one, seed=robot_seed(world, number, one.seed)),
             )
@@ -449,22 +449,6 @@ def _proof_of(outcome: FleetOutcome, fleet: CoreFleet, entry: int) -> JointProof
     )
 
 
-def world_of_robot(world: World, number: int) -> World:
-    """Return a world as if one of its robots were alone there, without proof or provenance."""
-    robot = world.robots[number]
-    return replace(
-        world,
-        start=robot.start,
-        target=robot.target,
-        robot_radius=robot.radius,
-        robot_speed=robot.speed,
-        certificate=None,
-        provenance=None,
-        failure=None,
-        others=(),
-    )
-
-
 def robot_seed(world: World, number: int, seed: int) -> int:
     """Return the seed of one robot's random numbers.
 
@@ -474,13 +458,8 @@ def robot_seed(world: World, number: int, seed: int) -> int:
     start = world.robots[number].start
     mixed = seed
     for place in (start.x, start.y):
-        mixed ^= metres_to_lattice(place, world.cell_size) & _MASK
-        # One round of SplitMix64: Steele, Lea and Flood, "Fast splittable pseudorandom number
-        # generators" (2014).
-        mixed = (mixed + 0x9E3779B97F4A7C15) & _MASK
-        mixed = ((mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9) & _MASK
-        mixed = ((mixed ^ (mixed >> 27)) * 0x94D049BB133111EB) & _MASK
-        mixed ^= mixed >> 31
+        mixed ^= metres_to_lattice(place, world.cell_size) & MASK64
+        mixed = mix64((mixed + GAMMA) & MASK64)
     return mixed
 
 

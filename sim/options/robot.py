@@ -180,13 +180,6 @@ class RobotOptions(OptionSet):
     @property
     def plain_sensor(self) -> bool:
         """True if the signal sensor has no limits beyond the thesis's."""
-        limits = (
-            self.sensor_cells,
-            self.sensor_range,
-            self.sensor_field,
-            self.sensor_noise,
-            self.signal,
-            self.smoke,
-            self.decoys,
-        )
-        return limits == (1, 0.0, 0.0, 0.0, "open", 0.0, ())
+        sensor = ("sensor_cells", "sensor_range", "sensor_field", "sensor_noise")
+        names = (*sensor, "signal", "smoke", "decoys")
+        return all(getattr(self, name) == getattr(RobotOptions, name) for name in names)

@@ -11,16 +11,17 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.motion import MOTIONS, THESIS, Motion
 from sim.options.disturbances import delay_of
 from sim.options.robot import RobotOptions
 from sim.thesis.options import ThesisOptions
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
 from worldgen.parameters import parameters_of_fields
 from worldgen.reach.still.cells import reachable_cells
+from worldgen.support.arrays import Words
 from worldgen.support.bounds import Bounds, check_choice
 from worldgen.support.plain_text import quote
 from worldgen.world import JointWitness, Pose, Value, Witness, World
@@ -79,7 +80,6 @@ _LONGEST_STEP = 1_000
 FEWEST_STEPS = 4_000
 _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
-_MAX_SEED = 2**64 - 1
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class RunOptions:
             )
         object.__setattr__(self, "time_step", TIME_STEP.accept(self.time_step, "run"))
         object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
-        object.__setattr__(self, "seed", whole("seed", self.seed, 0, _MAX_SEED))
+        object.__setattr__(self, "seed", whole("seed", self.seed, 0, MASK64))
 
     def motion_model(self) -> Motion:
         """Return the motion model, with the tolerance that these options leave it.
@@ -340,11 +340,8 @@ def check_world(world: object) -> World:
     """
     if isinstance(world, World):
         return world
-    way = (
-        "read it: worldgen.read_world({path!r})"
-        if isinstance(world, str | Path)
-        else "give a World"
-    )
+    is_path = isinstance(world, str | Path)
+    way = "read it: worldgen.read_world({path!r})" if is_path else "give a World"
     raise InvalidParameter(
         "wrong-type", "{world} is not a world", way, world=quote(world), path=str(world)
     )
@@ -390,14 +387,14 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
     return poses
 
 
-def seeds_of(seeds: object) -> npt.NDArray[np.uint64]:
+def seeds_of(seeds: object) -> Words:
     """Return the given seeds, or those from 0 if a count is given.
 
     Raises:
         InvalidParameter: If a seed, or their number, isn't a whole number or is out of range.
     """
     if isinstance(seeds, Iterable) and not isinstance(seeds, str):
-        return np.array([whole("seed", seed, 0, _MAX_SEED) for seed in seeds], np.uint64)
+        return np.array([whole("seed", seed, 0, MASK64) for seed in seeds], np.uint64)
     return np.arange(whole("seeds", seeds, 0, _MOST_SEEDS), dtype=np.uint64)
 
 

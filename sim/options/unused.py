@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import CompiledController, robot_for
 from sim.controllers.thesis import RANDOM
@@ -10,7 +12,7 @@ from sim.options.run import switch_class
 from sim.scenario import Scenario
 from sim.thesis.options import ThesisOptions
 
-__all__ = ["coarse_forces", "random_run", "unused_options"]
+__all__ = ["coarse_forces", "ineffective", "random_run", "unused_options"]
 
 _SIGNAL = ("signal", "signal_heading")
 _SENSOR = (
@@ -43,6 +45,24 @@ _SHAPES = (
         "drift_heading": "drift",
     }
 )
+
+
+def ineffective(scenarios: Iterable[Scenario], *, seeds: Sequence[str] = ()) -> list[str]:
+    """Return a sentence for each option that has no effect on these runs, or less than expected.
+
+    Args:
+        scenarios: The scenarios that are run.
+        seeds: Names of the options for seeds that were given; the first is reported as idle if no
+            run draws numbers.
+    """
+    runs = tuple(scenarios)
+    sentences = [
+        one for scenario in runs for one in (*unused_options(scenario), *coarse_forces(scenario))
+    ]
+    if seeds and not any(map(random_run, runs)):
+        these = "this run" if len(runs) == 1 else "these runs"
+        sentences.append(f"--{seeds[0]} has no effect: nothing in {these} is random")
+    return list(dict.fromkeys(sentences))
 
 
 def unused_options(scenario: Scenario) -> list[str]:

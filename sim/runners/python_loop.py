@@ -17,7 +17,6 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import Memory, PythonController, VectorController, wants_world
@@ -33,13 +32,11 @@ from sim.runners.python_act import Stops, act_in_core
 from sim.runners.stopping import OutOfTime, breakable, in_time
 from sim.verdict import Verdict
 from worldgen.plugins.user_modules import neighbours_of
+from worldgen.support.arrays import Ints
 from worldgen.support.progress import working
 from worldgen.world import World
 
 __all__ = ["PythonLoop", "crash_of", "driver_of", "hidden_state", "memory_at_start", "plans"]
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 # Characters of a controller's exception that are kept.
 _LONGEST_ERROR = 500
@@ -302,12 +299,8 @@ def _data_of_functions(things: Iterable[Any]) -> list[Any]:
 
 
 def _around(function: types.FunctionType) -> dict[str, Any]:
-    cells = function.__closure__ or ()
-    return {
-        str(number): cell.cell_contents
-        for number, cell in enumerate(cells)
-        if cell != types.CellType()
-    }
+    cells = enumerate(function.__closure__ or ())
+    return {str(k): cell.cell_contents for k, cell in cells if cell != types.CellType()}
 
 
 def _data(names: Mapping[str, Any]) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from fuzz.campaign.deadline import TO_HAND_IN, Deadline
 from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.result import UnitResult
 from fuzz.campaign.run import Campaign
-from fuzz.campaign.schedule import Schedule
+from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
@@ -319,7 +319,7 @@ def test_a_quarter_of_the_time_is_for_shrinking_and_the_search_goes_on_where_not
 def test_what_start_up_takes_counts_up_to_three_seconds(start_up, left, monkeypatch):
     at = SimpleNamespace(now=0.0)
     monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-    schedule = Schedule(100.0, began=0.0)
+    schedule = Schedule(100.0, began=Beginning(0.0))
     at.now = start_up
     schedule.begin()
     at.now = start_up + left - 0.01
@@ -369,6 +369,6 @@ def test_what_the_controller_took_before_the_search_counts_in_full(
     tried, loading, is_over, monkeypatch
 ):
     monkeypatch.setattr("fuzz.campaign.schedule.time.monotonic", lambda: 100.0)
-    schedule = Schedule(10.0, began=80.0, own=tried)
+    schedule = Schedule(10.0, began=Beginning(80.0, tried))
     schedule.begin(loading)
     assert schedule.is_over() == is_over

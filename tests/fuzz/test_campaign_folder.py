@@ -291,7 +291,9 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
         2,
         1,
     )
-    assert describe_units(cut) == "2 units and 1 cut short and 1 that learned too little from those"
+    assert describe_units(cut) == (
+        "2 whole units and 1 cut short and 1 that learned too little from those"
+    )
     (stopped, _) = left("stopped")
     (state, _) = left("never")
     assert (stopped.worlds, stopped.met, stopped.cut) == (state.worlds, state.met, 0)
@@ -423,7 +425,14 @@ def test_a_failure_that_is_not_whole_is_found_and_shrunk_again(part, spoil, copi
     ("change", "differences"),
     [
         ({"seed": 6}, ["seed is 5, not 6"]),
-        ({"scenario": Scenario("turn-left")}, ["scenario is .*turn-right.*, not .*turn-left.*"]),
+        (
+            {"scenario": Scenario("turn-left")},
+            ["scenario controller is 'turn-right', not 'turn-left'"],
+        ),
+        (
+            {"scenario": Scenario.parse("turn-right+beams=36")},
+            ["scenario beams is None, not 36"],
+        ),
         ({"examples": 13, "epoch": 2}, ["epoch is 1, not 2", "examples is 4, not 13"]),
     ],
 )

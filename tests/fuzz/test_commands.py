@@ -109,6 +109,12 @@ def test_replay_confirms_every_file(failures):
     )
 
 
+def test_replay_refuses_a_missing_controller_once(failures):
+    result = worldgen("replay", failures[0], "--controller", "./absent.py:Robot")
+    assert result.code == 2 and not result.out
+    assert result.err.count("no such file") == 1
+
+
 def test_replay_notices_a_digest_that_was_changed(failures, tmp_path):
     file = next(iter(failures[0].glob("*.grid")))
     text = file.read_text()

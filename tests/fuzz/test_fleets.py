@@ -22,9 +22,9 @@ from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import scenarios_in
 from fuzz.triage.cause import Cause
 from fuzz.triage.diagnosis import cause_of, cause_of_run
-from fuzz.triage.fleet_signature import Standoff, standoff
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
+from fuzz.triage.signature import Standoff, standoff
 from sim import simulate
 from sim.controllers.base import Command, Memory, Observation
 from sim.evidence import JointLoopEvidence

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from benchmarks.as_classes import AsClass
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
-from fuzz.faults.as_classes import AsClass
 from fuzz.screening import evaluate
 from fuzz.screening.one_by_one import OneByOne
 from fuzz.search.native import scenes as drawn

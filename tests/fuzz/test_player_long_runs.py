@@ -20,7 +20,7 @@ LITTLE = 1 << 21
 @pytest.fixture
 def little(monkeypatch):
     monkeypatch.setattr("sim.runners.lattice.MOST_HELD", LITTLE)
-    monkeypatch.setattr("sim.runners.long_runs.in_portions.MOST_HELD", LITTLE)
+    monkeypatch.setattr("sim.runners.long_runs.MOST_HELD", LITTLE)
 
 
 def driven(*, lean, steps=2000):

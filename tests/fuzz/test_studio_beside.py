@@ -10,7 +10,7 @@ import pytest
 
 SERVER = """
 import sys
-from fuzz.studio.processes import start_beside
+from fuzz.studio.workers import start_beside
 from tests.fuzz.test_studio_beside import told_and_waiting
 
 if __name__ == "__main__":

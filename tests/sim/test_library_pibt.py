@@ -132,7 +132,8 @@ def test_the_highest_priority_always_gets_nearer_among_narrow_robots(nodes, targ
     first = agents[-1]
     move = moves_of(grid, agents)[first]
     distances = pibt._distances(grid, first.target)
-    assert distances.get(first.after(move)) == max(0, distances.get(first.node) - 1)
+    before, after = (pibt._edges_from(node, distances) for node in (first.node, first.after(move)))
+    assert after == max(0, before - 1)
 
 
 def test_robots_that_meet_in_a_passage_both_arrive_because_one_backs_out():
@@ -197,7 +198,7 @@ def test_alone_it_takes_a_shortest_path_of_the_grid(radius):
     grid = pibt._Map(*pibt_memory_map(world))
     target = pibt._Target(world.target.x / edge, world.target.y / edge, world.target.radius / edge)
     start = (round(world.start.x / edge), round(world.start.y / edge))
-    length = pibt._distances(grid, target).get(start) * edge
+    length = pibt._edges_from(start, pibt._distances(grid, target)) * edge
     # It ends as soon as its centre is in the target, whose radius is one edge.
     rounding = 2 * world.cell_size / 1024
     assert episode.path_length == pytest.approx(length - world.target.radius, abs=rounding)

@@ -23,7 +23,7 @@ from worldgen.families.parts.mazes import (
     grow,
     open_sides,
     shape_mask,
-    spanning_tree,
+    winding_tree,
 )
 from worldgen.families.parts.mazes.board import ROOT, links_of_parents
 from worldgen.families.parts.mazes.shapes import LEAST
@@ -134,11 +134,10 @@ def test_a_mask_in_two_parts_is_refused():
             grow(RandomStream(1), mask, algorithm)
 
 
-@pytest.mark.parametrize("algorithm", ["wilson", "backtracker"])
-def test_a_spanning_tree_names_parents_up_to_one_root(algorithm):
-    tree = spanning_tree(RandomStream(2), 5, 4, algorithm)
+def test_a_winding_tree_names_parents_up_to_one_root():
+    tree = winding_tree(RandomStream(2), 5, 4)
     assert tree.shape == (4, 5) and (tree == ROOT).sum() == 1
-    assert np.array_equal(links_of_parents(tree), grow(RandomStream(2), full(4, 5), algorithm))
+    assert np.array_equal(links_of_parents(tree), grow(RandomStream(2), full(4, 5), "backtracker"))
 
 
 @pytest.mark.parametrize("algorithm", some(ALGORITHMS))

@@ -128,6 +128,16 @@ def test_people_get_three_lines_and_the_origin_as_a_note(tmp_path, capsys):
     assert "the world's (0, 0) is the map's (-3.16, -9.36) m" in captured.err
 
 
+def test_places_may_be_given_in_the_coordinates_of_the_file(run):
+    _, of_corner, _ = run(HALL, "--start", "8,9,0.5", "--target", "2.25,1.25,0.1")
+    _, of_map, _ = run(
+        HALL, "--frame", "map", "--start", "4.84,-0.36,0.5", "--target=-0.91,-8.11,0.1"
+    )
+    start, target = of_map.start, of_map.target
+    assert start == of_corner.start and start.heading == 0.5
+    assert target == of_corner.target and target.radius == 0.1
+
+
 def test_equal_seeds_place_equally_and_the_file_is_the_same_to_the_byte(run, tmp_path):
     run(HALL, "--seed", 9)
     once = (tmp_path / "w.grid").read_bytes()

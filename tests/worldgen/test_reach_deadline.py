@@ -32,9 +32,9 @@ from worldgen.reach import (
 )
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.timed import confine
+from worldgen.reach.timed.deadline import retime
 from worldgen.reach.timed.earliest import find_timed_path
 from worldgen.reach.timed.latest import find_latest_start
-from worldgen.reach.timed.retime import retime
 from worldgen.reach.timed.spans import ChangingWalls, Spans
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Witness

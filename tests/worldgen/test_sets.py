@@ -98,7 +98,7 @@ def test_a_manifest_whose_lines_repeat_every_parameter_is_read_and_made_again(wh
 def test_a_line_says_only_of_parameters_that_differ_and_keeps_their_types(value, own):
     header = plan_set("maze", seed=0, count=1, params={"braid": 0.0}).header
     params = {**header.params, "braid": value}
-    line = ManifestEntry("m.grid", "maze", 1, 0, params, "0" * 64, "0" * 64, 9).line(header)
+    line = ManifestEntry("m.grid", "maze", 1, 0, params, "0" * 64, "0" * 64, 9, {}).line(header)
     assert repr(json.loads(line)["params"]) == repr(own)
     [entry] = parse_manifest([header.line(), line], "text").entries
     assert {name: repr(read) for name, read in entry.params.items()} == {

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from worldgen.cli.output import (
+    PATH,
     draw_seed,
     emit_json,
     force_option,
@@ -36,7 +37,6 @@ EXAMPLES = (
     "  worldgen census maps/ scenarios/ --pairs 5 --seed 1 --out grid-only/\n"
     "  worldgen census ./examples/census/mazelib_maps.py:maps --count 500 --seed 1 --option side=20"
 )
-PATH = click.Path(path_type=Path)
 # Limit on the characters of a map's name in a file name: at most 200 of its 255 bytes.
 _LONGEST = 50
 

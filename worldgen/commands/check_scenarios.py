@@ -6,7 +6,15 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import (
+    PATH,
+    SEED,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    write_bytes,
+)
 
 __all__ = ["check_scenarios"]
 
@@ -14,7 +22,6 @@ EXAMPLES = (
     "\b\n  worldgen check-scenarios hog2/maps/dao hog2/scenarios/dao\n"
     "  worldgen check-scenarios maps/ scenarios/ --rows 100 --seed 1 --csv checked.csv"
 )
-PATH = click.Path(path_type=Path)
 
 
 @click.command("check-scenarios", epilog=EXAMPLES)
@@ -26,7 +33,7 @@ PATH = click.Path(path_type=Path)
 )
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     default=0,
     show_default=True,
     help="Seed for drawing the problems.",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from worldgen.cli.output import (
+    PATH,
     draw_seed,
     emit_json,
     force_option,
@@ -128,7 +129,7 @@ _count_option = click.option(
 )
 _out_option = click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="File to write, .grid or .grid.gz; with --count a folder, or an archive: .zip, .tar.gz or "
     ".tar.bz2. "
     "Without it, the world goes to stdout.",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note
 from worldgen.support.progress import working
 
 __all__ = ["import_map"]
@@ -22,10 +22,8 @@ EXAMPLES = (
 
 
 @click.command("import", epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path))
-@click.option(
-    "--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write."
-)
+@click.argument("path", type=PATH)
+@click.option("--out", "-o", type=PATH, required=True, help="The .grid file to write.")
 @click.option(
     "--from",
     "name",
@@ -41,7 +39,7 @@ EXAMPLES = (
 @click.option(
     "--start",
     metavar="X,Y[,HEADING]",
-    help="m and rad, from the lower-left corner; placed automatically if omitted.",
+    help="m and rad; placed automatically if omitted.",
 )
 @click.option(
     "--target",
@@ -49,8 +47,14 @@ EXAMPLES = (
     help="m; placed automatically if omitted, with the robot's radius.",
 )
 @click.option(
-    "--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target."
+    "--frame",
+    type=click.Choice(["corner", "map"]),
+    default="corner",
+    show_default=True,
+    help="Measure --start and --target from the lower-left corner, or in the file's own coordinates, "
+    "such as ROS's map frame.",
 )
+@click.option("--scen", type=PATH, help="MovingAI scenario file for start and target.")
 @click.option(
     "--row",
     type=click.IntRange(1),
@@ -98,7 +102,7 @@ EXAMPLES = (
 )
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     help="Seed of the search for places that are far apart.  [default: 0]",
 )
 @click.option(
@@ -118,6 +122,7 @@ def import_map(
     speed: float | None,
     start: str | None,
     target: str | None,
+    frame: str,
     scen: Path | None,
     row: int,
     robots: int,
@@ -151,7 +156,7 @@ def import_map(
     robot = interop.ImportedRobot(
         None if start is None else interop.parse_point("start", start, "HEADING"),
         None if target is None else interop.parse_point("target", target, "RADIUS"),
-        radius, speed, scen, row, seed, ignore_unread, robots,
+        radius, speed, scen, row, seed, ignore_unread, robots, frame == "map",
     )  # fmt: skip
     given = {
         "cell_size": cell_size,

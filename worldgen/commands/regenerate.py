@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 from worldgen.errors import OutputError
 from worldgen.support.progress import working
 
@@ -28,11 +28,7 @@ SHOWN = 20
 
 @click.command(epilog=EXAMPLES)
 @click.argument("path", metavar="SET", type=click.Path(exists=True, path_type=Path))
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    help="Folder or archive to make; with --check, the one to check.",
-)
+@click.option("--out", type=PATH, help="Folder or archive to make; with --check, the one to check.")
 @click.option(
     "--check", is_flag=True, help="Make nothing; list files that are missing, changed or extra."
 )

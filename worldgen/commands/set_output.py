@@ -61,7 +61,7 @@ def make_many(
         force: True to replace what exists.
         as_json: True to print one JSON object.
     """
-    from worldgen.random_streams import MASK64
+    from worldgen.domain import MASK64
     from worldgen.sets import make_set, manifest_of
 
     plan = plan.with_seed(_seed(plan, seed, out, force=force))

@@ -12,7 +12,7 @@ from worldgen.compose._sizes import TooLarge, check_size, whole
 from worldgen.compose._values import Scalar, Spec, value_of
 from worldgen.compose.piece import Piece
 from worldgen.compose.sources import above, beside, of_family, rectangle, row_size
-from worldgen.domain import MAX_SIDE
+from worldgen.domain import MASK64, MAX_SIDE
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, check_choice
 from worldgen.random_streams import RandomStream
@@ -162,7 +162,7 @@ class RecipeRun:
             check_size(f"{name} of size={side}", side, side)
             self._work.check(side * side)
         if seed is not None:
-            return of_family(made_by, whole("seed", seed, 0, 2**64 - 1), **params)
+            return of_family(made_by, whole("seed", seed, 0, MASK64), **params)
         return of_family(made_by, rng.child("layout"), **params)
 
     def _step(self, piece: Piece, step: Step, rng: RandomStream) -> Piece:

@@ -104,8 +104,6 @@ class Search:
         seed: Source of all randomness; the first world tried has this seed and the given
             parameters.
         given: Parameters that keep their values.
-        guided: Whether to vary parameters; if False, only seeds vary.
-        learns: Whether the nearest worlds have children; if False, all parameters are drawn.
 
     Raises:
         InvalidParameter: If a given parameter is refused, or a difficulty is requested of worlds
@@ -118,9 +116,6 @@ class Search:
         constraint: Expression,
         seed: int,
         given: Mapping[str, Value],
-        *,
-        guided: bool = True,
-        learns: bool = True,
     ) -> None:
         self.family = family
         self.constraint = constraint
@@ -135,11 +130,9 @@ class Search:
                 "constrain another metric, such as detour",
                 name=family.name,
             )
-        self._free = free_parameters(family, given) if guided else ()
+        self._free = free_parameters(family, given)
         self._rng = RandomStream(seed).child("where", family.name)
         self._parents: list[Nearest] = []
-        self._guided = guided
-        self._learns = learns
         self.asked = self.tried = 0
         self.nearest: Nearest | None = None
 
@@ -186,9 +179,7 @@ class Search:
     def _proposal(self) -> tuple[int, dict[str, Value]]:
         rng = self._rng
         seed = rng.next64() >> (64 - _SEED_BITS)
-        if not self._guided:
-            return seed, {}
-        if not self._learns or len(self._parents) < 2 or self.tried <= _FIRST or rng.below(4) == 0:
+        if len(self._parents) < 2 or self.tried <= _FIRST or rng.below(4) == 0:
             return seed, drawn(self._free, rng, rng.random())
         parent = self._parents[min(rng.below(len(self._parents)), rng.below(len(self._parents)))]
         kind = rng.below(8)

@@ -151,10 +151,6 @@ def _told(source: str) -> Iterator[None]:
     """Turn any exception of a broken archive into one sentence."""
     try:
         yield
-    except FileNotFoundError as error:
-        raise FormatError(
-            "no-such-file", "there is no such file", "check the name", source=source
-        ) from error
     except (
         zipfile.BadZipFile,
         tarfile.TarError,
@@ -182,12 +178,7 @@ def _told(source: str) -> Iterator[None]:
             source=source,
         ) from error
     except OSError as error:
-        raise FormatError(
-            "unreadable",
-            "cannot be read: {reason}",
-            reason=error.strerror or str(error),
-            source=source,
-        ) from error
+        raise FormatError.unreadable(source, error) from error
 
 
 def members(path: Path) -> Iterator[Member]:

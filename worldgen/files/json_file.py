@@ -70,6 +70,10 @@ class JsonFile(Generic[T]):
                 source=str(path),
             ) from error
 
+    def find(self, path: Path) -> T | None:
+        """Return the content of a file, as :meth:`read` does, or None if there is no such file."""
+        return self.read(path) if path.is_file() else None
+
     def write(self, path: Path, content: T) -> None:
         """Write a file, replacing an existing one.
 

@@ -52,6 +52,8 @@ class ImportedRobot:
         ignore_unread: True to judge the map without obstacles that could not be read.
         robots: Number of the scenario's problems, starting at ``row``, that become robots of one
             world.
+        in_file_frame: True if start and target are in the file's coordinates, such as ROS's ``map``
+            frame, instead of measured from the grid's lower-left corner.
     """
 
     start: tuple[float, ...] | None = None
@@ -63,6 +65,7 @@ class ImportedRobot:
     seed: int | None = None
     ignore_unread: bool = False
     robots: int = 1
+    in_file_frame: bool = False
 
 
 @dataclass(frozen=True)
@@ -136,6 +139,12 @@ def import_world(
         found = _with_scenario(robot, found)
     if sidecar is not None:
         found = with_sidecar(found, _fitting(sidecar, path, robot))
+    if robot.in_file_frame:
+        robot = replace(
+            robot,
+            start=_from_corner(robot.start, found.origin),
+            target=_from_corner(robot.target, found.origin),
+        )
     found = _as_given(robot, found)
     params = dict(found.params)
     if found.origin != (0.0, 0.0):
@@ -172,6 +181,15 @@ def import_world(
         found.unread,
         withheld,
     )
+
+
+def _from_corner(
+    place: tuple[float, ...] | None, origin: tuple[float, float]
+) -> tuple[float, ...] | None:
+    """Return a place of the file's frame as seen from the grid's lower-left corner."""
+    if place is None:
+        return None
+    return (place[0] - origin[0], place[1] - origin[1], *place[2:])
 
 
 def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
@@ -279,12 +297,7 @@ def _at_programs_start(
         return robot, ()
     x, y = found.start[:2]
     # _complete has already set the radius.
-    if is_clear(
-        found.walls,
-        found.cell_size,
-        robot.radius or 0.0,
-        (x, y),
-    ):
+    if is_clear(found.walls, found.cell_size, robot.radius or 0.0, (x, y)):
         return replace(robot, start=found.start), ()
     return robot, (
         f"the map's own start ({x:g}, {y:g}) m is not clear for the robot, so another one was "

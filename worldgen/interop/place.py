@@ -33,11 +33,7 @@ __all__ = ["Placement", "heading_towards", "is_clear", "place"]
 
 _HALF = UNIT // 2
 # Radii of clearance around a chosen place, the widest first.
-_ROOMY = (
-    Fraction(2),
-    Fraction(3, 2),
-    Fraction(5, 4),
-)
+_ROOMY = (Fraction(2), Fraction(3, 2), Fraction(5, 4))
 # Share of a region that must be nearer than a chosen place with room to turn.
 _FAR = 0.5
 # Share of the clear places below which the largest region deserves a warning.
@@ -231,7 +227,9 @@ def _check_inside(name: str, point: _Point, walls: npt.NDArray[np.bool_], cell_s
         raise InvalidWorld(
             "outside-grid",
             "{name} ({x:g}, {y:g}) m is outside the map of {width:g} x {height:g} m",
-            "give m from its lower-left corner, x right, y up",
+            "give m from its lower-left corner, x right, y up; --frame map takes the file's own "
+            "coordinates",
+            at_terminal=True,
             name=name,
             x=point[0],
             y=point[1],

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from worldgen.errors import OutputError, WorldgenError
-from worldgen.sets.identity import entry_jobs
-from worldgen.sets.making import Made, make_all
+from worldgen.errors import InvalidParameter, OutputError, WorldgenError
+from worldgen.family import FAMILIES, RECIPE
+from worldgen.sets.making import Job, Made, make_all
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHeader, read_manifest
 from worldgen.sets.plan import SetPlan
 from worldgen.sets.stores import PART, SetFolder, Store, store_for
@@ -132,7 +132,7 @@ def regenerate_set(
         InvalidParameter: If a family is unknown or has another version.
         OutputError: As for :func:`make_set`.
     """
-    jobs = entry_jobs(manifest.entries, families)
+    jobs = _entry_jobs(manifest.entries, families)
 
     def named(k: int, made: Made) -> tuple[str, bytes]:
         _check_same(manifest.entries[k], made, manifest.header)
@@ -176,7 +176,7 @@ def restore_set(
     # Compare what is on disk by checksum first, so that only missing worlds are made again.
     wanted = [entry for entry in manifest.entries if not store.holds(entry, force=force)]
     done = len(manifest.entries) - len(wanted)
-    for entry, made in zip(wanted, make_all(entry_jobs(wanted, families), workers), strict=True):
+    for entry, made in zip(wanted, make_all(_entry_jobs(wanted, families), workers), strict=True):
         # A world that differs from the record means another version or family: stop before writing
         # it.
         _check_same(entry, made, manifest.header)
@@ -272,3 +272,57 @@ def _other(old: Manifest, wanted: ManifestHeader, out: Path) -> OutputError:
         constraint=held.constraint,
         worldgen=held.worldgen,
     )
+
+
+def _entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) -> list[Job]:
+    """Return the jobs that make the worlds of a manifest's lines again.
+
+    Each family must exist here in the same version.
+
+    Args:
+        entries: The lines.
+        families: Where to find unregistered families, as ``./file.py:name``.
+
+    Raises:
+        InvalidParameter: If a family is unknown or has a different version than in the manifest, or
+            a parameter does not exist.
+    """
+    places = {FAMILIES.get(place).name: place for place in families}
+    checked: dict[tuple[str, int], str] = {}
+    jobs: list[Job] = []
+    for entry in entries:
+        key = (entry.family, entry.version)
+        if key not in checked:
+            checked[key] = _place(entry, places.get(entry.family, entry.family))
+        # The families of a set are one object.
+        if not jobs or entry.params is not jobs[-1].params:
+            FAMILIES.find(checked[key], entry.params).complete(entry.params)
+        jobs.append(Job(checked[key], entry.seed, entry.params, entry.metrics))
+    return jobs
+
+
+def _place(entry: ManifestEntry, place: str) -> str:
+    # Its text is among the parameters.
+    if place.startswith(RECIPE):
+        return place
+    if place == entry.family and place not in FAMILIES.names():
+        raise InvalidParameter(
+            "unknown-name",
+            "the set is of family {family!r}, which is not one of {known!l}",
+            "give its file: --family ./file.py:name",
+            at_terminal=True,
+            family=place,
+            known=list(FAMILIES.names()),
+        )
+    found = FAMILIES.get(place)
+    if found.version != entry.version:
+        raise InvalidParameter(
+            "other-version",
+            "the set was made by {family} version {version}, but this is version {found}, which "
+            "makes other worlds",
+            "install the worldgen that the manifest names",
+            family=entry.family,
+            version=entry.version,
+            found=found.version,
+        )
+    return place

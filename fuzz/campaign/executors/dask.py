@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, suppress
-from types import TracebackType
 from typing import ParamSpec, Self, TypeVar
 
 from distributed import Client, KilledWorker
@@ -132,12 +131,7 @@ class DaskExecutor:
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _kind: object, error: BaseException | None, _at: object) -> None:
         """Disconnect, which cancels work in progress.
 
         Raises:

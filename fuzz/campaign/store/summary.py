@@ -177,5 +177,4 @@ def read_summary(folder: Path) -> Summary | None:
     Raises:
         FormatError: If it cannot be read, or isn't a summary of version 2.
     """
-    path = folder / MEMORY / SUMMARY_FILE
-    return SUMMARY.read(path) if path.is_file() else None
+    return SUMMARY.find(folder / MEMORY / SUMMARY_FILE)

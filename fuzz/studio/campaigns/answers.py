@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.campaign.store import MEMORY, FolderStore, forget_error, read_error
-from fuzz.studio.campaigns.beginning import beginning
 from fuzz.studio.campaigns.elites import elite_of, runs_in
 from fuzz.studio.campaigns.fuzz_words import (
     baseline,
@@ -34,6 +33,7 @@ from fuzz.studio.campaigns.fuzz_words import (
 )
 from fuzz.studio.campaigns.state import (
     SAID,
+    beginning,
     campaign_state,
     interrupt,
     is_campaign,

@@ -23,18 +23,17 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
+from sim.controllers.library._common import LOCATED
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
+from worldgen.support.arrays import Floats
 from worldgen.support.bounds import Bounds
 
 __all__ = ["TopologicalOptions", "topological", "topological_robot"]
-
-Floats = npt.NDArray[np.float64]
 
 MOST = place("WgTopologicalMemory", "most")
 MODE = place("WgTopologicalMemory", "mode")
@@ -43,19 +42,6 @@ COUNT = place("WgTopologicalMemory", "count")
 PLACES = size_of("WgTopologicalMemory")
 PLACE = size_of("WgMapPlace")
 LINKS = place("WgMapPlace", "links")
-SENSES = (
-    "bump",
-    "heading",
-    "x",
-    "y",
-    "target_heading",
-    "target_distance",
-    "time_step",
-    "top_speed",
-    "radius",
-    "beams",
-)
-NEEDS = RobotOptions(beams=72, beam_range=1.0)
 
 # Bits of a link, and how many there are.
 _LINK_BITS = 10
@@ -103,8 +89,8 @@ def topological_robot(options: TopologicalOptions, name: str = "topological") ->
         name,
         CoreAct("topological"),
         memory_at_reset(size, {MOST: float(options.places)}),
-        senses=SENSES,
-        needs=NEEDS,
+        senses=("bump", *LOCATED, "beams"),
+        needs=RobotOptions(beams=72, beam_range=1.0),
         memory_fields=_FIELDS,
         memory_map=shown_map,
         memory_map_on=(COUNT, *range(PLACES, size)),

@@ -25,8 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.controllers.controller_error import NO_ANSWER, ControllerError, how_it_ended
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
@@ -42,9 +41,6 @@ __all__ = [
     "call",
     "renew",
 ]
-
-ffi: Any = _ffi
-lib: Any = _lib
 
 DEADLINE = 1.0
 """Processor time that a controller may take for a step, s."""

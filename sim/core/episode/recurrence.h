@@ -84,7 +84,7 @@ int64_t wg_search_look_up(WgSearch *search, int64_t step, int64_t quiet);
 // Returns the first step, not before `quiet`, from which the log repeats itself up to `step`.
 int64_t wg_entry_of_loop(const uint64_t *log, int64_t quiet, int64_t step, int64_t period);
 
-// Does the same for any state.
+// The fingerprint of a state of any size.
 static inline uint64_t wg_fingerprint(WgSearch *search, const void *state)
 {
     return search->words <= WG_FEW_WORDS ? wg_fingerprint_of_few(state, search->words)
@@ -103,7 +103,7 @@ static inline int64_t wg_search_log(WgSearch *search, uint64_t fingerprint, int6
     return wg_search_look_up(search, step, quiet);
 }
 
-// Does the same for a given state.
+// Logs a state and looks it up, like wg_search_log().
 static inline int64_t wg_search_period(WgSearch *search, const void *state, int64_t step, int64_t quiet, int64_t budget)
 {
     return wg_search_log(search, wg_fingerprint(search, state), step, quiet, budget);

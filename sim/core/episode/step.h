@@ -59,8 +59,10 @@ static inline int64_t wg_whole_speed(double asked)
     return (int64_t)(asked + copysign(1e-9, asked));
 }
 
-// Runs a plain run (see plain.c) up to a step. Returns true if it continues.
+// Returns true if the fast loop in plain.c can do this run.
 bool wg_is_plain(const WgEpisode *episode);
+
+// Runs a plain run up to a step. Returns true if it continues.
 bool wg_run_plain(WgEpisode *episode, int64_t last);
 
 // Functions that few steps need; in step.c.

@@ -35,7 +35,7 @@ from worldgen.families.parts.layout import (
     spread_unevenly,
     without_effect,
 )
-from worldgen.families.parts.mazes import ROOT, spanning_tree
+from worldgen.families.parts.mazes import ROOT, winding_tree
 from worldgen.family import Bounds, check_between, family
 from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream
@@ -311,7 +311,7 @@ def _draft(
 def _longest_path(rng: RandomStream, lattice: int) -> list[Node]:
     """Return the path from the farthest chamber of a backtracker's maze to its root."""
     # List the children of each chamber.
-    tree = spanning_tree(rng, lattice, lattice, "backtracker").tolist()
+    tree = winding_tree(rng, lattice, lattice).tolist()
     children: dict[Node, list[Node]] = {}
     node: Node = (0, 0)
     root: Node = (0, 0)

@@ -53,21 +53,14 @@ def read_world(path: str | PathLike[str]) -> World:
     except (NotADirectoryError, FileNotFoundError) as error:
         place = archive_in(Path(path))
         if place is None:
-            raise FormatError(
-                "no-such-file", "there is no such file", "check the name", source=source
-            ) from error
+            raise FormatError.unreadable(source, FileNotFoundError()) from error
         return _read_archived(*place, source)
     except IsADirectoryError as error:
         raise FormatError(
             "is-a-folder", "this is a folder", "name a .grid file in it", source=source
         ) from error
     except OSError as error:
-        raise FormatError(
-            "unreadable",
-            "cannot be read: {reason}",
-            reason=error.strerror or str(error),
-            source=source,
-        ) from error
+        raise FormatError.unreadable(source, error) from error
     # The name contains a NUL.
     except ValueError as error:
         raise FormatError(

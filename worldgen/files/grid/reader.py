@@ -35,7 +35,7 @@ from worldgen.files.grid.schema import (
     WITNESS,
 )
 from worldgen.files.grid.sections import Block, CellBlock, LetterMark, read_cells, read_columns
-from worldgen.lattice import UNIT, lattice_to_metres
+from worldgen.lattice import cell_middle
 from worldgen.timeline import Timeline
 from worldgen.world import (
     DEFAULT_ROBOT_SPEED,
@@ -345,7 +345,7 @@ def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Tar
     start = Pose(*numbers)
     if cells.target is None:
         return start, Target(*read_triple(header, "target"))
-    radius = lattice_to_metres(UNIT // 2, cell_size)
+    radius = cell_middle(0, cell_size)
     return start, Target(*_centre(cells.target, cell_size), radius)
 
 
@@ -364,11 +364,7 @@ def _refuse_marks(header: Header, cells: CellBlock) -> None:
 
 
 def _centre(mark: LetterMark, cell_size: float) -> tuple[float, float]:
-    """Return the centre of a cell, m, correctly rounded."""
-    return (
-        lattice_to_metres(mark.ix * UNIT + UNIT // 2, cell_size),
-        lattice_to_metres(mark.iy * UNIT + UNIT // 2, cell_size),
-    )
+    return cell_middle(mark.ix, cell_size), cell_middle(mark.iy, cell_size)
 
 
 def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
