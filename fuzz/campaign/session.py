@@ -268,6 +268,8 @@ class CampaignSession:
                 continue
             if cause.file == self._path(failure.bucket).name:
                 self._campaign.state.best.setdefault(failure.bucket, failure)
+            if cause.original is not None:
+                self._store.save_original(cause.original)
             self._write(cause.file, failure)
 
     def _remove_outdated(self) -> None:
@@ -414,7 +416,6 @@ class CampaignSession:
             f"{scenario.label()} under {scenario.run.motion}",
             self._out,
             state.worlds,
-            len(state.met.keys() | state.best.keys()),
             is_failing=bool(self._failing()),
             is_known=bool(state.known),
             lasts=self._lasts,
@@ -434,8 +435,8 @@ class CampaignSession:
         )
         click.echo(
             f"seed {self._config.seed}: {describe_units(state)}, {counted(state.worlds, 'world')}, "
-            f"{counted(state.steps, 'step')} in {describe_time(state)}; in screening "
-            f"{verdicts or 'nothing'}"
+            f"{counted(state.steps, 'step')} in {describe_time(state)}; quick "
+            f"runs: {verdicts or 'none'}; {state.met.total()} examined"
         )
         # Add notes about slow or hanging controllers.
         if (share := describe_share(self._config, state)) is not None:

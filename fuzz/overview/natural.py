@@ -83,6 +83,11 @@ class NaturalRuns:
         """The 95 % interval of the share of natural worlds in which the robot arrives."""
         return interval_95(self.arrived, self.worlds)
 
+    @property
+    def percent(self) -> int:
+        """Share of worlds in which the robot arrives, in whole percent: 100 only if it is all."""
+        return min(round(100 * self.arrived / self.worlds), 99 + (self.arrived == self.worlds))
+
     def count(self, case: Case, family: str, episode: Episode, cause: Cause | None) -> None:
         """Add one run.
 

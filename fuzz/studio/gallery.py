@@ -21,6 +21,7 @@ from fuzz.studio.running import check_record, check_registered, from_anywhere
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import arrives_in
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
+from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS
 from sim.describe import describe_evidence
 from sim.episode import simulate
@@ -178,6 +179,7 @@ class WallAnswers(Opened):
             "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + failure.violation.in_words,
             "cause": cause_of_run(world, judged, arrives_in(who, options)).value,
+            "repeats": "" if failure.oracle else describe_period(world, judged),
             "same": judged.trace_digest == failure.record.trace_digest
             or options.steps < failure.options.steps,
         }

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.thesis.core_calls import WALL, add_noise, signal_map
-from worldgen.interop.readers.thesis_map import WALL as FILE_WALL
-from worldgen.interop.readers.thesis_map import filtered, signal
+from worldgen.interop.formats.thesis import WALL as FILE_WALL
+from worldgen.interop.formats.thesis import filtered, signal
 
 SIDES = st.integers(3, 24)
 

@@ -133,6 +133,23 @@ def test_scrubbing_to_the_entry_is_put_into_words(page):
     assert "the loop is entered" in readout(page)
 
 
+def test_paper_shows_what_is_folded_and_no_buttons(page):
+    open_failure(page, "loop-a")
+    folded = page.locator("main details:not([open])")
+    before = folded.count()
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    assert before > 0 and folded.count() == 0
+    assert page.locator("main button:visible").count() == 0
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert folded.count() == before
+
+
+def test_a_loop_is_told_by_the_moves_that_repeat(page):
+    open_failure(page, "loop-a")
+    assert "It repeats 104 steps (1.56 s" in page.locator("#detail").inner_text()
+
+
 def test_each_layer_can_be_switched_off_and_on(page):
     open_failure(page, "loop-a")
     before = picture(page)

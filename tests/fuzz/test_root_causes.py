@@ -347,7 +347,7 @@ def test_the_terminal_names_no_hidden_file_for_a_known_failure(tmp_path):
     known = Baseline.of(read_corpus([tmp_path]).entries, Scenario(f"{HERE}:Still"), print)
     overview = overview_of(None, found, known)
     assert overview.causes[0].file.startswith(".campaign/failures/")
-    lines = overview_lines(overview, Headline("mine", tmp_path, 1, 1, is_known=True))
+    lines = overview_lines(overview, Headline("mine", tmp_path, 1, is_known=True))
     assert not any(".campaign" in line for line in lines)
 
 
@@ -514,7 +514,7 @@ def test_the_terminal_says_it_in_fifteen_lines_and_json_says_it_all(tmp_path):
 
 def test_a_campaign_without_a_whole_unit_does_not_say_that_nothing_fails(tmp_path):
     headline = Headline(
-        "mine under swept", tmp_path, 107, 0, is_failing=False, not_arrived=13, has_units=False
+        "mine under swept", tmp_path, 107, is_failing=False, not_arrived=13, has_units=False
     )
     lines = [click.unstyle(line) for line in overview_lines(Overview(()), headline)]
     assert "too little time for an answer" in lines[0] and "did not arrive in 13" in lines[0]
@@ -522,7 +522,7 @@ def test_a_campaign_without_a_whole_unit_does_not_say_that_nothing_fails(tmp_pat
 
 
 def test_runs_that_do_not_arrive_are_reported_even_if_none_is_a_failure(tmp_path):
-    headline = Headline("mine under swept", tmp_path, 107, 0, is_failing=False, not_arrived=13)
+    headline = Headline("mine under swept", tmp_path, 107, is_failing=False, not_arrived=13)
     line = click.unstyle(overview_lines(Overview(()), headline)[0])
     assert "no failure of mine under swept found" in line and "did not arrive in 13" in line
     none = overview_lines(Overview(()), replace(headline, not_arrived=0))
@@ -531,13 +531,37 @@ def test_runs_that_do_not_arrive_are_reported_even_if_none_is_a_failure(tmp_path
 
 def test_a_robot_that_surely_fails_in_most_natural_worlds_rarely_arrives(tmp_path):
     cause = CauseTotals(Cause.CIRCLES_A_WALL, ("a",), {"loop": 9})
-    headline = Headline("mine under swept", tmp_path, 107, 1)
+    headline = Headline("mine under swept", tmp_path, 107)
 
-    def first_line(arrived):
-        natural = NaturalRuns(worlds=40, arrived=arrived)
-        return click.unstyle(overview_lines(Overview((cause,), natural), headline)[0])
+    def first_lines(arrived):
+        natural = NaturalRuns(worlds=400, arrived=arrived)
+        lines = overview_lines(Overview((cause,), natural), headline)[:2]
+        return [click.unstyle(line) for line in lines]
 
-    assert "rarely arrives" in first_line(5) and "does not always arrive" in first_line(20)
+    assert "rarely arrives" in first_lines(50)[0]
+    assert "does not always arrive" in first_lines(200)[0]
+    first, second = first_lines(399)
+    assert "nearly always arrives" in first and "arrives in 99 % of 400" in second
+    assert "arrives in all 400 natural worlds (95 %: at least 99 %)" in first_lines(400)[1]
+
+
+def test_counts_never_contradict_each_other(tmp_path):
+    own = CauseTotals(Cause.PUSHES_A_WALL, ("a", "b"), {"loop": 1}, 0)
+    natural_only = CauseTotals(Cause.WANDERS, ("c",), {}, 2)
+    shrunk_only = CauseTotals(Cause.STANDS_STILL, ("d",), {"loop": 0}, 0)
+    hazard = CauseTotals(Cause.HARMED_UNSENSED, ("e",), {"burned": 24}, 0)
+    natural = NaturalRuns(worlds=8, arrived=6)
+    overview = Overview((own, shrunk_only, natural_only, hazard), natural)
+    lines = [
+        click.unstyle(line) for line in overview_lines(overview, Headline("mine", tmp_path, 9))
+    ]
+    assert "2 causes, 3 classes of failures" in lines[0]
+    assert "1. pushes-a-wall: none of 8 natural worlds; examined: 1 loop" in lines
+    assert "2. wanders: 2 of 8 natural worlds; not met by the search" in lines
+    assert (
+        "not counted: stands-still (only in worlds that shrinking made), "
+        "harmed-by-what-it-cannot-sense (24 burned)"
+    ) in lines
 
 
 @pytest.mark.parametrize(
@@ -551,7 +575,7 @@ def test_a_robot_that_surely_fails_in_most_natural_worlds_rarely_arrives(tmp_pat
 )
 def test_the_worst_cause_decides_the_first_line(tmp_path, cause, words):
     overview = Overview((CauseTotals(cause, ("a",), {"loop": 1}),))
-    line = click.unstyle(overview_lines(overview, Headline("mine", tmp_path, 9, 1))[0])
+    line = click.unstyle(overview_lines(overview, Headline("mine", tmp_path, 9))[0])
     assert line.startswith(f"mine: {words}, 1 class of failures")
 
 

@@ -16,7 +16,7 @@ from tests.helpers.drawn_worlds import drawn, still_worlds
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop import export_world, find_format, read_map
-from worldgen.interop.geometry.degrees import degrees_text, radians
+from worldgen.interop.format import degrees_text, radians
 
 PLACES = """\
 floorplan

@@ -20,8 +20,8 @@ from worldgen.interop import (
     export_world,
     import_world,
 )
+from worldgen.interop.formats.thesis import MAX_SIZE, filtered, read_thesis_map, signal
 from worldgen.interop.readers.java_stream import read_ints, write_ints
-from worldgen.interop.readers.thesis_map import MAX_SIZE, filtered, read_thesis_map, signal
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
 
@@ -271,14 +271,14 @@ def test_blocks_have_1024_bytes_and_what_is_left_has_the_shorter_head_that_fits(
         raw = bytes.fromhex(head)
         assert stream[at : at + len(raw)] == raw
         at += len(raw) + int.from_bytes(raw[1:], "big")
-    assert at == len(stream) and read_ints(stream, "s").tolist() == list(range(count))
+    assert at == len(stream) and read_ints(stream).tolist() == list(range(count))
 
 
 @given(st.lists(st.integers(-(2**31), 2**31 - 1), max_size=40), st.integers(1, 99))
 def test_blocks_of_any_length_are_read(numbers, length):
     payload = write_ints(np.array(numbers, np.int64))[6:] if len(numbers) < 64 else b""
     parts = [payload[at : at + length] for at in range(0, len(payload), length)]
-    assert read_ints(blocks(*parts), "s").tolist() == numbers
+    assert read_ints(blocks(*parts)).tolist() == numbers
 
 
 # Faults

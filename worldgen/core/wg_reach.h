@@ -429,7 +429,33 @@ typedef struct WgJoint {
 // Paths of all robots: for each tick the node of each.
 typedef struct WgJointPlan WgJointPlan;
 
-// Plans one robot after another, each around those before it, by safe intervals.
+// A robot of a joint search; the arrays are those of WgJoint, for this robot only.
+typedef struct WgJointRobot {
+    int64_t number;  // from 0
+    int64_t start;   // node
+    const int32_t *distances;  // (nodes,)
+    const int64_t *crossings;  // (crossing_count,)
+    int64_t crossing_count;
+} WgJointRobot;
+
+// Robots that are planned one after the other, each around those before it, by safe intervals.
+typedef struct WgJointOrder WgJointOrder;
+
+// Begins without a robot. Of the robots in ``joint``, only the number and classes count; it must outlive the order.
+WgStatus wg_joint_order_new(const WgJoint *joint, WgJointOrder **made);
+
+// Plans one more robot.
+//
+// most:       states that it may reach.
+// found:      receives 1 if it has a path; otherwise 0, and the order stays as it was.
+WgStatus wg_joint_order_add(WgJointOrder *order, const WgJointRobot *robot, int64_t most, int64_t *found);
+
+// Makes the plan of an order with a path for each robot.
+WgStatus wg_joint_order_plan(const WgJointOrder *order, WgJointPlan **made);
+
+void wg_joint_order_free(WgJointOrder *order);
+
+// Plans all robots in a given order.
 //
 // order:      (robots,) their numbers from 0, the first planned first.
 // most:       states that one robot may reach.

@@ -273,11 +273,7 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
     try:
         for path, data in zip(paths[::-1], list(export.files.values())[::-1], strict=True):
             # The main file comes last, because it names the others.
-            write_bytes(
-                path,
-                data,
-                force=force,
-            )
+            write_bytes(path, data, force=force)
             written.append(path)
     except OutputError:
         # Delete files that are useless alone; keep what another program has written in the

@@ -302,12 +302,7 @@ def _at_programs_start(
         return robot, ()
     x, y = found.start[:2]
     # _complete has already set the radius.
-    if is_clear(
-        found.walls,
-        found.cell_size,
-        robot.radius or 0.0,
-        (x, y),
-    ):
+    if is_clear(found.walls, found.cell_size, robot.radius or 0.0, (x, y)):
         return replace(robot, start=found.start), ()
     return robot, (
         f"the map's own start ({x:g}, {y:g}) m has no room for the robot, so another one was "

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidParameter
+from worldgen.interop.foreign_map import without_file
 from worldgen.interop.formats.movingai import (
     GROUND,
     TREES,
@@ -134,7 +135,7 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
         try:
             pairs.append((file, tuple(maps.get(scenario_contents(file)[0], ()))))
         except FormatError as error:
-            refused.append(ScenarioReport(str(file), "", fault=_sentence(error)))
+            refused.append(ScenarioReport(str(file), "", fault=without_file(error)))
     return ScenarioFiles(tuple(pairs), tuple(refused))
 
 
@@ -154,7 +155,7 @@ def check_scenario(
     try:
         problems = _drawn(read_problems(scenario), rows, seed, scenario.name)
     except FormatError as error:
-        yield ScenarioReport(str(scenario), "", fault=_sentence(error))
+        yield ScenarioReport(str(scenario), "", fault=without_file(error))
         return
     if not maps:
         fault = f"no map {problems.map_name} is in the named files; name its folder too"
@@ -177,7 +178,7 @@ def _terrain(path: Path) -> npt.NDArray[np.uint8] | str:
     try:
         return read_terrain(path)
     except FormatError as error:
-        return _sentence(error)
+        return without_file(error)
 
 
 def _drawn(problems: Problems, rows: int | None, seed: int, name: str) -> Problems:
@@ -207,9 +208,7 @@ def _solve(
         return replace(report, misfit=count, fault=fault)
     if max(width * height, problems.size[0] * problems.size[1]) > _MOST_CELLS:
         return replace(
-            report,
-            misfit=count,
-            fault=f"more than {_MOST_CELLS} cells, the limit for solving",
+            report, misfit=count, fault=f"more than {_MOST_CELLS} cells, the limit for solving"
         )
     if problems.size != (width, height):
         terrain = _scaled(terrain, *problems.size)
@@ -278,10 +277,6 @@ def _fault(
         f"from {start} to {goal} {came}, {told}; this is not the map that the problems were made "
         "for"
     )
-
-
-def _sentence(error: FormatError) -> str:
-    return str(error.message) if error.line is None else f"line {error.line}: {error.message}"
 
 
 def total(reports: Sequence[ScenarioReport]) -> dict[str, int | float]:

@@ -185,7 +185,7 @@ function card(failure, several) {
   const { run } = failure.now;
   const facts = [
     `${failure.size}, ${grouped(failure.solid)} solid`,
-    run && (run.loop ? `period ${grouped(run.loop[1])}` : plural(run.steps, "step")),
+    run && (run.loop ? `period ${plural(run.loop[1], "step")}` : plural(run.steps, "step")),
     failure.met && `met ${grouped(failure.met)}×`,
   ].filter(Boolean);
   return el(

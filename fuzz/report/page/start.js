@@ -31,10 +31,10 @@ function showTotals() {
   if (failures.length > 0)
     items.push(["", `${grouped(confirmed)} of ${grouped(failures.length)}`, " confirmed by running them again"]);
   const all = campaigns.length === 1 && failures.every((failure) => failure.campaign === 0); // one campaign's folder
-  for (const { seed, units, worlds, steps, seconds } of all ? campaigns : []) {
+  for (const { seed, units, units_cut, worlds, steps, seconds } of all ? campaigns : []) {
     items.push(
       ["seed ", seed, ""],
-      some(units, "unit"),
+      units_cut ? ["", grouped(units), ` units and ${grouped(units_cut)} cut short`] : some(units, "unit"),
       some(worlds, "world"),
       ["", short(steps), " steps"],
       ["", seconds.toFixed(1), " s"],
@@ -104,8 +104,15 @@ function start() {
   addEventListener("hashchange", route);
   addEventListener("keydown", keyListener(page, neighboursOf));
   addEventListener("resize", redraw);
-  // Small pictures are drawn when they come into view; on paper, that means all of them.
-  addEventListener("beforeprint", () => page.overview?.drawAll());
+  // Small pictures are drawn when they come into view, which on paper they all do.
+  addEventListener("beforeprint", () => {
+    page.overview?.drawAll();
+    // Paper cannot unfold anything.
+    for (const folded of document.querySelectorAll("main details:not([open])")) folded.setAttribute("open", "for-print");
+  });
+  addEventListener("afterprint", () => {
+    for (const unfolded of document.querySelectorAll("details[open='for-print']")) unfolded.removeAttribute("open");
+  });
   route();
   page.answer.redraw();
 }

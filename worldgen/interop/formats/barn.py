@@ -53,12 +53,7 @@ _HEAD = """\
 
 
 def write_barn(world: World, destination: Destination) -> Exported:
-    """Return the world file.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
-    """
+    """Return the world file."""
     posts = list(_posts(world))
     lines = [_HEAD, *_numbers(world, destination), *_marks(world, destination)]
     lines += [

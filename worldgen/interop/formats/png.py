@@ -12,7 +12,7 @@ import numpy.typing as npt
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.readers.grey_image import GreyImage, read_grey_image, walls_png
 from worldgen.interop.readers.places_text import (
@@ -55,14 +55,13 @@ def read_picture(
     # Read the picture and its text.
     check_between("threshold", threshold, 1, _WHITE)
     data = read_bounded(path)
-    source = str(path)
-    image = read_grey_image(data, source)
+    image = read_grey_image(data)
     walls, greys = _solid(image, threshold, background)
     try:
         own_size, origin, places = _said(image)
     except InvalidParameter as error:
-        raise FormatError.of(error.message.behind("its text: "), source=source) from error
-    # Report values that the picture does not determine.
+        raise FormatError.of(error.message.behind("its text: ")) from error
+    # Explain what the picture leaves open.
     notes = []
     if greys:
         notes.append(
@@ -85,9 +84,7 @@ def read_picture(
                 f"{path.with_suffix(ending).name} next to it may be the map that has scale and "
                 f"origin"
             )
-    params: dict[str, Value] = {
-        "format": "png", "source": path.name, "sha256": digest(data), "threshold": threshold, "background": background,
-    }  # fmt: skip
+    params: dict[str, Value] = {"threshold": threshold, "background": background}
     return ForeignMap(
         flip_rows(walls), cell_size or own_size or DEFAULT_CELL_SIZE, params, tuple(notes), origin=origin,
         start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
@@ -132,10 +129,6 @@ def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
 
 def write_png(world: World, destination: Destination) -> Exported:
     """Return a grey picture, one pixel per cell, black for solid, with its facts in ``tEXt``.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
 
     Raises:
         InvalidParameter: If its suffix belongs to another kind of picture.

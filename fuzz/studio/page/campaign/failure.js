@@ -64,7 +64,8 @@ function show(panel, failure) {
     panel.look = look;
     words.replaceChildren([look.error ? refusalWords(look.error) : look.words, ...look.notes].join("; "), framesPart(look.error?.frames) ?? "");
     const cause = campaignCauses(panel)[look.cause ?? failure.cause];
-    why.replaceChildren(...(cause ? [el("b", {}, cause.sentence), ` ${cause.advice}`] : []));
+    const repeats = look.repeats ? ` It ${look.repeats}.` : "";
+    why.replaceChildren(...(cause ? [el("b", {}, cause.sentence), ` ${cause.advice}${repeats}`] : []));
     changed.hidden = look.error !== null || look.same !== false;
     redraw(panel);
   });

@@ -34,6 +34,15 @@ export function emptyWorld(width, height, { cell_size: cell, robot_radius, robot
 }
 
 /**
+ * Returns how many robots the world's file has; the page edits the first.
+ * @param {EditedWorld} world
+ * @returns {number}
+ */
+export function robotsIn(world) {
+  return Math.max(1, world.source?.match(/^\[\[robot\]\]/gm)?.length ?? 1);
+}
+
+/**
  * Returns free cells with a border of walls; a side of one or two cells has no space for a border.
  * @param {number} width
  * @param {number} height

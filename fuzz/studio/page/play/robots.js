@@ -3,13 +3,14 @@
 import { breakable, el, plainName, plural, shortName } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { isField, isGood, labelled, motionField, number } from "#studio/shared/fields.js";
-import { messageOf } from "#studio/draw/model.js";
+import { messageOf, robotsIn } from "#studio/draw/model.js";
 import { keep, keptOf } from "#studio/shared/kept.js";
 import { Refused } from "#studio/shared/refusals.js";
 import { makeSettings } from "#studio/play/settings.js";
 
 const SETUP = "play"; // key for the set-up of the last run, in the browser's storage
-const WIDE = 15; // number of letters that fill half a line
+const FLEET = { motion: "swept", controller: "naive" }; // of each robot of a fleet, if nothing that fits was chosen
+const WIDE = 15; // letters of a name that fill half a line
 
 /**
  * @param {Studio} studio
@@ -197,10 +198,23 @@ function runButton(run) {
 }
 
 function refresh(robots) {
-  const { studio, state, parts } = robots;
+  const { studio } = robots;
   if (!studio.offered) return;
   showChanges(robots);
-  if (robots.offered === studio.offered) return;
+  if (robots.offered !== studio.offered) takeOffered(robots);
+  suitFleet(robots);
+}
+
+// The thesis's model runs one robot. In a world with several, another model is chosen, and robots that go for their targets.
+function suitFleet(robots) {
+  const { studio, state } = robots;
+  if (robotsIn(studio.model.world) < 2 || !motionOf(robots).thesis) return;
+  state.chosen = [FLEET.controller];
+  setMotion(robots, FLEET.motion);
+}
+
+function takeOffered(robots) {
+  const { studio, state, parts } = robots;
   const before = robots.offered;
   const again = before !== null; // the studio was restarted and offers something else, or code was edited
   robots.offered = studio.offered;
