@@ -18,7 +18,7 @@ from sim.controllers import ProcessController, PythonController, VectorControlle
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.programs.program import WantsMemory
 from sim.runners.python_act import Stops
-from sim.runners.python_loop import crash_of, driver_of, memory_at_start, plans
+from sim.runners.python_loop import begun_anew, crash_of, driver_of, plans
 from sim.runners.stopping import OutOfTime, is_out_of_time
 from sim.verdict import Verdict
 from worldgen.world import World
@@ -50,7 +50,6 @@ class OneByOne:
         self._controller = controller
         self._batch = batch
         self._world = world if plans(controller) else None
-        self._drive = driver_of(controller)
         self._by_memory: dict[int, Seat] = {}
         self._seat = self._seat_for(0)
         self._hangs = 0
@@ -83,11 +82,12 @@ class OneByOne:
             self._controller.start()
         seat = None
         try:
-            memory = memory_at_start(self._controller, self._world(n) if self._world else None)
+            world = self._world(n) if self._world else None
+            self._controller, memory = begun_anew(self._controller, world)
             seat = self._seated(n, len(memory))
             seat.memory[:] = memory
             seat.begin()
-            self._drive(Stops(ffi, lib, "wg_seat", seat.c, seat.episode), memory)
+            driver_of(self._controller)(Stops(ffi, lib, "wg_seat", seat.c, seat.episode), memory)
         except OutOfTime:
             # Otherwise the ending is already known.
             if seat is None or seat.c.watch < 0:

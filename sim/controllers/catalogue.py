@@ -16,6 +16,7 @@ from typing import Any
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller, check_declared
 from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
 from sim.controllers.behaviours.composition import composition_named
+from sim.controllers.instances import instance_of
 from sim.controllers.learning import (
     LEARNED,
     is_learned_name,
@@ -237,8 +238,7 @@ def _classes_in(file: Path) -> list[str]:
 
 def _accept(name: str, thing: Any) -> Controller:
     if isinstance(thing, type):
-        with user_code(f"controller {name!r}: making it without arguments"):
-            thing = thing()
+        thing = instance_of(thing, name)
     if isinstance(thing, CompiledController):
         return thing
     with user_code(f"controller {name!r}: looking at its attributes"):

@@ -1,0 +1,65 @@
+"""Remember which class an instance was made from, so that another one can take its place."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from worldgen.plugins.registry import user_code
+
+__all__ = ["Origin", "instance_of", "origin_of"]
+
+
+@dataclass
+class Origin:
+    """Where an instance comes from, and the state in which its first run began.
+
+    Args:
+        name: Name of the controller, for messages.
+        kind: Its class, which takes no arguments.
+        own: Its attributes when its first run began, as bytes to compare.
+        shared: The variables of its classes and modules at the same time; ``None`` if unknown.
+        varying: Attributes that differ in each new instance, so they say nothing about runs.
+    """
+
+    name: str
+    kind: type
+    own: Mapping[str, bytes] | None = None
+    shared: bytes | None = None
+    varying: set[str] = field(default_factory=set)
+
+    def another(self) -> Any:
+        """Return another instance."""
+        with user_code(f"controller {self.name!r}: making it without arguments"):
+            made = self.kind()
+        _remember(made, self)
+        return made
+
+
+_ORIGINS: dict[int, tuple[weakref.ref[Any], Origin]] = {}
+
+
+def instance_of(kind: type, name: str) -> Any:
+    """Return an instance of a class, and remember where it comes from.
+
+    Raises:
+        InvalidParameter: If making it raises an exception.
+    """
+    return Origin(name, kind).another()
+
+
+def origin_of(controller: object) -> Origin | None:
+    """Return where an instance comes from; ``None`` if the user made it."""
+    found = _ORIGINS.get(id(controller))
+    return found[1] if found is not None and found[0]() is controller else None
+
+
+def _remember(made: object, origin: Origin) -> None:
+    number = id(made)
+    try:
+        alive = weakref.ref(made, lambda _: _ORIGINS.pop(number, None))
+    except TypeError:  # a class with __slots__ may not allow weak references
+        return
+    _ORIGINS[number] = (alive, origin)

@@ -1,0 +1,120 @@
+"""Begin each run with a controller that no earlier run has changed.
+
+A class that follows the contract clears all of its state in ``reset``. If another one were used
+again and again, its runs would depend on the runs before, and no file could replay them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from sim.controllers.base import Controller, Memory
+from sim.controllers.catalogue import CONTROLLERS, own_words
+from sim.controllers.instances import Origin, origin_of
+from sim.controllers.programs.process import ProcessController
+from sim.controllers.shared.guarded import renew
+from sim.controllers.shared.object_file import is_library_name
+from sim.runners.controller_time import count_survivors
+from sim.runners.hidden_state import HiddenState, hidden_state, own_attributes
+from worldgen.plugins.user_modules import digest_of_source, sources_read
+
+__all__ = ["as_loaded", "has_shared_state_changed", "reset_anew"]
+
+_SHARED = "a variable of its class or module"
+
+
+def as_loaded(name: str) -> Controller:
+    """Return a controller in the state in which it was loaded.
+
+    A program, and the process of a shared library, are ended, so that the next run starts them
+    again. A file whose classes or modules have changed their variables is loaded again.
+    """
+    found = CONTROLLERS.get(name)
+    if isinstance(found, ProcessController):
+        found.close()
+    elif is_library_name(name):
+        renew()
+    elif (
+        (origin := origin_of(found)) is not None
+        and has_shared_state_changed(found, hidden_state(found), origin)
+        and _is_unedited()
+    ):
+        CONTROLLERS.forget(own_words(name)[0].rpartition(":")[0])
+        return CONTROLLERS.get(name)
+    return found
+
+
+def _is_unedited() -> bool:
+    """Return True if the files that were read as code are still the same.
+
+    Loading an edited file would run other code in the second half of a campaign.
+    """
+    try:
+        return all(
+            digest_of_source(_bytes_of(path)) == digest for path, digest in sources_read().items()
+        )
+    except OSError:
+        return False
+
+
+def _bytes_of(path: str) -> bytes:
+    with open(path, "rb") as file:  # noqa: PTH123 - the path is a text
+        return file.read()
+
+
+def has_shared_state_changed(
+    controller: object, state: HiddenState | None, origin: Origin | None = None
+) -> bool:
+    """Return True if a variable of the controller's class or module has changed since it was loaded.
+
+    Args:
+        controller: The controller.
+        state: Its state now.
+        origin: Where it comes from, if known.
+    """
+    origin = origin or origin_of(controller)
+    if origin is None or state is None:
+        return False
+    if origin.shared is None:
+        origin.shared = state.shared
+    if origin.shared == state.shared:
+        return False
+    count_survivors([_SHARED])
+    return True
+
+
+def reset_anew(
+    controller: Any, reset: Callable[[Any], Memory], *, plans: bool
+) -> tuple[Any, Memory]:
+    """Reset a controller; take another instance if earlier runs have left something in this one.
+
+    Args:
+        controller: The controller.
+        reset: Resets a controller and returns its memory.
+        plans: Whether ``reset`` takes the world. What it then keeps may depend on the world, so
+            only the state before it can be compared.
+
+    Returns:
+        The controller that is to run, and its memory.
+    """
+    memory = None if plans else reset(controller)
+    origin = origin_of(controller)
+    left = set() if origin is None else _left_in(controller, origin)
+    if origin is not None and left:
+        controller = origin.another()
+        memory = None if plans else reset(controller)
+        # What differs in a new instance, too, was not left by a run.
+        origin.varying |= _left_in(controller, origin)
+        count_survivors(f"self.{name}" for name in left - origin.varying)
+    return controller, reset(controller) if memory is None else memory
+
+
+def _left_in(controller: object, origin: Origin) -> set[str]:
+    """Return the attributes that are not as when the first run began."""
+    now = own_attributes(controller)
+    if origin.own is None:
+        origin.own = now
+    names = origin.own.keys() | now.keys()
+    differ = {name for name in names if origin.own.get(name) != now.get(name)}
+    return differ - origin.varying
