@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from sim.commands.notes import note_survivors
 from worldgen.cli.output import emit_json, json_option, note, shown
 from worldgen.support.progress import working
 
@@ -54,6 +55,7 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
             click.echo(f"{shown(path)}: {shown(failure.who)}: {failure.verdict}")
             click.echo(f"  {shown(found.describe())}")
         explained.append({"file": str(path), "verdict": failure.verdict, **found.table()})
+        note_survivors([failure.record.controller])
     # Print the object, and fail if a file could not be explained.
     if as_json:
         emit_json({"explained": len(explained), "failures": explained})

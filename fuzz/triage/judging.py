@@ -23,6 +23,7 @@ from sim.controllers.shared.object_file import is_library_name
 from sim.episode import Episode
 from sim.evidence import evidence_table
 from sim.motion import MOTIONS
+from sim.runners.controller_time import count_survivors
 from sim.runners.renewal import as_loaded
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, OUT_OF_BUDGET, Verdict
@@ -162,7 +163,11 @@ def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
     if isinstance(controller, CompiledController) and not is_library_name(trial.controller):
         return True
     if oracle.by_verdict:
-        return _identity(trial.again()) == _identity(trial.episode)
+        again = trial.again()
+        is_same = _identity(again) == _identity(trial.episode)
+        if not is_same and Verdict.HANG not in (again.verdict, trial.episode.verdict):
+            count_survivors(["something that makes equal runs differ, such as a random generator"])
+        return is_same
     second = Trial.recorded(trial.world, trial.controller, trial.options)
     other = violation_in(second, oracle)
     is_same = other is not None and other.facts == found.facts

@@ -13,7 +13,20 @@ from worldgen.cli.output import note
 if TYPE_CHECKING:
     from sim.scenario import Scenario
 
-__all__ = ["note_unused"]
+__all__ = ["note_survivors", "note_unused"]
+
+
+def note_survivors(controllers: Iterable[str]) -> None:
+    """Report on stderr which state the runs of this process have found to survive ``reset``.
+
+    Args:
+        controllers: Names of the controllers that ran.
+    """
+    from sim.controllers.contract import state_survives_reset
+    from sim.runners.controller_time import Effort
+
+    if places := Effort.so_far().survivors:
+        note(f"note: {state_survives_reset(', '.join(dict.fromkeys(controllers)), places)}")
 
 
 def note_unused(scenarios: Iterable[Scenario], *, seeds: Collection[str] = ()) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sim.commands.notes import note_unused
+from sim.commands.notes import note_survivors, note_unused
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.cli.output import (
     CONTROLLER_HELP,
@@ -153,6 +153,7 @@ def run(
     else:
         click.echo(_sentence(episode))
         click.echo(shown_lines(describe_frames(episode.evidence)), nl=False)
+    note_survivors(one.controller for one in scenarios)
     if transcript is not None:
         note(f"wrote {transcript}")
     if reachable is not True and episode.verdict not in ARRIVALS:
