@@ -42,7 +42,7 @@ _SAID = (
     "kept",
     "shrunk_from",
 )
-_KEPT = {"verdict": "verdict and cause kept", "class": "kept the class"}
+_KEPT = {"verdict": "kept the verdict", "class": "kept the class"}
 
 
 def groups(reported: Reported, campaigns: list[ReportedCampaign]) -> list[FactGroup]:

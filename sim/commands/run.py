@@ -53,7 +53,12 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     type=click.Choice(("target", "cover")),
     help="Reach the target, or cover every cell whose centre can be reached.  [default: target]",
 )
-@click.option("--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]")
+@click.option(
+    "--steps",
+    type=int,
+    help="Budget in steps.  [default: as for the file's failure, if it is this controller's, "
+    "else 50 times the witness's time]",
+)
 @click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
 @click.option(
     "--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers."
@@ -128,6 +133,7 @@ def run(
             check_output(out, force)
     if trail is not None and trail.suffix not in _PICTURES:
         raise click.UsageError(f"--trail {trail}: name a {', '.join(_PICTURES)} file")
+    steps = _stored_budget(world, scenarios) if steps is None else steps
     # Run; record only if something needs the recording.
     with (
         transcribed(scenarios[0].controller, transcript, force=force),
@@ -153,7 +159,6 @@ def run(
     else:
         click.echo(_sentence(episode))
         click.echo(shown_lines(describe_frames(episode.evidence)), nl=False)
-    note_survivors(one.controller for one in scenarios)
     if transcript is not None:
         note(f"wrote {transcript}")
     if reachable is not True and episode.verdict not in ARRIVALS:
@@ -178,6 +183,28 @@ def run(
         raise SystemExit(1)
 
 
+def _stored_budget(world: World, scenarios: list[Scenario]) -> int | None:
+    """Return the budget of the file's failure if the controller and its options are the same.
+
+    ``run`` and ``replay`` then agree. ``None`` without such a failure: the world decides.
+    """
+    from sim.controllers.catalogue import in_plain_place
+    from sim.options.run import RunOptions
+    from sim.scenario import Scenario
+
+    record = world.failure
+    if record is None or len(set(scenarios)) > 1:
+        return None
+    asked = scenarios[0]
+    try:
+        stored = RunOptions.of(record.motion, asked.run.seed, record.parameters)
+    except InvalidParameter:  # a record of another version
+        return None
+    names = {in_plain_place(one, resolve=True) for one in (record.controller, asked.controller)}
+    is_same = len(names) == 1 and Scenario(asked.controller, stored) == asked
+    return stored.steps if is_same else None
+
+
 def _why_uncertain(world: World, scenarios: list[Scenario]) -> str:
     """Return why no controller is certain to arrive with these disturbances; empty if one can be."""
     from sim.options.disturbances import why_arrival_is_not_certain
@@ -194,10 +221,13 @@ def _simulated(
     from sim.fleet.episode import simulate_fleet
 
     options = [one.options(world, steps) for one in scenarios]
-    if not world.others:
-        return simulate(world, scenarios[0].controller, options[0], record=record)
-    names = {number: one.controller for number, one in enumerate(scenarios, start=1)}
-    return simulate_fleet(world, names, options, record=record)
+    if world.others:
+        names = {number: one.controller for number, one in enumerate(scenarios, start=1)}
+        episode: Episode = simulate_fleet(world, names, options, record=record)
+    else:
+        episode = simulate(world, scenarios[0].controller, options[0], record=record)
+    note_survivors(one.controller for one in scenarios)
+    return episode
 
 
 def _label(scenarios: list[Scenario]) -> str:
@@ -305,6 +335,8 @@ def _picture(world: World, episode: Episode, controller: str, title: str, suffix
     from sim.drawing.picture import drives_of, remembered_at_the_end, trails_of
     from worldgen import render
 
+    # The picture shows this run; the file's failure may have been another.
+    world = replace(world, failure=None)
     trail = trails_of(episode, world)
     if isinstance(trail, render.Trail):
         # A memory that cannot be read costs its own picture only.

@@ -7,6 +7,7 @@ again and again, its runs would depend on the runs before, and no file could rep
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from sim.controllers.base import Controller, Memory
@@ -31,18 +32,18 @@ def as_loaded(name: str) -> Controller:
     again. A file whose classes or modules have changed their variables is loaded again.
     """
     found = CONTROLLERS.get(name)
+    origin = origin_of(found)
     if isinstance(found, ProcessController):
         found.close()
     elif is_library_name(name):
         renew()
-    elif (
-        (origin := origin_of(found)) is not None
-        and has_shared_state_changed(found, hidden_state(found), origin)
-        and _is_unedited()
-    ):
-        CONTROLLERS.forget(own_words(name)[0].rpartition(":")[0])
-        return CONTROLLERS.get(name)
-    return found
+    elif origin is not None and origin.shared is not None:
+        file = own_words(name)[0].rpartition(":")[0]
+        has_changed = has_shared_state_changed(found, hidden_state(found))
+        # Other modules have been imported for good.
+        if has_changed and file.endswith(".py") and _is_unedited():
+            CONTROLLERS.forget(file)
+    return CONTROLLERS.get(name)
 
 
 def _is_unedited() -> bool:
@@ -52,28 +53,21 @@ def _is_unedited() -> bool:
     """
     try:
         return all(
-            digest_of_source(_bytes_of(path)) == digest for path, digest in sources_read().items()
+            digest_of_source(Path(path).read_bytes()) == digest
+            for path, digest in sources_read().items()
         )
     except OSError:
         return False
 
 
-def _bytes_of(path: str) -> bytes:
-    with open(path, "rb") as file:  # noqa: PTH123 - the path is a text
-        return file.read()
-
-
-def has_shared_state_changed(
-    controller: object, state: HiddenState | None, origin: Origin | None = None
-) -> bool:
-    """Return True if a variable of the controller's class or module has changed since it was loaded.
+def has_shared_state_changed(controller: object, state: HiddenState | None) -> bool:
+    """Return True if runs have changed a variable of the controller's class or module.
 
     Args:
-        controller: The controller.
-        state: Its state now.
-        origin: Where it comes from, if known.
+        controller: The controller; False if the user made it.
+        state: Its state now; at the first call, its first run has just been prepared.
     """
-    origin = origin or origin_of(controller)
+    origin = origin_of(controller)
     if origin is None or state is None:
         return False
     if origin.shared is None:
