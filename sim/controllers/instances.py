@@ -9,11 +9,11 @@ from typing import Any
 
 from worldgen.plugins.registry import user_code
 
-__all__ = ["Origin", "instance_of", "origin_of"]
+__all__ = ["InstanceOrigin", "instance_of", "origin_of"]
 
 
 @dataclass
-class Origin:
+class InstanceOrigin:
     """Where an instance comes from, and the state in which its first run began.
 
     Args:
@@ -38,7 +38,7 @@ class Origin:
         return made
 
 
-_ORIGINS: dict[int, tuple[weakref.ref[Any], Origin]] = {}
+_ORIGINS: dict[int, tuple[weakref.ref[Any], InstanceOrigin]] = {}
 
 
 def instance_of(kind: type, name: str) -> Any:
@@ -47,16 +47,16 @@ def instance_of(kind: type, name: str) -> Any:
     Raises:
         InvalidParameter: If making it raises an exception.
     """
-    return Origin(name, kind).another()
+    return InstanceOrigin(name, kind).another()
 
 
-def origin_of(controller: object) -> Origin | None:
+def origin_of(controller: object) -> InstanceOrigin | None:
     """Return where an instance comes from; ``None`` if the user made it."""
     found = _ORIGINS.get(id(controller))
     return found[1] if found is not None and found[0]() is controller else None
 
 
-def _remember(made: object, origin: Origin) -> None:
+def _remember(made: object, origin: InstanceOrigin) -> None:
     number = id(made)
     try:
         alive = weakref.ref(made, lambda _: _ORIGINS.pop(number, None))

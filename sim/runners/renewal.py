@@ -12,7 +12,7 @@ from typing import Any
 
 from sim.controllers.base import Controller, Memory
 from sim.controllers.catalogue import CONTROLLERS, own_words
-from sim.controllers.instances import Origin, origin_of
+from sim.controllers.instances import InstanceOrigin, origin_of
 from sim.controllers.programs.process import ProcessController
 from sim.controllers.shared.guarded import renew
 from sim.controllers.shared.object_file import is_library_name
@@ -104,7 +104,7 @@ def reset_anew(
     return controller, reset(controller) if memory is None else memory
 
 
-def _left_in(controller: object, origin: Origin) -> set[str]:
+def _left_in(controller: object, origin: InstanceOrigin) -> set[str]:
     """Return the attributes that are not as when the first run began."""
     now = own_attributes(controller)
     if origin.own is None:
