@@ -18,6 +18,7 @@ from sim.controllers.shared.guarded import renew
 from sim.controllers.shared.object_file import is_library_name
 from sim.runners.controller_time import count_survivors
 from sim.runners.hidden_state import HiddenState, hidden_state, own_attributes
+from worldgen.files.whole import expanded
 from worldgen.plugins.user_modules import digest_of_source, sources_read
 
 __all__ = ["as_loaded", "has_shared_state_changed", "reset_anew"]
@@ -38,23 +39,26 @@ def as_loaded(name: str) -> Controller:
     elif is_library_name(name):
         renew()
     elif origin is not None and origin.shared is not None:
-        file = own_words(name)[0].rpartition(":")[0]
+        place = own_words(name)[0].rpartition(":")[0]
+        file = CONTROLLERS.source(name)
         has_changed = has_shared_state_changed(found, hidden_state(found))
-        # Other modules have been imported for good.
-        if has_changed and file.endswith(".py") and _is_unedited():
-            CONTROLLERS.forget(file)
+        # Installed modules have been imported for good.
+        if has_changed and place.endswith(".py") and file is not None and _is_unedited(file):
+            CONTROLLERS.forget(place)
     return CONTROLLERS.get(name)
 
 
-def _is_unedited() -> bool:
-    """Return True if the files that were read as code are still the same.
+def _is_unedited(file: Path) -> bool:
+    """Return True if a file, and those next to it that were read as code, are still the same.
 
     Loading an edited file would run other code in the second half of a campaign.
     """
+    folder = expanded(file).resolve().parent
     try:
         return all(
             digest_of_source(Path(path).read_bytes()) == digest
             for path, digest in sources_read().items()
+            if Path(path).is_relative_to(folder)
         )
     except OSError:
         return False

@@ -125,7 +125,7 @@ def test_what_survives_reset_is_named(place, worlds, tmp_path, survivors):
     assert survivors == expected.get(place, {"a variable of its class or module"})
 
 
-def test_a_campaign_names_what_survives_and_all_of_its_failures_replay(tmp_path):
+def test_a_campaign_names_what_survives_and_all_of_its_failures_replay(tmp_path, survivors):
     name = follower(tmp_path, "attribute")
     out = tmp_path / "out"
     fuzz = ("fuzz", "--controller", name, "--units", 1, "--examples", 40, "--seed", 5)
