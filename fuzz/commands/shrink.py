@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import Duration
+from sim.commands.notes import note_survivors
 from worldgen.cli.output import emit_json, force_option, json_option, named_also, note, shown
 from worldgen.support.progress import working
 
@@ -107,6 +108,7 @@ def shrink(
     failure = Failure.read(path)
     result = _watched(failure, seconds, keep)
     changed = _changed(failure, result.failure)
+    note_survivors([failure.record.controller])
     if target is not None:
         result.failure.write(target, force=force)
     # Print the result in the form that was asked for.
