@@ -25,10 +25,10 @@ from typing import Any
 import click
 import numpy as np
 
+from benchmarks.as_classes import AsClass
 from benchmarks.worlds import documented
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
-from fuzz.faults.as_classes import AsClass
 from fuzz.screening import Screening, evaluate
 from fuzz.search.native import scenes
 from sim import Command, Observation, RobotOptions

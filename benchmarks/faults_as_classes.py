@@ -28,7 +28,7 @@ __all__ = ["WAYS", "Row", "look_for"]
 
 WAYS = {
     "compiled": "fuzz.faults:",
-    "class": "fuzz.faults.as_classes:",
+    "class": "benchmarks.as_classes:",
     "interpreted": "tests.reference.fuzz.as_classes:",
 }
 """How a fault's controller is supplied, and the prefix of its name."""

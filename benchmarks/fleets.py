@@ -4,20 +4,25 @@
 costs per robot. All numbers are from one run, in processor time; the best of all rounds counts.
 
 The halls have the same density: a robot of 0.07 m radius for each square metre, which drives at
-1 m/s to the place of another one. A step is 15 ms. The peer is pyrvo, van den Berg's RVO2 for
-Python, if it is installed: it steps the same robots without walls, verdict or exact contact, and
-its own step is all that is measured.
+1 m/s to the place of another one. A step is 15 ms.
+
+Peers step the same robots, and only their own step is measured. Each runs in the interpreter that
+its option names, or in this one, and is left out if it is not installed: navground, pyrvo (van den
+Berg's RVO2), and pogema, where the hall is a grid of 0.2 m and the moves are random. None has
+verdicts or exact contact.
 """
 
 from __future__ import annotations
 
 import argparse
-import importlib
-import importlib.util
 import json
 import math
+import subprocess
+import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import click
 
@@ -34,6 +39,7 @@ from worldgen.world import Pose, Robot, Target, World
 __all__ = ["hall_of", "measure"]
 
 CONTROLLER_NAMES = ("naive", "right-hand", "orca", "turn-right")
+PEERS = ("navground", "pogema", "pyrvo")
 COUNTS = (1, 10, 100)
 STEPS = 300
 STEP = 0.015
@@ -45,11 +51,13 @@ APART = 1.0
 
 def hall_of(count: int) -> World:
     """Return a hall with so many robots, each of which wants to the place of another one."""
-    # Places on a square lattice, so that the density is the same for any number of robots.
-    side = math.ceil(math.sqrt(count))
-    cells = round(side * APART / 0.1)
+    # Places on a lattice that is as square as it can be without an empty place, so that the density
+    # is the same for any number of robots.
+    rows = next(rows for rows in range(math.isqrt(count), 0, -1) if count % rows == 0)
+    columns = count // rows
+    per_place = round(APART / 0.1)
     rng = RandomStream(count)
-    spots = [((k % side + 0.5) * APART, (k // side + 0.5) * APART) for k in range(count)]
+    spots = [((k % columns + 0.5) * APART, (k // columns + 0.5) * APART) for k in range(count)]
     # Each robot wants to where another one starts, so that many paths cross.
     order = list(range(count))
     rng.shuffle(order)
@@ -64,7 +72,7 @@ def hall_of(count: int) -> World:
     ]
     first, *others = robots
     return World(
-        [[False] * cells] * cells,
+        [[False] * (columns * per_place)] * (rows * per_place),
         first.start,
         first.target,
         robot_radius=RADIUS,
@@ -107,34 +115,49 @@ def _alone(name: str) -> Callable[[], tuple[float, float]]:
     return once
 
 
-def _pyrvo(count: int) -> Callable[[], tuple[float, float]]:
-    pyrvo = importlib.import_module("pyrvo")
+def _hall(count: int) -> dict[str, Any]:
+    """Return a hall in the form that the script for peers reads."""
     world = hall_of(count)
-
-    def once() -> tuple[float, float]:
-        simulator = pyrvo.RVOSimulator(STEP, 2.0, 8, 2.0, 2.0, RADIUS, SPEED)
-        for robot in world.robots:
-            agent = simulator.add_agent((robot.start.x, robot.start.y))
-            dx = robot.target.x - robot.start.x
-            dy = robot.target.y - robot.start.y
-            far = max(math.hypot(dx, dy), 1e-9)
-            simulator.set_agent_pref_velocity(agent, (dx / far * SPEED, dy / far * SPEED))
-        begin = time.process_time()
-        for _ in range(STEPS):
-            simulator.do_step()
-        return STEPS * count, time.process_time() - begin
-
-    return once
+    return {
+        "starts": [(robot.start.x, robot.start.y) for robot in world.robots],
+        "targets": [(robot.target.x, robot.target.y) for robot in world.robots],
+        "width": world.width * world.cell_size,
+        "height": world.height * world.cell_size,
+        "radius": RADIUS,
+        "speed": SPEED,
+        "step": STEP,
+        "steps": STEPS,
+    }
 
 
-def measure(rounds: int = 5) -> dict[str, dict[str, float]]:
+def _peer(name: str, python: str) -> dict[str, dict[int, float]]:
+    """Return a peer's rates by case and number of robots; none if it is not installed."""
+    script = Path(__file__).parent / "peers" / "crowds.py"
+    halls = "\n".join(json.dumps(_hall(count)) for count in COUNTS)
+    done = subprocess.run(
+        [python, str(script), name], check=False, capture_output=True, text=True, input=halls
+    )
+    if done.returncode != 0:
+        if f"No module named '{name}" in done.stderr:
+            return {}
+        raise RuntimeError(f"{name} failed in {python}:\n{done.stderr[-2000:]}")
+    found = json.loads(done.stdout.splitlines()[-1])
+    return {
+        f"{name} {found['version']}: {case}": dict(zip(COUNTS, rates, strict=True))
+        for case, rates in found["rates"].items()
+    }
+
+
+def measure(rounds: int = 5, pythons: dict[str, str] | None = None) -> dict[str, dict[str, float]]:
     """Return steps per second and robot, by case and by number of robots.
 
     ``ratio`` is the cost per robot of 100 robots, as a multiple of that of 10.
+
+    Args:
+        rounds: The best of all counts.
+        pythons: Interpreter of each peer; this one's if omitted.
     """
     cases = {name: {count: _ours(name, count) for count in COUNTS} for name in CONTROLLER_NAMES}
-    if importlib.util.find_spec("pyrvo") is not None:
-        cases["pyrvo"] = {count: _pyrvo(count) for count in COUNTS}
     cases |= {f"{name}, alone": {1: _alone(name)} for name in CONTROLLER_NAMES}
     best: dict[str, dict[int, float]] = {name: dict.fromkeys(cases[name], 0.0) for name in cases}
     for _ in range(rounds):
@@ -142,6 +165,12 @@ def measure(rounds: int = 5) -> dict[str, dict[str, float]]:
             for count, once in counts.items():
                 steps, seconds = once()
                 best[name][count] = max(best[name][count], steps / max(seconds, 1e-9))
+        # The peers take turns with our cases, so that other work on the machine affects all alike.
+        for peer in PEERS:
+            for name, rates in _peer(peer, (pythons or {}).get(peer, sys.executable)).items():
+                known = best.setdefault(name, dict.fromkeys(rates, 0.0))
+                for count, rate in rates.items():
+                    known[count] = max(known[count], rate)
     return {
         name: {
             **{str(count): rate for count, rate in rates.items()},
@@ -156,20 +185,28 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fleets", description=__doc__)
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--rounds", type=int, default=5)
+    for peer in PEERS:
+        parser.add_argument(
+            f"--{peer}",
+            default=sys.executable,
+            metavar="PYTHON",
+            help=f"interpreter that has {peer}",
+        )
     given = parser.parse_args()
-    found = measure(given.rounds)
+    found = measure(given.rounds, {peer: getattr(given, peer) for peer in PEERS})
     if given.json:
         click.echo(json.dumps({"rates": found}))
         return
     click.echo(
-        "robots' steps a second".ljust(24) + "".join(f"{n:>14}" for n in COUNTS) + "   100:10"
+        "robots' steps a second".ljust(32) + "".join(f"{n:>14}" for n in COUNTS) + "   100:10"
     )
     for name, rates in found.items():
         columns = "".join(f"{rates[str(n)]:>14,.0f}" for n in COUNTS if str(n) in rates)
         ratio = f"{rates['ratio']:>9.2f}" if "ratio" in rates else ""
-        click.echo(f"{name:<24}{columns}{ratio}")
-    if "pyrvo" not in found:
-        click.echo("not measured: pyrvo is not installed")
+        click.echo(f"{name:<32}{columns}{ratio}")
+    for peer in PEERS:
+        if not any(name.startswith(peer) for name in found):
+            click.echo(f"not measured: {peer} is not installed")
 
 
 if __name__ == "__main__":

@@ -9,24 +9,27 @@ and each rule does what the prose says. The same seed and rounds find the same w
 
 from __future__ import annotations
 
-import argparse
 import math
 import random
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import click
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.thesis_symmetric import CELL, SIDE, START, have_arrived
+from benchmarks.thesis_symmetric import (
+    CELL,
+    SIDE,
+    START,
+    have_arrived,
+    search_options,
+    write_proved,
+)
 from sim import simulate, simulate_many
 from sim.evidence import LoopEvidence
-from worldgen import write_world
 from worldgen.files.whole import check_output
-from worldgen.reach import decide
 from worldgen.world import Target, World
 
 __all__ = ["CONFIGURATIONS", "Drawing", "Found", "lacks_of_sixth", "lacks_of_third", "main"]
@@ -339,11 +342,8 @@ class Found(NamedTuple):
 
 def main() -> None:
     """Search, print what was found, and write the best."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = search_options(__doc__, seed=1)
     parser.add_argument("configuration", type=int, choices=sorted(CONFIGURATIONS))
-    parser.add_argument("--rounds", type=int, default=10, help="hill climbs (default 10)")
-    parser.add_argument("--seed", type=int, default=1, help="of all that is drawn (default 1)")
-    parser.add_argument("--out", type=Path, help="write the best world")
     options = parser.parse_args()
 
     # Search, after a look at where the result goes.
@@ -365,9 +365,8 @@ def main() -> None:
     # Print the best, and write the very best with its certificate.
     for one, drawing in fits[:10]:
         click.echo(f"miss {one.miss:.4f}, rule 3 {one.median:g} ticks: {drawing.numbers}")
-    world = fits[0][1].world() if fits else None
-    if options.out is not None and world is not None:
-        write_world(replace(world, certificate=decide(world).certificate), options.out)
+    if fits:
+        write_proved(fits[0][1].world(), options.out)
 
 
 if __name__ == "__main__":

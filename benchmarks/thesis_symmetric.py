@@ -27,7 +27,17 @@ from worldgen import write_world
 from worldgen.reach import decide
 from worldgen.world import Pose, Target, World
 
-__all__ = ["CELL", "SIDE", "START", "Wall", "found", "have_arrived", "main"]
+__all__ = [
+    "CELL",
+    "SIDE",
+    "START",
+    "Wall",
+    "found",
+    "have_arrived",
+    "main",
+    "search_options",
+    "write_proved",
+]
 
 # Ticks of rules 1 and 2 in configuration 2: the published times, 11.940 and 8.370 s.
 TICKS = (796, 558)
@@ -187,20 +197,37 @@ def found(rounds: int, seed: int) -> list[tuple[float, Wall]]:
     return sorted((off, wall) for wall, off in kept.items() if tells_the_same(wall))
 
 
+def search_options(description: str | None, *, seed: int) -> argparse.ArgumentParser:
+    """Return the parser of a search's options.
+
+    Args:
+        description: What the search does.
+        seed: The usual seed.
+    """
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--rounds", type=int, default=10, help="hill climbs (default 10)")
+    parser.add_argument(
+        "--seed", type=int, default=seed, help=f"of all that is drawn (default {seed})"
+    )
+    parser.add_argument("--out", type=Path, help="write the best world")
+    return parser
+
+
+def write_proved(world: World | None, out: Path | None) -> None:
+    """Write a world with its certificate, if there are a world and a file's name."""
+    if world is not None and out is not None:
+        write_world(replace(world, certificate=decide(world).certificate), out)
+
+
 def main() -> None:
     """Search, print what was found, and write the best."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rounds", type=int, default=10, help="hill climbs (default 10)")
-    parser.add_argument("--seed", type=int, default=7, help="of all that is drawn (default 7)")
-    parser.add_argument("--out", type=Path, help="write the best wall's world")
-    options = parser.parse_args()
+    options = search_options(__doc__, seed=7).parse_args()
     walls = found(options.rounds, options.seed)
     click.echo(f"{len(walls)} symmetric walls within one per cent of both times")
     for off, wall in walls[:10]:
         click.echo(f"{off:.4f} {wall}")
-    world = walls[0][1].world() if walls else None
-    if options.out is not None and world is not None:
-        write_world(replace(world, certificate=decide(world).certificate), options.out)
+    if walls:
+        write_proved(walls[0][1].world(), options.out)
 
 
 if __name__ == "__main__":

@@ -79,8 +79,8 @@ def flow_chart(page: Any) -> None:
 def walk(page: Any) -> None:
     """The walk, with a picture after some of its steps."""
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    page = (HERE / "howto" / "studio.md").read_text(encoding="utf-8")
-    steps = sentences(page.partition("<!-- new folder -->")[2])
+    text = (HERE / "howto" / "studio.md").read_text(encoding="utf-8")
+    steps = sentences(text.partition("<!-- new folder -->")[2])
     walker = Walker(page)
     for k, (number, sentence) in enumerate(steps):
         walker.perform(sentence)

@@ -10,6 +10,7 @@ from fuzz.boundary import describe_boundaries
 from fuzz.failure import Failure
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.hazards import doubt_in
+from fuzz.triage.repeated_moves import describe_period
 from sim.describe import describe_evidence, describe_frames
 from sim.drawing.picture import trails_of
 from sim.episode import Episode
@@ -22,7 +23,7 @@ from worldgen.support.plain_text import counted, shown_lines
 _CHANCES = {
     "sure": ", arrives with probability one but not in time",
     "trap": ", never arrives whatever it draws",
-    "part": ", some draws make it lost forever",
+    "part": ", after some draws it is lost forever",
 }
 
 __all__ = ["describe", "describe_seeds", "run_to_draw"]
@@ -72,7 +73,11 @@ def describe(
     begins = describe_boundaries(failure)
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     cause = cause_of(failure)
-    depends = f"  It {why}.\n" if why else ""
+    repeats = ""
+    if trail is not None and not failure.is_breach and failure.oracle is None:
+        repeats = describe_period(world, episode)
+    who = "The fleet" if world.others else "It"
+    depends = f"  {who} {why}.\n" if why else ""
     color = wants_color(sys.stdout)
     return (
         f"{shown(failure.who)}: {record.verdict}{shown(words)}\n"
@@ -81,6 +86,7 @@ def describe(
         f"  class {shown(bucket)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"  {cause.value}: {cause.sentence}\n"
+        f"{f'  It {repeats}.{chr(10)}' if repeats else ''}"
         f"{shown_lines(depends)}"
         f"{f'  {begins}{chr(10)}' if begins else ''}"
         f"{draw_terminal(failure.stored, trail=trail, color=color)}"

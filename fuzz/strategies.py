@@ -184,8 +184,8 @@ def _choices(family: str, parameter: Parameter, robots: int) -> st.SearchStrateg
     if parameter.choices:
         return st.sampled_from(parameter.choices)
     if parameter.name == "size":
-        # A world for many robots grows with them. With no more than 30 cells a side, proving that
-        # 30 robots can pass each other in a maze took 37 s a world instead of 0.3 s.
+        # A world for many robots grows with them. With at most 30 cells a side, proving that 30
+        # robots can pass each other in a maze took 37 s per world instead of 0.3 s.
         least = max(14, math.ceil(7 * math.sqrt(robots)))
         return st.integers(least, least + 16)
     varied = _VARIED.get(family, {}).get(parameter.name)

@@ -20,7 +20,7 @@ import numpy.typing as npt
 from sim._core import lib
 from sim.controllers import CompiledController, Controller, VectorController
 from sim.controllers.catalogue import called, controller_of
-from sim.episode import Episode, simulate
+from sim.episode import simulate
 from sim.motion import LATTICE, MOTIONS
 from sim.options.run import RunOptions, options_from, poses_of, seeds_of, whole, worlds_of
 from sim.outcome import ENDINGS
@@ -30,12 +30,13 @@ from sim.runners.many import run_many
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT
+from worldgen.support.arrays import Bools, Floats, Ints, Words
 from worldgen.world import Pose, Value, World
 
 __all__ = ["VERDICTS", "Runs", "simulate_many"]
 
 VERDICTS = tuple(Verdict)
-"""The verdict that each number in :attr:`Runs.verdict` stands for."""
+"""The verdict for each number in :attr:`Runs.verdict`."""
 
 # Runs in one call of the core: few enough that every core gets something to do.
 _MOST_AT_ONCE = 256
@@ -52,9 +53,6 @@ _GROUP_BYTES = 1 << 26
 _LOG_BYTES = 1 << 30
 _MOST_WORKERS = 1024
 _CODE = {verdict: np.int8(code) for code, verdict in enumerate(VERDICTS)}
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +77,14 @@ class Runs:
     world: Ints
     controller: Ints
     start: Ints
-    seed: npt.NDArray[np.uint64]
+    seed: Words
     verdict: npt.NDArray[np.int8]
     steps: Ints
     time: Floats
     path_length: Floats
     collisions: Ints
     area_covered: Floats
-    digest: npt.NDArray[np.uint64]
+    digest: Words
     names: tuple[str, ...]
 
     def __len__(self) -> int:
@@ -98,9 +96,9 @@ class Runs:
         return np.array(VERDICTS)[self.verdict]
 
     @property
-    def reached(self) -> npt.NDArray[np.bool_]:
+    def reached(self) -> Bools:
         """(n,) True where the target was reached."""
-        found: npt.NDArray[np.bool_] = self.verdict == _CODE[Verdict.REACHED]
+        found: Bools = self.verdict == _CODE[Verdict.REACHED]
         return found
 
     def to_numpy(self) -> npt.NDArray[Any]:
@@ -135,6 +133,14 @@ class _RunBlock:
     rows: range
     starts: tuple[Pose, ...]
     options: RunOptions
+
+    @property
+    def kind(self) -> type | None:
+        """Class of the controller, if its runs can be made together."""
+        kinds = (CompiledController, VectorController)
+        on_lattice = MOTIONS.get(self.options.motion).kernel == LATTICE
+        found = (kind for kind in kinds if on_lattice and isinstance(self.controller, kind))
+        return next(found, None)
 
 
 def simulate_many(
@@ -175,12 +181,9 @@ def simulate_many(
     """
     # Turn each argument into a list, and refuse a call that would run nothing.
     found = worlds_of(worlds)
-    named = (
-        [controllers]
-        if isinstance(controllers, str) or not isinstance(controllers, Sequence)
-        else controllers
-    )
-    drivers = [controller_of(one) for one in named]
+    if isinstance(controllers, str) or not isinstance(controllers, Sequence):
+        controllers = [controllers]
+    drivers = [controller_of(one) for one in controllers]
     numbers = seeds_of(seeds)
     poses = None if starts is None else poses_of(starts)
     threads = (
@@ -193,20 +196,23 @@ def simulate_many(
             "give at least one world, one controller, one start and one seed",
         )
     if "seed" in settings or (isinstance(options, RunOptions) and options.seed):
-        raise InvalidParameter("seed-for-many-runs", "seed: many runs take seeds=5 or seeds=[3, 8]")
+        raise InvalidParameter(
+            "seed-for-many-runs",
+            "seed belongs to a single run; for many runs write seeds=5 or seeds=[3, 8]",
+        )
 
     # Plan all runs. Compiled controllers share the threads, vector controllers run in lockstep, and
     # everything else runs one at a time.
     places = 1 if poses is None else len(poses)
-    runs = _empty(len(found), [called(one) for one in named], places, numbers)
+    runs = _empty(len(found), [called(one) for one in controllers], places, numbers)
     jobs = list(_jobs(found, drivers, poses, len(numbers), options, settings))
-    threaded = [job for job in jobs if _is_threaded(job)]
+    threaded = [job for job in jobs if job.kind is CompiledController]
     _run_side_by_side(
         threaded, _at_once(threads, (job.options.steps for job in threaded)), runs, digest
     )
-    _run_in_lockstep([job for job in jobs if _is_vector(job)], runs, digest)
+    _run_in_lockstep([job for job in jobs if job.kind is VectorController], runs, digest)
     for job in jobs:
-        if not _is_threaded(job) and not _is_vector(job):
+        if job.kind is None:
             _run_each(job, job.rows, runs, digest)
     return runs
 
@@ -224,7 +230,7 @@ def _run_side_by_side(jobs: Sequence[_RunBlock], threads: int, runs: Runs, diges
             raise
 
 
-def _empty(worlds: int, names: Sequence[str], starts: int, seeds: npt.NDArray[np.uint64]) -> Runs:
+def _empty(worlds: int, names: Sequence[str], starts: int, seeds: Words) -> Runs:
     shape = (worlds, len(names), starts, len(seeds))
     world, controller, start, seed = (axis.ravel() for axis in np.indices(shape))
     count = len(world)
@@ -271,20 +277,6 @@ def _at_once(most: int, steps: Iterable[int]) -> int:
     return max(1, min(most, _LOG_BYTES // (8 * (max(steps, default=0) + 1))))
 
 
-def _is_threaded(job: _RunBlock) -> bool:
-    return (
-        isinstance(job.controller, CompiledController)
-        and MOTIONS.get(job.options.motion).kernel == LATTICE
-    )
-
-
-def _is_vector(job: _RunBlock) -> bool:
-    return (
-        isinstance(job.controller, VectorController)
-        and MOTIONS.get(job.options.motion).kernel == LATTICE
-    )
-
-
 def _run_in_lockstep(jobs: Sequence[_RunBlock], runs: Runs, digest: bool) -> None:
     """Run jobs together where possible: those of one controller, in worlds of one shape."""
     kinds: dict[tuple[int, Any, Any], list[tuple[_RunBlock, LatticeRun]]] = {}
@@ -302,7 +294,7 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
     """
     controller = alike[0][0].controller
     if not isinstance(controller, VectorController):
-        raise TypeError("only controllers that act for many robots run in lockstep")
+        raise TypeError("only controllers that act for many robots can run in lockstep")
 
     # Lay out one row per robot: its row of the results, its world and its pose on the lattice.
     starts = []
@@ -329,9 +321,9 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
         found = group.run(digest=digest)
         if found is None:
             warnings.warn(
-                f"{called(controller)} raised for some of many robots, or changed what is outside "
-                f"its memory; "
-                "it runs for one robot at a time, which takes far longer",
+                f"{called(controller)} raised an exception for some of its robots, or changed "
+                "something outside its memory; it now runs for one robot at a time, which takes "
+                "far longer",
                 stacklevel=2,
             )
             for row, which in zip(rows[part].tolist(), world[part].tolist(), strict=True):
@@ -346,7 +338,7 @@ def _run_compiled(job: _RunBlock, runs: Runs, digest: bool, stop: Ints) -> None:
     """Run a job in one call of the core; if the controller raises, run each of its runs alone."""
     controller = job.controller
     if not isinstance(controller, CompiledController):
-        raise TypeError("only compiled controllers run in a batch")
+        raise TypeError("only compiled controllers can run in a batch")
     run = LatticeRun(replace(job.world, start=job.starts[0]), controller, job.options)
     places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
     rows = slice(job.rows.start, job.rows.stop)
@@ -372,7 +364,7 @@ def _fill(
     steps = reports["steps"]
     decided = (lib.WG_TUNNEL, lib.WG_BURNED, lib.WG_INVALID_COMMAND)
 
-    # Later rules override earlier ones: a budget that was spent, then an ending of the core, then a
+    # Later rules override earlier ones: first a spent budget, then an ending of the core, then a
     # cut into a wall, then an event that ends a run in the step in which it happens.
     confined = reports["last_new_cell"] <= steps // 2
     verdict = np.where(confined, _CODE[Verdict.STALLED], _CODE[Verdict.TIMEOUT])
@@ -395,15 +387,8 @@ def _run_each(job: _RunBlock, rows: range, runs: Runs, digest: bool) -> None:
     for row in rows:
         world = replace(job.world, start=job.starts[runs.start[row]])
         episode = simulate(world, job.controller, replace(job.options, seed=int(runs.seed[row])))
-        _fill_one(runs, row, episode, digest)
-
-
-def _fill_one(runs: Runs, row: int, episode: Episode, digest: bool) -> None:
-    runs.verdict[row] = _CODE[episode.verdict]
-    runs.steps[row] = episode.steps
-    runs.time[row] = episode.time
-    runs.path_length[row] = episode.path_length
-    runs.collisions[row] = episode.collisions
-    runs.area_covered[row] = episode.area_covered
-    if digest:
-        runs.digest[row] = int(episode.trace_digest, 16)
+        runs.verdict[row] = _CODE[episode.verdict]
+        for name in ("steps", "time", "path_length", "collisions", "area_covered"):
+            getattr(runs, name)[row] = getattr(episode, name)
+        if digest:
+            runs.digest[row] = int(episode.trace_digest, 16)

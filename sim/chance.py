@@ -16,20 +16,19 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers import CompiledController, Controller, controller_of
 from sim.controllers.base import robot_for, senses_of
-from sim.controllers.shared.guarded import ControllerDied, call
+from sim.controllers.shared.guarded import ControllerDied
 from sim.motion import MOTIONS
 from sim.options.noise import is_noisy
 from sim.options.run import TARGET, RunOptions
-from sim.runners.core_calls import CoreEpisode, Driver
 from sim.runners.lattice import LatticeRun
 from sim.trace import Trace
 from worldgen.errors import InvalidParameter
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.arrays import Ints
+from worldgen.support.ccall import check, pointer
 from worldgen.world import World
 
 __all__ = ["ARRIVED", "ENDED", "UNSEEN", "Outcomes", "explore", "states_of", "why_not_explored"]
@@ -49,7 +48,6 @@ _DRAWS = 4
 # The ending of a step that has not been simulated yet.
 _NOT_DONE = -1
 
-Ints = npt.NDArray[np.int64]
 Following: TypeAlias = tuple[tuple[int, int], ...]
 
 
@@ -104,14 +102,14 @@ class Outcomes:
                 if after > 0 and after not in before:
                     before[after] = (number, face)
                     queue.append(after)
-        raise ValueError("no sequence of draws loses the target")
+        raise ValueError("no sequence of draws makes the target unreachable")
 
     def _is_lost(self, number: int) -> bool:
         return not self.ranks[number] or any(after == ENDED for _, after in self.following[number])
 
 
 def why_not_explored(controller: Controller, world: World, options: RunOptions) -> str:
-    """Return why the states of a run cannot all be explored, whatever their number; empty if they can.
+    """Return why a run's states cannot all be explored, however few; empty if they can.
 
     Args:
         controller: The controller.
@@ -120,7 +118,7 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
     """
     # Check the controller and the motion model first.
     if not isinstance(controller, CompiledController):
-        return "only what a compiled controller does can be explored"
+        return "only compiled controllers can be explored"
     if MOTIONS.get(options.motion).name != "swept":
         return "only the motion model swept has a lattice of poses on which no wall is ever entered"
     robot = robot_for(controller, options.robot)
@@ -130,9 +128,9 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
     if options.task != TARGET:
         return "the cells left to cover depend on everything that happened before"
     if robot.pushes:
-        return "pushes at stated times make a state's future depend on the time"
+        return "pushes at fixed times make the future depend on the time, not only on the state"
     if robot.moved and senses_of(controller) & lib.WG_SENSE_ODOMETRY:
-        return "the controller reads odometry, which disturbances make wrong"
+        return "the controller reads odometry, which disturbances falsify"
     if is_noisy(controller, options):
         # Last, check the sources of randomness, which must be few and the controller's own.
         return "the simulator draws its own random numbers, for slip or a noisy sensor"
@@ -165,7 +163,7 @@ def explore(
     if against or not isinstance(found, CompiledController):
         raise InvalidParameter(
             "not-explorable",
-            "not everything that can happen can be explored: {reason}",
+            "not every outcome can be explored: {reason}",
             reason=against,
         )
     search = _Search(LatticeRun(world, found, options), found, most)
@@ -191,7 +189,7 @@ class _Search:
         self._controller = controller
         self._most = most
         self.coin = max(run.options.robot.coin, 1)
-        start = self._start()
+        start = run.episode(controller).state_words()
         self._numbers: dict[tuple[bytes, int], int] = {(start.tobytes(), UNSEEN): 0}
         self._states = [start]
         self._faces = [UNSEEN]
@@ -212,15 +210,6 @@ class _Search:
         following = tuple(self._following)
         faces = np.array(self._faces, np.int64)
         return Outcomes(self.coin, np.array(self._states), faces, following, _ranks(following))
-
-    def _start(self) -> Ints:
-        return self._episode().state_words()
-
-    def _episode(self) -> CoreEpisode:
-        run = self._run
-        return CoreEpisode(
-            run.arena(), run.settings, Driver(self._controller, self._controller.memory)
-        )
 
     def _entries(self, states: Ints, faces: Ints) -> Iterator[Following]:
         """Yield the successors of each state, in order."""
@@ -263,55 +252,22 @@ class _Search:
 
     def _step(self, states: Ints, values: Ints) -> tuple[Ints, Ints, Ints]:
         """Return the states after one step, the endings, and whether the random number was used."""
-        count = len(states)
-        episode = self._episode()
-        if episode.guarded:
-            return self._step_guarded(episode, states, values)
-        after = np.empty_like(states)
-        endings = np.zeros(count, np.int64)
-        drew = np.zeros(count, np.int64)
-        check(
-            lib.wg_outcomes(
-                episode.c,
-                pointer(ffi, states, np.int64),
-                pointer(ffi, values, np.int64),
-                count,
-                writable(ffi, after, np.int64),
-                writable(ffi, endings, np.int64),
-                writable(ffi, drew, np.int64),
-            )
-        )
-        return after, endings, drew
-
-    def _step_guarded(
-        self, episode: CoreEpisode, states: Ints, values: Ints
-    ) -> tuple[Ints, Ints, Ints]:
-        """Do the same in another process, which the controller may crash.
-
-        If it does, it fails in the first state that has no ending yet; the search records a crash
-        there and resumes with the state after it.
-        """
-        # Move all arrays to memory that the other process shares.
+        # Move all arrays to memory that the core can use, in this process or in another.
+        episode = self._run.episode(self._controller)
         memory = self._run.memory
-        after = memory.own(states)
+        after = memory.zeros(states.shape, np.int64)
         drew = memory.zeros(len(states), np.int64)
         endings = memory.zeros(len(states), np.int64)
         endings[...] = _NOT_DONE
         arrays = (memory.own(states), memory.own(values), after, endings, drew)
-        # If the process dies, record a crash for that state and resume after it.
+        # If another process dies, the controller failed in the first state without an ending: record
+        # a crash for it, and resume after it.
         done = 0
         while done < len(states):
             objects = (episode.c, *(pointer(ffi, array[done:], np.int64) for array in arrays))
-            report = ffi.addressof(episode.report)
             made = ffi.from_buffer(endings[done:])
             try:
-                work = ffi.addressof(lib, "wg_call_outcomes")
-                left = len(states) - done
-                check(
-                    call(
-                        work, episode.guarded, objects, left, report=report, progress=(made,)
-                    ).result
-                )
+                check(episode.call("wg_call_outcomes", objects, len(states) - done, (made,)).result)
                 done = len(states)
             except ControllerDied:
                 done += int((endings[done:] == _NOT_DONE).argmax())

@@ -79,7 +79,7 @@ def _joint(joint: JointLoopEvidence) -> str:
 
 
 def _own_loops(joint: JointLoopEvidence) -> str:
-    """Return how robots repeat themselves that never meet."""
+    """Describe how robots that never meet repeat themselves."""
     loops: dict[int, list[int]] = {}
     for number, period in joint.periods or ():
         loops.setdefault(period, []).append(number)
@@ -123,11 +123,8 @@ def _frame(frame: Mapping[str, Value]) -> str:
 
 def _multiple(budget: BudgetEvidence) -> str:
     """Return the budget as a multiple of the witness's time, after a comma; empty without one."""
-    return (
-        ""
-        if budget.witness_multiple is None
-        else f", {budget.witness_multiple} times the witness's time"
-    )
+    times = budget.witness_multiple
+    return "" if times is None else f", {times} times the witness's time"
 
 
 def _fault(verdict: Verdict, fault: FaultEvidence) -> str:

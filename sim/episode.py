@@ -60,7 +60,7 @@ def simulate(
         options: How to run; if omitted, ``swept`` and a budget of 50 times the witness's time.
         record: True to keep every state, as ``trace``.
         lean: True if a recording may omit a compiled controller's memory if that would take more
-            than 64 MB. ``Trace.show_memory`` still shows it, by running again.
+            than 64 MB. ``Trace.show_memory`` still shows it, by running the episode again.
         **settings: Single options, as an alternative to ``options``: ``motion="stepped", seed=3``.
 
     Returns:

@@ -1,17 +1,18 @@
 """Evidence: what a verdict claims about its run, with one record type for each kind of claim.
 
 A checker confirms the claim from the recorded trace. Only this module knows how evidence is written
-to files and to JSON: as a table of the fields that are known.
+to files and to JSON: as a table of the known fields.
 """
 
 from __future__ import annotations
 
 import re
-import types
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal, TypeAlias
+
+import msgspec
 
 from sim.verdict import Verdict
 from worldgen.world import Value
@@ -34,7 +35,7 @@ __all__ = [
 
 Cell: TypeAlias = tuple[int, int]
 Manner: TypeAlias = Literal["drifting", "confined"]
-Frame: TypeAlias = Mapping[str, Value]
+Frame: TypeAlias = Mapping[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -319,31 +320,10 @@ def _is_optional(wanted: Any) -> bool:
 
 def _of_type(value: Value | None, wanted: Any) -> Any:
     """Return a value from a file in a field's type; ``None`` if it is of another type."""
-    origin = typing.get_origin(wanted)
-    if origin is types.UnionType or origin is typing.Union:
-        found = (_of_type(value, one) for one in typing.get_args(wanted) if one is not type(None))
-        return next((one for one in found if one is not None), None)
-    if origin is Literal:
-        return value if value in typing.get_args(wanted) else None
-    if origin is tuple:
-        return _as_tuple(value, typing.get_args(wanted))
-    if origin is not None:  # A mapping, whose values may be of any type.
-        return value if isinstance(value, Mapping) else None
-    if wanted is float:
-        return (
-            float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
-        )
-    return value if type(value) is wanted else None
-
-
-def _as_tuple(value: Value | None, parts: tuple[Any, ...]) -> tuple[Any, ...] | None:
-    if not isinstance(value, list):
+    try:
+        return msgspec.convert(value, wanted)
+    except msgspec.ValidationError:
         return None
-    wanted = [parts[0]] * len(value) if parts[-1] is Ellipsis else [*parts]
-    if len(value) != len(wanted):
-        return None
-    found = tuple(_of_type(one, kind) for one, kind in zip(value, wanted, strict=True))
-    return None if any(one is None for one in found) else found
 
 
 def _plain(value: Any) -> Value:

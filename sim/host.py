@@ -2,7 +2,7 @@
 
 Through ``cmd:``, a Python class runs like a program: in its own process, with a deadline for each
 step and a memory limit. A class that never returns is then reported as a ``hang`` and no longer
-blocks the simulator. The price is that its loops can no longer be proved.
+blocks the simulator. In return, its loops can no longer be proved.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def _load(arguments: list[str]) -> PythonController:
     if wants_world(found):
         raise InvalidParameter(
             "plans-with-the-world",
-            "{controller} plans with the world, which programs do not receive",
+            "{controller} plans with the world, which is not sent to programs",
             "pass it to --controller unchanged",
             at_terminal=True,
             controller=arguments[0],

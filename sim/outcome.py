@@ -14,9 +14,10 @@ from sim.evidence import (
     WallEvidence,
     evidence_table,
 )
-from sim.trace import Trace, Words
+from sim.trace import Trace
 from sim.verdict import AT_ONCE, Verdict
 from worldgen.lattice import exact
+from worldgen.support.arrays import Words
 from worldgen.world import World
 
 __all__ = [
@@ -46,7 +47,7 @@ ENDINGS: Mapping[int, Ending] = {
     lib.WG_COVERED: Verdict.COVERED,
     lib.WG_COLLISION: Verdict.COLLISION,
 }
-"""The ending that each of the core's numbers stands for."""
+"""The ending for each of the core's numbers."""
 
 
 @dataclass(frozen=True)
@@ -74,9 +75,9 @@ class Outcome:
         wall_step: First step that ended with the centre in a wall, if walls do not end the run;
             else -1.
         random_draws: Random numbers used.
-        cells_visited: Cells that the centre has been in after a step, the start's included.
+        cells_visited: Cells that the centre has been in after a step, including the start's.
         points: Points of the path after the start.
-        cells_left: Cells that a coverage task still asks for.
+        cells_left: Cells that a coverage task still requires.
         cells_wanted: Cells to visit; 0 for another task.
         complete: Whether the recorded state alone decides the future.
         fault: The controller's fault, without the step; ``None`` if it made none or only the core
@@ -170,8 +171,8 @@ class Episode:
         trace_digest: 16 hex digits, a digest of every state.
         evidence: The facts that confirm the verdict for a checker; a record of the verdict's kind.
         trace: The recorded states, if requested.
-        cells_left: Cells that a coverage task still asks for; ``None`` for another task.
-        area_covered: Area of the cells that its centre was in after a step, the start's included,
+        cells_left: Cells that a coverage task still requires; ``None`` for another task.
+        area_covered: Area of the cells that its centre was in after a step, including the start's,
             m2.
     """
 
@@ -199,8 +200,7 @@ class Episode:
         )
         return (
             f"{self.verdict}: {self.steps} steps, {self.time:g} s, {self.path_length:.3f} m "
-            f"driven, "
-            f"{self.collisions} collisions, trace {self.trace_digest}{evidence}"
+            f"driven, {self.collisions} collisions, trace {self.trace_digest}{evidence}"
         )
 
 

@@ -41,7 +41,7 @@ class Scenario:
     """A controller and the options of its runs: everything about a run except the world.
 
     Args:
-        controller: Name, as the command line takes it.
+        controller: Name, as on the command line.
         run: Options of each run. The number of steps depends on the world, see :meth:`options`, so
             the number given here is ignored.
     """
@@ -83,10 +83,10 @@ class Scenario:
         return cls(controller, RunOptions(**(defaults | settings)))
 
     def label(self, motion: str | None = None, time_step: float | None = None) -> str:
-        """Return the text from which :meth:`parse` reads this scenario; it leaves out the seed.
+        """Return the text from which :meth:`parse` reads this scenario, without the seed.
 
         Args:
-            motion: Motion model that the reader takes by default; left out of the text.
+            motion: Motion model that the reader uses by default; omitted from the text.
             time_step: Default duration of a step, s; left out of the text.
         """
         changed = self.run.changed()
@@ -184,9 +184,9 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
         return _with_own(name, options)
     head, colon, command = text.partition(":")
     name, options = split_options(head, "cmd+motion=endpoint:./mine")
-    own = {*_OF_EVERY_RUN, *RobotOptions.names(), *RobotOptions.TOGETHER}
+    own = {*_OF_EVERY_RUN, *RobotOptions.words()}
     if is_composition_name(text):
-        own |= {*ThesisOptions.names(), *ThesisOptions.TOGETHER}
+        own |= ThesisOptions.words()
     of_the_run = {option: value for option, value in options.items() if option in own}
     others = {option: value for option, value in options.items() if option not in own}
     return with_options(name, others) + colon + command, of_the_run
@@ -194,8 +194,7 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
 
 def _with_own(name: str, options: dict[str, str | None]) -> tuple[str, dict[str, str | None]]:
     """Move a controller's own options, such as ``places=16``, from those of the run into its name."""
-    of_runs = {*_OF_EVERY_RUN, *RobotOptions.names(), *ThesisOptions.names()}
-    of_runs |= {*RobotOptions.TOGETHER, *ThesisOptions.TOGETHER}
+    of_runs = {*_OF_EVERY_RUN, *RobotOptions.words(), *ThesisOptions.words()}
     if of_runs.issuperset(options):
         return name, options
     own = CONTROLLERS.option_names(name)
@@ -223,12 +222,12 @@ def _refuse_program_options(controller: str, options: Mapping[str, str | None]) 
 
 
 def _parsed(motion: str, name: str, text: str | None, controller: str) -> dict[str, Value]:
-    """Return one option as written; an option of another motion model raises an error that says so."""
+    """Return one option as written; an option of another motion model raises an error."""
     own = switch_class(motion)
     other = RobotOptions if own is ThesisOptions else ThesisOptions
-    if name not in (*own.names(), *own.TOGETHER) and name in (*other.names(), *other.TOGETHER):
+    if name in other.words() - own.words():
         raise option_without_effect(motion, name)
-    if name in (*own.names(), *own.TOGETHER) or _has_options_first(controller):
+    if name in own.words() or _has_options_first(controller):
         return own.parse(name, text)
     plain, _ = split_options(controller)
     return own.parse(name, text, also=CONTROLLERS.option_names(plain))

@@ -10,21 +10,20 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.options.robot import RobotOptions
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Bools, Floats, Ints, Words
 
 __all__ = ["BEHAVIOURS", "Recall", "Trace", "fnv1a", "state_digest"]
 
 BEHAVIOURS = ("collide", "seek", "drive")
 """Behaviours of the thesis's robot, in the order of their numbers."""
 
-Floats = npt.NDArray[np.float64]
-Words = npt.NDArray[np.uint64]
-Recall: TypeAlias = Callable[[npt.NDArray[np.int64], Callable[[int, Floats], None]], None]
+Recall: TypeAlias = Callable[[Ints, Callable[[int, Floats], None]], None]
 """Runs again, and shows the memory after each of some steps, given in rising order."""
 
 _HASH_START = 1469598103934665603
 _HASH_PRIME = 1099511628211
-_MASK = (1 << 64) - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +44,7 @@ class Trace:
         states: (n + 1, k) uint64, complete states; a loop is a repetition of one of them.
         complete: Whether ``states`` really decides the future; a controller may hide memory.
         memory_at: Index in a state where the controller's memory begins, stored as the bits of
-            float64s; below 0 if it cannot be seen.
+            float64s; negative if it is not visible.
         active: (n + 1,) int8, index into :data:`BEHAVIOURS` of the one that acted in the step, -1
             for none; ``None`` for other robots.
         recall: Shows the memory of a lean recording, which was too large to hold it. Such a
@@ -53,17 +52,17 @@ class Trace:
         recalled: How many numbers of memory ``recall`` shows.
         message_size: How many numbers at the end of a state are the robot's message to others.
         robot: Options of the robot in the run; ``None`` for the thesis's robot.
-        task: What the robot was to do: ``target`` or ``cover``.
+        task: The robot's task: ``target`` or ``cover``.
     """
 
     time_step: float
     x: Floats
     y: Floats
     heading: Floats
-    bump: npt.NDArray[np.bool_]
+    bump: Bools
     path_x: Floats
     path_y: Floats
-    path_step: npt.NDArray[np.int64]
+    path_step: Ints
     path_share: Floats
     words: Words
     states: Words
@@ -96,14 +95,12 @@ class Trace:
         self.show_memory(np.array([step]), lambda _, memory: found.append(memory.copy()))
         return found[0]
 
-    def show_memory(
-        self, steps: npt.NDArray[np.int64], take: Callable[[int, Floats], None]
-    ) -> None:
+    def show_memory(self, steps: Ints, take: Callable[[int, Floats], None]) -> None:
         """Pass the controller's memory after each of some steps to ``take``.
 
         Args:
             steps: (n,) steps of this run, in rising order.
-            take: Receives the step and (m,) the memory, and must copy what it keeps.
+            take: Receives the step and (m,) the memory, and must copy anything that it keeps.
         """
         if self.recall is not None:
             self.recall(steps, take)
@@ -127,8 +124,8 @@ class Trace:
         if self.recall is not None:
             raise InvalidParameter(
                 "recording-is-lean",
-                "this recording is lean and has no words to compute a digest from",
-                "record the whole run",
+                "this recording has positions only, so it has no digest",
+                "record the full run",
             )
         return fnv1a(self.words)
 
@@ -136,8 +133,8 @@ class Trace:
         """Return the states as lines ``t,x,y,heading``, after a header.
 
         Args:
-            acted: The behaviour that acted in each step, for a further column ``behaviour``; the
-                start has none.
+            acted: The behaviour that acted in each step, for an additional column ``behaviour``;
+                the start has none.
         """
         lines = ["t,x,y,heading" + (",behaviour" if acted else "")]
         for k, (x, y, heading) in enumerate(zip(self.x, self.y, self.heading, strict=True)):
@@ -152,7 +149,7 @@ def fnv1a(words: Words) -> str:
     """Return the rolling FNV-1a hash of 64-bit words as 16 hex digits, in plain Python integers."""
     value = _HASH_START
     for word in words.ravel().tolist():
-        value = ((value ^ word) * _HASH_PRIME) & _MASK
+        value = ((value ^ word) * _HASH_PRIME) & MASK64
     return f"{value:016x}"
 
 

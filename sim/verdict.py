@@ -57,7 +57,7 @@ OUT_OF_BUDGET = (Verdict.STALLED, Verdict.TIMEOUT)
 """Verdicts on a run that ended because its budget was spent."""
 
 UNENDED = (Verdict.LOOP, *JOINT_LOOPS, *OUT_OF_BUDGET)
-"""Verdicts on a run that nothing ended but its budget, or the proof that it repeats."""
+"""Verdicts on a run that ended only because of its budget, or because it provably repeats."""
 
 BY_THE_CONTROLLER = (Verdict.CRASH, Verdict.HANG, Verdict.INVALID_COMMAND)
 """Verdicts on a fault of the controller itself, wherever the robot was."""
@@ -67,19 +67,28 @@ AT_ONCE = (Verdict.TUNNEL, Verdict.COLLISION, Verdict.BURNED, *BY_THE_CONTROLLER
 
 MEANINGS = {
     Verdict.REACHED: "The robot arrives.",
-    Verdict.COVERED: "The robot has been in every cell that its coverage task asks for.",
+    Verdict.COVERED: "The robot has visited every cell of its coverage task.",
     Verdict.LOOP: "The robot returns to a complete state that it was in before, so it repeats "
     "itself endlessly and never arrives, although its target can be reached.",
-    Verdict.LIVELOCK: "The robots return to a joint state that they were in before and some of them "
-    "move meanwhile, so they repeat themselves endlessly and two or more never arrive.",
-    Verdict.DEADLOCK: "The robots return to a joint state that they were in before and none of them "
-    "moves meanwhile, so they stand still forever and two or more never arrive.",
-    Verdict.STARVED: "All robots but one arrive, and the joint state recurs, so that one robot "
-    "never arrives.",
-    Verdict.STALLED: "The robot enters no new cell in the second half of a budget that is many "
-    "times what the path to its target takes.",
-    Verdict.TIMEOUT: "The robot has not arrived within a budget that is many times what the path "
-    "to its target takes.",
+    Verdict.LIVELOCK: (
+        "The robots return to a joint state that they were in before and some of them move in "
+        "between, so they repeat themselves endlessly and two or more never arrive."
+    ),
+    Verdict.DEADLOCK: (
+        "The robots return to a joint state that they were in before and none of them moves in "
+        "between, so they stand still forever and two or more never arrive."
+    ),
+    Verdict.STARVED: (
+        "All robots but one arrive, and the joint state recurs, so the last robot never arrives."
+    ),
+    Verdict.STALLED: (
+        "The robot enters no new cell in the second half of its budget, which is many times longer "
+        "than the path to its target takes."
+    ),
+    Verdict.TIMEOUT: (
+        "The robot has not arrived within its budget, which is many times longer than the path to "
+        "its target takes."
+    ),
     Verdict.TUNNEL: "The robot's centre passes through a wall.",
     Verdict.OVERLAP: "The robot's disc cuts into a wall by more than the motion model's tolerance.",
     Verdict.COLLISION: "Two robots drive through each other.",
@@ -88,4 +97,4 @@ MEANINGS = {
     Verdict.HANG: "The controller gives no answer in time.",
     Verdict.INVALID_COMMAND: "The controller commands what no robot can do.",
 }
-"""One sentence on each verdict, written for a reader who does not know the word."""
+"""One sentence on each verdict, for readers who do not know the word."""

@@ -1,6 +1,6 @@
 """Settings that every test shares.
 
-Tiers, Hypothesis's profiles, how the work is shared among workers.
+Tiers, Hypothesis's profiles, and how workers share the tests.
 """
 
 import os
@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, Phase, settings
 from hypothesis.database import DirectoryBasedExampleDatabase
 
 # With CI set, Hypothesis would choose a profile for us, silently. This one tries the same examples
-# each time: nobody should fail to land by luck. New examples are tried at night, and those that
-# failed are kept: --hypothesis-profile.
+# each time, so that no change is rejected by bad luck. New examples are tried at night, and those
+# that failed are kept: --hypothesis-profile.
 #
 # Leave out the phase "explain": it traces a failing test, and CPython 3.11.7 then never returns
 # from some calls, so the test hangs instead of failing.
@@ -54,8 +54,7 @@ os.environ["WORLDGEN_PROGRESS"] = "off"
 
 MOST_WORKERS = 8
 
-# In the background of a shell Ctrl-C is ignored, and so it would be by every process that a test
-# starts.
+# A shell's background job ignores Ctrl-C, and every process that a test starts would inherit that.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -64,8 +63,8 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 def pytest_cmdline_main(config):
     """Keep the tests of a file together and in order with ``-n``.
 
-    They may share what was costly to make. Files go out in the order of their names: the short ones
-        are the last, and no worker waits long for another.
+    They may share expensive fixtures. Files are assigned in order of their names: the short ones
+    come last, so no worker waits long for another.
     """
     if getattr(config.option, "numprocesses", None) and config.option.dist == "no":
         config.option.dist, config.option.loadscopereorder = "loadfile", False
@@ -73,5 +72,7 @@ def pytest_cmdline_main(config):
 
 @pytest.hookimpl(wrapper=True, optionalhook=True)
 def pytest_xdist_auto_num_workers():
-    """Start a worker for each processor, but no more than have work: each needs memory."""
+    """Start a worker for each processor, but no more than there is work for, because each needs
+    memory.
+    """
     return min((yield), MOST_WORKERS)

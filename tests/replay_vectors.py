@@ -1,7 +1,7 @@
 """Replays recorded runs of the thesis's program: ``python -m tests.replay_vectors FILE.jsonl``.
 
-Prints a line for everything that differs and ends with ``matched N of M``; exit code 0 if all
-match, 1 if one does not, 2 if a file or a line can't be read, or there is none.
+Print a line for each difference and end with ``matched N of M``; exit code 0 if all match, 1 if one
+does not, 2 if a file or a line can't be read, or there is none.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from tests.helpers.recordings import NotARecordingError, parse, read_lines
 Vector = dict[str, Any]
 
 FLOATS = ("x", "y", "heading", "target_heading", "speed")
-"""The numbers of a state that a recording holds."""
+"""The numbers of a state in a recording."""
 
 
 def mismatches(vector: Vector) -> list[str]:
-    """Everything recorded in which a replay differs, in words; empty if it matches."""
+    """Return the differences between a replay and its recording, in words; empty if they match."""
     cells, light = signal_cells(vector)
     found = []
     crc = zlib.crc32(np.ascontiguousarray(cells.T).astype(">i4").tobytes())
@@ -63,9 +63,9 @@ def mismatches(vector: Vector) -> list[str]:
 
 
 def random_numbers(vector: Vector) -> Any:
-    """The draws that a run may use, one a tick at most.
+    """Return the draws that a run may use, at most one per tick.
 
-    The recorded ones first, then its seed's.
+    The recorded ones come first, then its seed's.
     """
     if vector["rule"] != 3:
         return np.zeros(0)
@@ -75,7 +75,7 @@ def random_numbers(vector: Vector) -> Any:
 
 
 def draw_mismatches(vector: Vector, used: list[float]) -> list[str]:
-    """Whether the run used exactly the recorded draws, and whether the seed gives them."""
+    """Return whether the run used exactly the recorded draws, and whether the seed gives them."""
     found = []
     recorded = vector.get("draws", used)
     if len(recorded) != len(used):
@@ -119,9 +119,9 @@ def simulate(vector: Vector, cells: Any, light: Any, draws: Any, ticks: int) -> 
 
 
 def judge(vector: Vector, rows: Any) -> Vector:
-    """Verdict, ticks and loop from the states.
+    """Determine verdict, ticks and loop from the states:
 
-    The target entered, the first repetition, or neither.
+    the target entered, the first repetition, or neither.
     """
     loop = None if vector["rule"] == 3 else first_repetition(rows)
     ticks = len(rows) - 1
@@ -133,7 +133,7 @@ def judge(vector: Vector, rows: Any) -> Vector:
 
 
 def first_repetition(rows: Any) -> tuple[int, int] | None:
-    """Start and period of the first state that comes back, by the recorded words of a state."""
+    """Start and period of the first state that recurs, by its recorded words."""
     words = state_words(rows)
     seen: dict[bytes, int] = {}
     for tick, row in enumerate(words):
@@ -157,7 +157,7 @@ def state_words(rows: Any) -> Any:
 
 
 def first_crossing(vector: Vector, rows: Any) -> int:
-    """First tick that ends in a free cell of another 4-connected component than the start's.
+    """First tick that ends in a free cell outside the start's 4-connected component.
 
     -1 if none.
     """
@@ -217,7 +217,7 @@ def read_vectors(path: Path) -> Iterator[tuple[int, Vector]]:
 
 
 def replay(name: str) -> tuple[int, int, int]:
-    """Replays a file line by line, says what differs, and counts: matched, all, unreadable."""
+    """Replay a file line by line, report differences, and count: matched, all, unreadable."""
     matched = total = unreadable = 0
     try:
         for number, line in read_lines(Path(name)):

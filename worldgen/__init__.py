@@ -1,15 +1,20 @@
 """Worlds for mobile robots: generated, proved reachable, written as one text file.
 
-Each of these is imported when it is first used: World, Robot, Pose, Target, Witness, JointWitness,
-    Cut, Provenance, FailureRecord: a world and its parts. Timeline, Event, CellState: its changes over time.
-    generate: a world of a family, with its proof. stream: a sequence of such worlds, made on
-    demand. read_world, write_world, world_digest: the ``.grid`` file. decide, check_certificate:
-    prove reachability, and check the proof independently. WorldgenError, with FormatError,
-    GenerationFailed, InvalidParameter, InvalidWorld, OutputError: errors as data and as a sentence.
-    Submodules: families (``worldgen.families.maze(seed=7)``), compose, interop (import and
-    export), render (pictures), testing (for your own families).
+Contents, each imported when it is first used:
+    World, Robot, Pose, Target, Provenance, FailureRecord: A world and its parts.
+    Witness, JointWitness, Cut: The proofs that a target can, or cannot, be reached.
+    Timeline, Event, CellState: How a world changes over time.
+    generate: A world of a family, with its proof.
+    stream: A sequence of such worlds, made on demand.
+    read_world, write_world, world_digest: The ``.grid`` file.
+    decide, check_certificate: Prove reachability, and check the proof independently.
+    WorldgenError: The base of FormatError, GenerationFailed, InvalidParameter, InvalidWorld and
+        OutputError: an error as data and as a sentence.
+    families, compose, interop, render, testing: Submodules: ``worldgen.families.maze(seed=7)``,
+        worlds from parts, import and export, pictures, and checks for your own families.
 
-PYTEST_DONT_REWRITE: lets a program that has imported this call pytest.main() without a warning.
+PYTEST_DONT_REWRITE: lets a program that has imported this package call pytest.main() without a
+warning about assertion rewriting.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Limits on the numbers of a world.
 
 The limits are far beyond any robot's, and small enough that a length in 1/1024 cell, its square and
-a time in microseconds fit into 64 bits. So no other code needs a case for numbers that are too
-large or too small.
+a time in microseconds fit into 64 bits. So no other code has to handle numbers that are too large
+or too small.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from worldgen.errors import Message
 __all__ = [
     "CELL_SIZES",
     "LATEST",
+    "MASK64",
     "MAX_ROBOTS",
     "MAX_SIDE",
     "RADII",
@@ -23,6 +24,9 @@ __all__ = [
     "radius_fault",
     "speed_fault",
 ]
+
+MASK64: Final = (1 << 64) - 1
+"""All bits of a 64-bit word, and the largest seed."""
 
 MAX_SIDE: Final = 20_000
 """Most cells in a row or a column."""

@@ -106,7 +106,7 @@ class Message:
 
     @property
     def problem(self) -> str:
-        """The problem in words: what came and the rule it breaks."""
+        """The problem in words: the value and the rule that it breaks."""
         return self.word(self._problem)
 
     @property
@@ -171,14 +171,14 @@ class Message:
 
 
 class Note(str):
-    """A sentence worth knowing that is not an error.
+    """A remark that is not an error.
 
     ``message`` has its code and facts.
 
     Args:
-        code: Same as in `Message`, as are the others.
+        code: Same as in `Message`, like the other fields.
         problem: Template of the observation.
-        remedy: Template of what can be done about it.
+        remedy: Template of the remedy.
         facts: The values, by name.
     """
 
@@ -198,7 +198,7 @@ class WorldgenError(Exception):
     The command line prints the error and exits with 2. ``str(error)`` is the whole sentence.
 
     Args:
-        code: Same as in `Message`, as are the others.
+        code: Same as in `Message`, like the other fields.
         problem: Template of the problem and the rule.
         remedy: Template of the remedy.
         facts: The values, by name.
@@ -269,7 +269,7 @@ class FormatError(WorldgenError, ValueError):
     """A file that breaks the rules of its format.
 
     Args:
-        code: Same as in `Message`, as are the others.
+        code: Same as in `Message`, like the other fields.
         problem: Template of the problem and the rule.
         remedy: Template of the remedy.
         line: Line of the fault, counted from 1; ``None`` if the file has no lines.
@@ -291,6 +291,21 @@ class FormatError(WorldgenError, ValueError):
         super().__init__(code, problem, remedy, **facts)
         self.line = line
         self.source = source
+
+    @classmethod
+    def unreadable(cls, source: object, error: Exception) -> Self:
+        """Return the error for a file that cannot be read.
+
+        Args:
+            source: The file's name for the message.
+            error: What the system reported: an ``OSError``, or a ``ValueError`` about a NUL.
+        """
+        if isinstance(error, FileNotFoundError):
+            return cls(
+                "no-such-file", "there is no such file", "check the name", source=str(source)
+            )
+        reason = getattr(error, "strerror", None) or str(error)
+        return cls("unreadable", "cannot be read: {reason}", reason=reason, source=str(source))
 
     @property
     def place(self) -> str:

@@ -15,7 +15,7 @@ from typing import Any, cast
 
 from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.families.parts.placing import place_robots
+from worldgen.families.parts.placing import FEW_ROBOTS, place_robots
 from worldgen.lattice import in_cells
 from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
 from worldgen.plugins.entry_points import points_of
@@ -58,9 +58,12 @@ MAX_PLACEMENTS = 4  # of the robots, tried in each layout
 # that robots have to make way for each other; in those after that, two robots can pass.
 MAX_NARROW_ATTEMPTS = 3
 MAX_FLEET_ATTEMPTS = 12
+MAX_CROWD_ATTEMPTS = 6  # same, for more than FEW_ROBOTS, which are redrawn within a layout
 # With this many robots, a single layout can take a minute. With fewer, only later ones are reported,
 # so that the report does not hide which of many worlds is being made.
 _MANY_ROBOTS = 50
+# Codes of errors about a layout that is too small for its robots.
+_CROWDED = ("too-many-robots", "no-joint-paths")
 _PASSAGES = ("width", "passage")  # parameters of families that set the width of passages
 ROBOTS = "robots"  # the parameter of every family that says how many robots its worlds have
 ROBOTS_PARAMETER = Parameter(
@@ -70,11 +73,12 @@ ROBOTS_PARAMETER = Parameter(
     "Number of robots; all have the same size and speed, and start at random places.",
     Bounds(1, MAX_ROBOTS),
 )
-# Provenance of worlds of several robots also names the version of what places them and plans their
-# witness: ``families/parts/placing.py`` and ``reach/joint``. Raise it whenever some seed then
-# yields another world of several robots.
+# Provenance of worlds with several robots also names the version of the code that places them and
+# plans their witness: ``families/parts/placing.py`` and ``reach/joint``. Raise it whenever some
+# seed then yields another world of several robots.
 PLANNER = "planner"
 PLANNER_VERSION = 1
+CROWD_PLANNER_VERSION = 2  # same, with more than ``FEW_ROBOTS``
 MARGIN = "margin"  # every parameter with this name: seconds by which the witness may start late
 # parameters of generate(), and options of every family's command
 _TAKEN = (
@@ -139,21 +143,41 @@ class Family:
         margin = float(cast("float", complete.get(MARGIN, 0.0)))
         own = dict(complete)
         robots = 1 if self.places_robots else int(cast("int", own.pop(ROBOTS, 1)))
-        is_fleet = complete.get(ROBOTS, 1) != 1
+        fleet = int(cast("int", complete.get(ROBOTS, 1)))
+        is_fleet = fleet != 1
         # Try layouts until one is proved to be solvable.
-        for attempt in range(MAX_FLEET_ATTEMPTS if is_fleet else MAX_ATTEMPTS):
+        crowded: InvalidParameter | None = None
+        first = 0
+        for attempt in range(_attempts(fleet)):
+            if attempt < first:
+                continue
             rng = stream_for(number, self.name, attempt)
             if robots > 1 and attempt == MAX_NARROW_ATTEMPTS:
                 own |= self._wide_passages(own)
-            with _placing(int(cast("int", complete.get(ROBOTS, 1))), attempt) as work:
-                world = self.build(rng, **own)
-                decision = decide(world, margin=margin, cut=False)
-                if decision.result == REACHABLE and robots > 1:
-                    stream = rng.child(ROBOTS)
-                    world, decision = self._with_robots(world, stream, robots, margin, work)
+            with _placing(fleet, attempt) as work:
+                try:
+                    world = self.build(rng, **own)
+                    decision = _decided(world, margin)
+                    if decision.result == REACHABLE and robots > 1:
+                        stream = rng.child(ROBOTS)
+                        world, decision = self._with_robots(world, stream, robots, margin, work)
+                except InvalidParameter as full:
+                    # Another layout may have room for more of a crowd.
+                    if full.code not in _CROWDED or fleet <= FEW_ROBOTS:
+                        raise
+                    # Report the most robots that had paths, or else the most that there was room for.
+                    if crowded is None or _how_full(full) > _how_full(crowded):
+                        crowded = full
+                    # If not even half of them fit, wider passages may help, but no other layout.
+                    if 2 * full.facts["placed"] < fleet:
+                        is_narrow = attempt < MAX_NARROW_ATTEMPTS and not self.places_robots
+                        first = MAX_NARROW_ATTEMPTS if is_narrow else MAX_CROWD_ATTEMPTS
+                    continue
             if decision.result == REACHABLE:
                 provenance = self.provenance(number, complete)
                 return replace(world, certificate=decision.certificate, provenance=provenance)
+        if crowded is not None:
+            raise crowded
         # Say which parameters leave no room.
         settings = ", ".join(
             f"{parameter.name}={complete[parameter.name]}" for parameter in self.parameters
@@ -178,13 +202,18 @@ class Family:
             seed: Seed of the world.
             complete: All of its parameters, see :meth:`complete`.
         """
-        planner = {PLANNER: PLANNER_VERSION} if complete.get(ROBOTS, 1) != 1 else {}
+        robots = int(cast("int", complete.get(ROBOTS, 1)))
+        version = CROWD_PLANNER_VERSION if robots > FEW_ROBOTS else PLANNER_VERSION
+        planner = {PLANNER: version} if robots != 1 else {}
         return Provenance(self.name, self.version, seed, {**complete, **planner})
 
     def _with_robots(
         self, world: World, rng: RandomStream, robots: int, margin: float, work: Work
     ) -> tuple[World, Decision]:
         """Return the world with more robots, and whether all of them can arrive."""
+        if robots > FEW_ROBOTS:
+            placed = place_robots(world, rng, robots, self.name, margin=margin, work=work)
+            return placed, _decided(placed, margin)
         for number in range(MAX_PLACEMENTS):
             work.say(f"placement {number + 1} of {MAX_PLACEMENTS}")
             placed = place_robots(world, rng.child(number), robots, self.name)
@@ -244,7 +273,7 @@ class Family:
         text = inspect.cleandoc(self.build.__doc__ or "")
         try:
             parameters = self.all_parameters
-        except InvalidParameter:  # an error says so when the family is used
+        except InvalidParameter:  # an error reports that when the family is used
             return text
         notes = [
             "seed: An integer or a NumPy generator. Equal seeds and parameters give equal worlds."
@@ -307,7 +336,7 @@ class Family:
         return words
 
     def complete(self, params: Mapping[str, Value | None]) -> dict[str, Value]:
-        """Return the parameters with defaults filled in, as :attr:`build` takes them.
+        """Return the parameters with defaults filled in, as :attr:`build` expects them.
 
         Raises:
             InvalidParameter: If a name is unknown, or a value has a different type than the
@@ -343,7 +372,7 @@ class Family:
             raise InvalidParameter(
                 "other-version",
                 "{family}: {name} is {value!r}, here it is {here!r}",
-                "this version makes other worlds: use the version that the world was made with",
+                "this version makes other worlds: use the version that made the world",
                 family=self.name,
                 name=name,
                 value=str(value)[:60],
@@ -351,9 +380,28 @@ class Family:
             )
 
 
+def _how_full(error: InvalidParameter) -> tuple[int, int]:
+    """Return a key that orders errors of crowded layouts; the highest one says the most."""
+    return _CROWDED.index(error.code), int(error.facts["placed"])
+
+
+def _attempts(robots: int) -> int:
+    """Return the number of layouts that are tried for so many robots."""
+    if robots == 1:
+        return MAX_ATTEMPTS
+    return MAX_FLEET_ATTEMPTS if robots <= FEW_ROBOTS else MAX_CROWD_ATTEMPTS
+
+
+def _decided(world: World, margin: float) -> Decision:
+    """Return whether the robots of a world can arrive; a family may have proved it already."""
+    if world.certificate is not None:
+        return Decision(REACHABLE, world.certificate, "proved where the robots were placed")
+    return decide(world, margin=margin, cut=False)
+
+
 def _placing(robots: int, attempt: int) -> AbstractContextManager[Work]:
     """Report the layout that is tried for several robots, once that may take long."""
-    message = f"placing {robots} robots in layout {attempt + 1} of at most {MAX_FLEET_ATTEMPTS}"
+    message = f"placing {robots} robots in layout {attempt + 1} of at most {_attempts(robots)}"
     if robots < _MANY_ROBOTS and (robots == 1 or attempt == 0):
         return nullcontext(Work(message))
     return working(message, often=True)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import count as rising
 
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, MAX_ATTEMPTS, Family
-from worldgen.random_streams import MASK64, Seed, seed_of
+from worldgen.random_streams import Seed, seed_of
 from worldgen.world import Value, World
 
 __all__ = ["MAX_ATTEMPTS", "generate", "stream"]

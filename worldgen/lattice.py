@@ -15,6 +15,7 @@ from worldgen.world import World
 __all__ = [
     "TURN",
     "UNIT",
+    "cell_middle",
     "clear_distance_sq",
     "exact",
     "heading_from_lattice",
@@ -69,6 +70,11 @@ def metres_to_lattice(metres: float, cell_size: float) -> int:
 def lattice_to_metres(units: int, cell_size: float) -> float:
     """Return the coordinate in m, correctly rounded: its shortest decimal is the one to write."""
     return float(Fraction(units, UNIT) * exact(cell_size))
+
+
+def cell_middle(index: int, cell_size: float) -> float:
+    """Return the middle of a column or row of cells, m, correctly rounded."""
+    return lattice_to_metres(int(index) * UNIT + UNIT // 2, cell_size)
 
 
 @functools.lru_cache(maxsize=256)

@@ -145,7 +145,7 @@ class Parameter:
 
     @property
     def chosen(self) -> float | None:
-        """The number in files that stands for Python's ``None``, which lets the family choose."""
+        """The number in files that represents Python's ``None``, which lets the family choose."""
         return None if self.bounds is None else self.bounds.chosen
 
     @property
@@ -182,7 +182,7 @@ class Parameter:
             InvalidParameter: If it has a different type from the default, is out of bounds, or
                 isn't one of the choices.
         """
-        # None may stand for the family's choice, or be the default.
+        # None may mean that the family chooses, or be the default.
         kind = self.kind
         value = _plain(value)
         if value is None and self.chosen is not None:
@@ -340,7 +340,7 @@ def split_options(
     if parts["name"].startswith("+") or re.search(r"\+(?:$|\+|=)", parts["name"]):
         raise InvalidParameter(
             "wrong-form",
-            "{text!q} lacks a name next to a +",
+            "{text!q} has a + without a name",
             "write one such as {example}",
             text=text,
             example=example,
@@ -470,7 +470,7 @@ def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, 
         raise InvalidParameter(
             "wrong-declaration",
             "{owner}: {reason}",
-            "import what its annotations name outside TYPE_CHECKING",
+            "move the imports that its annotations need out of TYPE_CHECKING",
             owner=owner,
             reason=str(error),
         ) from error
@@ -494,11 +494,11 @@ def check_declared(
         positional: Number of parameters before them.
 
     Raises:
-        InvalidParameter: With the first faulty parameter.
+        InvalidParameter: If a parameter is faulty; the error names the first one.
     """
     for parameter in list(inspect.signature(function).parameters.values())[positional:]:
         if parameter.kind is not inspect.Parameter.KEYWORD_ONLY or parameter.name in taken:
-            but = f", and be called none of {', '.join(taken)}" if taken else ""
+            but = f", and must not be called {', '.join(taken)}" if taken else ""
             raise InvalidParameter(
                 "wrong-declaration",
                 "{owner}: parameter {name!r} must come after *{arguments}",

@@ -16,16 +16,16 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 
-__all__ = ["GAMMA", "MASK64", "RandomStream", "Seed", "mix64", "seed_of"]
+__all__ = ["GAMMA", "RandomStream", "Seed", "mix64", "seed_of"]
 
 T = TypeVar("T")
 
 Seed: TypeAlias = "int | np.integer[Any] | np.random.Generator"
 """Anything that can seed randomness, wherever a seed is requested."""
 
-MASK64 = (1 << 64) - 1
 # 2**64 / golden ratio, odd.
 GAMMA = 0x9E3779B97F4A7C15
 

@@ -194,7 +194,7 @@ def _demand(holds: bool, message: str) -> None:
 def _equal_seed(family: Family, case: Mapping[str, Value]) -> None:
     for seed in range(2):
         same = dumps(generate(family, seed, **case)) == dumps(generate(family, seed, **case))
-        _demand(same, f"seed {seed} gives two different worlds; draw from rng alone")
+        _demand(same, f"seed {seed} gives two different worlds; draw only from rng")
 
 
 def _different_seeds(family: Family, case: Mapping[str, Value]) -> None:
@@ -220,7 +220,7 @@ def _provenance(family: Family, case: Mapping[str, Value]) -> None:
     if made is not None:
         _demand(
             (made.family, made.version, made.seed) == (family.name, family.version, 8),
-            "the provenance is that of another world",
+            "the provenance belongs to another world",
         )
         again = generate(family, made.seed, **made.params)
         _demand(dumps(again) == dumps(world), "a world cannot be rebuilt from its provenance")
@@ -244,7 +244,7 @@ def _no_global_state(family: Family, case: Mapping[str, Value]) -> None:
             mixed.append(dumps(generate(family, seed, **case)))
             _demand(
                 _other_chance() == before,
-                "it draws from Python's or NumPy's random; draw from rng alone",
+                "it draws from Python's or NumPy's random; draw only from rng",
             )
     finally:
         random.setstate(kept[0])
@@ -290,7 +290,7 @@ def _margin(family: Family, case: Mapping[str, Value]) -> None:
     if isinstance(world.certificate, Witness):
         _demand(
             witness_margin(world, world.certificate) >= 0.5,
-            "a witness has less than the requested margin",
+            "a witness has a smaller margin than requested",
         )
 
 

@@ -113,7 +113,7 @@ class Timeline(HoldsFrozen):
             at = int(np.argmax(np.diff(self.times) < 0)) + 1
             raise InvalidWorld(
                 "not-sorted",
-                "timeline: event {at} at {time} s comes after one at {previous} s",
+                "timeline: event {at} at {time} s follows one at {previous} s",
                 "sort the events by time",
                 at=at,
                 time=self.times[at],
@@ -130,7 +130,7 @@ class Timeline(HoldsFrozen):
 
     @property
     def columns(self) -> tuple[Floats, Ints, Ints, Bytes]:
-        """Times, columns, rows and states, as the class takes them."""
+        """Times, columns, rows and states, as for the class."""
         return self.times, self.ix, self.iy, self.states
 
     @property
@@ -188,7 +188,7 @@ class Timeline(HoldsFrozen):
 
         Args:
             first: The first row or column.
-            count: Their number; those beyond take their place.
+            count: Their number; those beyond move into their place.
             axis: 0 for rows, 1 for columns, as for ``numpy.delete``.
         """
         end = first + count

@@ -125,14 +125,14 @@ class FailureRecord:
     """A failure in this world, with everything needed to reproduce it.
 
     Args:
-        controller: Name of the controller, as the command line takes it.
+        controller: Name of the controller, as on the command line.
         motion: Name of the motion model.
         seed: Seed of the controller's randomness.
         verdict: Verdict of the run.
         trace_digest: 16 hex digits over every state of the run.
         parameters: Options of the run (steps, time step, ...).
         evidence: Facts for a checker (for ``loop``: entry, period, state digest; ...).
-        details: Facts worth knowing that prove nothing (class, campaign, shrinking).
+        details: Useful facts that prove nothing (class, campaign, shrinking).
     """
 
     controller: str
@@ -467,21 +467,10 @@ class World(HoldsFrozen):
         Args:
             number: The robot's number, from 1.
         """
-        robot = self.robots[number - 1]
-        return replace(
-            self,
-            start=robot.start,
-            target=robot.target,
-            robot_radius=robot.radius,
-            robot_speed=robot.speed,
-            certificate=None,
-            provenance=None,
-            failure=None,
-            others=(),
-        )
+        return self.bare.with_robots([self.robots[number - 1]])
 
     def with_robots(self, robots: Iterable[Robot], **parts: Any) -> World:
-        """Return the world with other robots, of which there must be at least one.
+        """Return the world with other robots, at least one.
 
         Args:
             robots: The robots, in order.
@@ -560,7 +549,8 @@ class World(HoldsFrozen):
         changes = f", {len(self.timeline)} changes" if self.is_dynamic else ""
         failed = f", failure {self.failure.outcome}" if self.failure is not None else ""
         return (
-            f"<World{name}: {self.width} x {self.height} cells of {self.cell_size:g} m{changes}{fleet}, "
+            f"<World{name}: {self.width} x {self.height} cells of {self.cell_size:g} "
+            f"m{changes}{fleet}, "
             f"start ({self.start.x:g}, {self.start.y:g}), target ({self.target.x:g}, "
             f"{self.target.y:g}), "
             f"{proved}{failed}>"

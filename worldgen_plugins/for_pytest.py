@@ -26,7 +26,7 @@ EXPECTATIONS = ("fixed", "confirmed")
 _ENDINGS = (".grid", ".grid.gz")
 _MARK = (
     "worldgen(*, family, controller=None, count=10, seed=0, **parameters): run the test once for "
-    "each of count worlds of a family (or of several), with rising seeds; the test takes the "
+    "each of count worlds of a family (or of several), with consecutive seeds; the test takes the "
     "fixture worldgen_world, or worldgen_episode for the controller's run"
 )
 
@@ -61,7 +61,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--worldgen-corpus",
         action="append",
         metavar="DIR",
-        help="Collect each .grid file in this folder and below as a test; may be repeated.",
+        help=(
+            "Collect each .grid file in this folder and its subfolders as a test; may be repeated."
+        ),
     )
     group.addoption(
         "--worldgen-expect",
@@ -72,8 +74,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--worldgen-controller",
         metavar="NAME",
-        help="Run this controller in stored failures instead of theirs, and in marked tests "
-        "without their own.",
+        help=(
+            "Run this controller in stored failures instead of their own, and in marked tests that "
+            "name none."
+        ),
     )
     group.addoption(
         "--worldgen-artifacts",
@@ -109,7 +113,7 @@ def pytest_configure(config: pytest.Config) -> None:
     for folder in corpora:
         if not folder.is_dir():
             raise pytest.UsageError(
-                f"the corpus {folder} is not a folder; make it, or give another --worldgen-corpus"
+                f"the corpus {folder} is not a folder; create it, or give another --worldgen-corpus"
             )
     controller = options.worldgen_controller or config.getini("worldgen_controller") or None
     config.stash[_SETTINGS] = _Settings(corpora, expect, controller)

@@ -15,7 +15,7 @@ from worldgen.world import Value
 
 __all__ = ["describe_boundaries", "is_bounded", "subject_of", "with_boundaries"]
 
-# Axes measured for each failure; the others only if a strategy found them.
+# Axes measured for each failure; the others are only recorded if a strategy found them.
 _MEASURED = (
     "radius",
     "speed",
@@ -26,7 +26,7 @@ _MEASURED = (
 def is_bounded(scenario: Scenario) -> bool:
     """Return True if failures of a scenario have a boundary.
 
-    Runs that depend on randomness have none.
+    Runs that depend on randomness have no boundaries.
     """
     controller = CONTROLLERS.get(scenario.controller)
     return not (

@@ -209,7 +209,7 @@ def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) ->
 def _last_that_differs(looks: BoundaryRuns, good: BoundaryRun, without: int) -> BoundaryRun | None:
     """Bisect towards the last value that has a run.
 
-    Return the first run on the way with another outcome, if there is one.
+    Return the first run along the way with a different outcome, if there is one.
     """
     while abs(good.index - without) > 1:
         middle = (good.index + without) // 2

@@ -46,6 +46,6 @@ class CampaignConfig(SearchOptions):
 
     @property
     def slower(self) -> int:
-        """Factor by which a unit does less than for a compiled controller with its fast steps."""
+        """Factor by which a unit does less work than with a fast compiled controller."""
         controller = CONTROLLERS.get(self.scenario.controller)
         return 1 if isinstance(controller, CompiledController) and not controller.slow else _SLOWER

@@ -1,4 +1,4 @@
-"""Check what a campaign is asked to do before any work begins."""
+"""Check a campaign's options before any work begins."""
 
 from __future__ import annotations
 
@@ -43,7 +43,8 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
     if is_numbered(options.controller):
         raise InvalidParameter(
             "one-controller-for-all",
-            "{controller!r} gives each robot its own controller, but a campaign has one for all",
+            "{controller!r} gives each robot its own controller, but a campaign has one "
+            "controller for all robots",
             "write --robots 2 --controller bug2",
             at_terminal=True,
             controller=options.controller,
@@ -71,7 +72,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         raise InvalidParameter(
             "twice",
             "{option} {name} is given twice",
-            "put all its values into one, separated by commas",
+            "give all of its values in one option, separated by commas",
             option=_VARY,
             name=min(twice),
         )

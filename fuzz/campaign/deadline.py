@@ -70,7 +70,7 @@ class Deadline:
     def stopped_now(self) -> Deadline:
         """Return the deadline of work that is stopped.
 
-        Nothing new is begun, and proofs get a short time.
+        No new work begins, and proofs get a short time.
         """
         at = now()
         return Deadline(min(self.begin, at), min(self.prove, at + _TO_PROVE))

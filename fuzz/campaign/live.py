@@ -63,7 +63,7 @@ class LiveCounts:
         return cls(int(worlds), int(steps), int(failed))
 
     def plus(self, worlds: int, steps: int, verdicts: Mapping[str, int]) -> LiveCounts:
-        """Return these counts with those of a unit's result."""
+        """Return these counts plus those of a unit's result."""
         failed = sum(count for verdict, count in verdicts.items() if has_not_arrived(verdict))
         return LiveCounts(self.worlds + worlds, self.steps + steps, self.failed + failed)
 
@@ -77,7 +77,7 @@ class LiveCounts:
 
 
 class Phase(StrEnum):
-    """What a running campaign does."""
+    """What a running campaign is doing."""
 
     PREPARING = "preparing"
     SEARCHING = "searching"
@@ -89,8 +89,8 @@ class LiveState:
     """The current activity of a campaign.
 
     Args:
-        phase: Preparing until the first run, which no budget counts; then searching, and shrinking
-            while nothing is searched.
+        phase: Preparing until the first run, which does not count towards the budget; then
+            searching, or shrinking while there is no search.
         worlds: Runs so far, including those of units in progress.
         steps: Steps of these runs.
         failed: Runs that did not arrive in screening.

@@ -15,7 +15,7 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.live import LiveCounts, LiveState, Phase, has_not_arrived
 from fuzz.campaign.result import SearchState, UnitResult
-from fuzz.campaign.schedule import Schedule
+from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.shrinking import (
     RESTARTS,
     Shrinking,
@@ -42,14 +42,12 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         seconds: Time, ignored if ``units`` is given. Three quarters of it are for the search, the
             rest for shrinking. Units in progress are then cut short, and keep their findings.
             Failures not shrunk by the end are pending.
-        workers: Number of processes; 1 means this process.
-        executor: Executor to use instead of processes.
+        executor: Runs the units; this process if omitted.
         store: Stores results, so that another campaign of the same configuration continues from
             them.
         is_known: Returns whether a failure's class is known: such failures are counted, but neither
             shrunk nor kept.
-        began: When the time began, by ``time.monotonic``; if omitted, when :meth:`run` is called.
-        own: Seconds since then spent in the controller's own code.
+        began: When the time began; if omitted, when the campaign is made.
 
     Iterating over :meth:`run` does the work. No matter how it is stopped, ``state.best`` and
     :meth:`pending` keep all findings. However often a campaign is stopped, its state is the same
@@ -62,19 +60,15 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         *,
         units: int | None = None,
         seconds: float | None = None,
-        workers: int = 1,
         executor: Executor | None = None,
         store: CampaignStore | None = None,
         is_known: Callable[[Failure], bool] = lambda _: False,
-        began: float | None = None,
-        own: float = 0.0,
+        began: Beginning | None = None,
     ) -> None:
         super().__init__(
             [config.scenario],
-            executor or local_executor(workers),
-            Schedule(
-                None if units is not None else seconds, shrinks=config.shrink, began=began, own=own
-            ),
+            executor or local_executor(1),
+            Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began),
             units,
         )
         self.config = config
@@ -138,7 +132,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         )
 
     def run(self) -> Generator[Progress, None, None]:
-        """Do the campaign, or the rest of it.
+        """Run the campaign, or the rest of it.
 
         Raises:
             KeyboardInterrupt: After Ctrl-C, once the units in progress have returned their results.
@@ -155,7 +149,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             self._take_from_earlier()
 
     def _is_exhausted(self) -> bool:
-        self._add_jobs(self._queue.slid(self.state.best))
+        self._add_jobs(self._queue.jobs_for_lost_classes(self.state.best))
         return not self._shrinks and (not self._queue or self._schedule.is_over())
 
     def _others(self) -> Sequence[Submitted[Any]]:
@@ -181,12 +175,13 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         The first failure of each class is shrunk before the search continues, the others after it.
         If the budget is a time, shrinking has its share of it, during the search and after it.
         """
-        # The first failure of each class goes before the search, until the search's share is due.
+        # The first failure of each class is shrunk before the search continues, until the search
+        # needs its share.
         search_first = self._schedule.search_comes_first
         if not search_first:
-            self._add_jobs(self._slid_already())
+            self._add_jobs(self._lost_already())
         job = self._next_job(first_only=search_first)
-        # Search if nothing more urgent waits.
+        # Search if nothing more urgent is waiting.
         if job is None and self._schedule.may_search:
             if (unit := self._unit(executor, self._next)) is not None:
                 self._add_unit(unit)
@@ -297,7 +292,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         result = replace(result, failures=kept, elites=elites)
         if submitted.seconds is None:
             self._store.save_unit(unit, Done(result, seconds))
-        # Cut units change the displayed state, but not the knowledge of later units.
+        # Units that were cut short change the displayed state, but not what later units know.
         state.memory = state.memory.after(result)
         if result.cut:
             self._knows_too_little = min(self._knows_too_little, unit // self.config.epoch + 2)
@@ -341,8 +336,8 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             return result
         return replace(before.result, interrupted=result.interrupted)
 
-    def _slid_already(self) -> list[ShrinkJob]:
-        """Return the jobs of classes whose first world has slid, while others wait.
+    def _lost_already(self) -> list[ShrinkJob]:
+        """Return the jobs of the classes that shrinking has lost, while others wait.
 
         They come before second worlds.
         """
@@ -350,7 +345,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
             return []
         busy = self._queue.classes_with_a_first()
         busy |= {job.failure.bucket for job, _ in self._shrinks}
-        return self._queue.slid(self.state.best, busy)
+        return self._queue.jobs_for_lost_classes(self.state.best, busy)
 
     def _take_others(self) -> Iterator[Discovery]:
         """Take finished results off the shrink list, and keep the smallest failure of each class."""

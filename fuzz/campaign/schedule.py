@@ -6,10 +6,11 @@ import contextlib
 import math
 import time
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from fuzz.campaign.deadline import NO_DEADLINE, Deadline, now
 
-__all__ = ["Schedule"]
+__all__ = ["Beginning", "Schedule"]
 
 # Share of the time after which shrinking takes precedence.
 _SEARCH = 0.75
@@ -17,7 +18,7 @@ _SEARCH = 0.75
 _SEARCH_ON = 0.9
 # Share of the remaining time in which a failure can still be proved.
 _PROVE = 0.5
-# Share of the time for the search if nothing is shrunk.
+# Share of the time for the search if there is no shrinking.
 _UNSHRUNK = 0.97
 # Share of the work during the search that goes to the first failure of each class.
 _SHRINKING = 0.25
@@ -31,6 +32,18 @@ _LEAST = 0.05
 _TO_CONFIRM = 0.3
 
 
+class Beginning(NamedTuple):
+    """The beginning of a command.
+
+    Args:
+        at: The time, by ``time.monotonic``.
+        own: Seconds since then that the controller's own code took.
+    """
+
+    at: float
+    own: float = 0.0
+
+
 class Schedule:
     """The clock of a campaign.
 
@@ -42,8 +55,7 @@ class Schedule:
     Args:
         seconds: Time for search and shrinking together; ``None`` for no limit.
         shrinks: Whether failures are shrunk.
-        began: When the command began, by ``time.monotonic``; now if omitted.
-        own: Seconds since then already spent in the controller's own code.
+        began: When the command began; now if omitted.
     """
 
     def __init__(
@@ -51,15 +63,13 @@ class Schedule:
         seconds: float | None,
         *,
         shrinks: bool = True,
-        began: float | None = None,
-        own: float = 0.0,
+        began: Beginning | None = None,
     ) -> None:
         self._seconds = seconds
         self._shrinks = shrinks
-        self._began = time.monotonic() if began is None else began
+        self._began, self._own = began or Beginning(time.monotonic())
         self._ready = self._last = math.inf
         self._search = self._shrinking = 0.0  # s
-        self._own = own  # s
         self.start_up = 0.0  # s
 
     @property

@@ -14,6 +14,7 @@ import click
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.live import Phase, has_not_arrived, shown_in
 from fuzz.campaign.run import Campaign
+from fuzz.campaign.schedule import Beginning
 from fuzz.campaign.state import Discovery, Progress, UnitDone
 from fuzz.campaign.store import MEMORY, SUMMARY, CampaignRun, Status, Summary, record_error
 from fuzz.campaign.summary import (
@@ -65,9 +66,8 @@ class CampaignSession:
         baseline: Failures whose classes are known, which are only counted; none if omitted.
         count_hazards: True if a robot burned by something its controller cannot sense also makes
             the exit code 1.
-        began: When the command began, by ``time.monotonic``.
+        began: When the command began.
         lasts: True if the folder still exists after the command, so that a message can name it.
-        own: Seconds since then spent in the controller's own code.
         last: Failures of the last campaign in the same folder, which this one replaces.
     """
 
@@ -80,9 +80,8 @@ class CampaignSession:
         outputs: Outputs = NO_OUTPUTS,
         baseline: Baseline | None = None,
         count_hazards: bool = False,
-        began: float | None = None,
+        began: Beginning | None = None,
         lasts: bool = True,
-        own: float = 0.0,
         last: Baseline | None = None,
     ) -> None:
         self._baseline = baseline or Baseline()
@@ -103,7 +102,6 @@ class CampaignSession:
             store=campaign_run.store,
             is_known=self._baseline.has,
             began=began,
-            own=own,
         )
         self._limit = (
             f"{budget.seconds:g} s" if budget.units is None else counted(budget.units, "unit")
@@ -209,7 +207,7 @@ class CampaignSession:
             return InvalidParameter(
                 "too-slow",
                 "no world was finished within {limit}: the controller, or this machine, is too "
-                "slow for this",
+                "slow",
                 "give a larger --budget, or smaller worlds",
                 at_terminal=True,
                 limit=self._limit,
@@ -263,7 +261,7 @@ class CampaignSession:
         return stopped
 
     def _write_examples(self) -> None:
-        """Write the worlds that causes show, as far as no class's file has them."""
+        """Write the worlds that show causes, unless a class's file already has them."""
         for cause in self._overview.causes:
             failure = cause.failure
             # The store has the known failures that the search found.
@@ -271,6 +269,8 @@ class CampaignSession:
                 continue
             if cause.file == self._path(failure.bucket).name:
                 self._campaign.state.best.setdefault(failure.bucket, failure)
+            if cause.original is not None:
+                self._store.save_original(cause.original)
             self._write(cause.file, failure)
 
     def _remove_outdated(self) -> None:
@@ -331,7 +331,7 @@ class CampaignSession:
     def _say_late(self, late: int) -> None:
         """Print the number of classes that were not shrunk, and the command that shrinks them.
 
-        Nothing is printed if time was not the reason.
+        Nothing is printed if there was no lack of time.
         """
         state = self._campaign.state
         are = (
@@ -343,12 +343,12 @@ class CampaignSession:
             return
         folder = shlex.quote(str(self._out))
         note(
-            f"{are}, because time ran out before shrinking was done: "
-            f"worldgen fuzz --resume {folder} --units {state.until} does the rest"
+            f"{are}, because time ran out before shrinking finished: "
+            f"worldgen fuzz --resume {folder} --units {state.until} finishes it"
         )
 
     def _so_far(self) -> str:
-        """Describe the campaign in half a line."""
+        """Describe the campaign in a few words."""
         live = self._campaign.live()
         if live.phase == Phase.PREPARING:
             return "loading the simulator in each process"
@@ -417,7 +417,6 @@ class CampaignSession:
             f"{scenario.label()} under {scenario.run.motion}",
             self._out,
             state.worlds,
-            len(state.met.keys() | state.best.keys()),
             is_failing=bool(self._failing()),
             is_known=bool(state.known),
             lasts=self._lasts,
@@ -437,8 +436,8 @@ class CampaignSession:
         )
         click.echo(
             f"seed {self._config.seed}: {describe_units(state)}, {counted(state.worlds, 'world')}, "
-            f"{counted(state.steps, 'step')} in {describe_time(state)}; in screening "
-            f"{verdicts or 'nothing'}"
+            f"{counted(state.steps, 'step')} in {describe_time(state)}; quick "
+            f"runs: {verdicts or 'none'}; {state.met.total()} examined"
         )
         # Add notes about slow, stateful or hanging controllers.
         if (share := describe_share(self._config, state)) is not None:

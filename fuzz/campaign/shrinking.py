@@ -44,7 +44,7 @@ class ShrinkJob:
 
     Args:
         failure: The failure as found.
-        kept: What shrinking must preserve.
+        kept: What shrinking must preserve: ``verdict`` or ``class``.
         before: Number of failures of its class that are shrunk before it.
     """
 
@@ -73,8 +73,8 @@ class ShrinkQueue:
         self._queued: dict[str, list[Failure]] = {}
         # Failures that would have been queued if their class were not known, by class.
         self._known: dict[str, list[Failure]] = {}
-        # Classes that are shrunk once more, preserving the class.
-        self._kept_whole: set[str] = set()
+        # Classes that have been shrunk once more, preserving the class.
+        self._retried: set[str] = set()
 
     def __len__(self) -> int:
         return len(self._waiting)
@@ -128,23 +128,25 @@ class ShrinkQueue:
             if bucket not in best
         }
 
-    def slid(self, best: Container[str], busy: Container[str] = ()) -> list[ShrinkJob]:
-        """Return jobs for the classes that have slid, each only once.
+    def jobs_for_lost_classes(
+        self, best: Container[str], busy: Container[str] = ()
+    ) -> list[ShrinkJob]:
+        """Return jobs for the classes that shrinking has lost, each only once.
 
-        A class has slid if all its worlds changed class while they were shrunk. Its smallest
-        failure is then shrunk again, preserving the class. Each of these takes a second.
+        A class is lost if all its worlds changed class while they were shrunk. Its smallest failure
+        is then shrunk again, preserving the class. Each of these takes a second.
 
         Args:
             best: Classes that have a shrunk failure.
             busy: Classes to leave out, because one of their failures is still being shrunk.
         """
-        slid = {
+        lost = {
             bucket: failure
             for bucket, failure in sorted(self.unshrunk(best).items())
-            if bucket not in busy and bucket not in self._kept_whole
+            if bucket not in busy and bucket not in self._retried
         }
-        self._kept_whole.update(slid)
-        return [ShrinkJob(failure, "class") for failure in slid.values()]
+        self._retried.update(lost)
+        return [ShrinkJob(failure, "class") for failure in lost.values()]
 
     def classes_with_a_first(self) -> set[str]:
         """Return the classes whose first failure is waiting."""

@@ -28,7 +28,7 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: Status) -> 
     Args:
         config: Definition of the campaign.
         state: Its state.
-        status: How far it has come.
+        status: Its progress.
     """
     strategies = [
         StrategyTotals(
@@ -108,14 +108,14 @@ def describe_strategies(state: CampaignState) -> str:
 def describe_units(state: CampaignState) -> str:
     """Describe the units by result.
 
-    For example ``9 units and 2 cut short and 1 that learned too little from those``.
+    For example ``9 whole units and 2 cut short and 1 that learned too little from those``.
     """
-    words = counted(state.units, "unit")
     cut = state.cut - state.too_early
+    words = counted(state.units, "whole unit" if cut else "unit")
     if cut:
         words += f" and {cut} cut short"
     if state.too_early:
-        words += f" and {state.too_early} that learned too little from those"
+        words += f" and {state.too_early} that learned too little from them"
     return words
 
 

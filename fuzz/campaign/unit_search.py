@@ -1,6 +1,6 @@
 """Searches by numbered units: workers do them in any order, and they are merged in order.
 
-Whatever a search looks for, it hands out work, waits, handles Ctrl-C and ends in this one way.
+Every search hands out work, waits, handles Ctrl-C and ends in this way, whatever it looks for.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class UnitSearch(ABC, Generic[Result, Event]):
         self._merged = 0
 
     def run(self) -> Generator[Event, None, None]:
-        """Do the search, or the rest of it.
+        """Run the search, or the rest of it.
 
         Raises:
             KeyboardInterrupt: After Ctrl-C, once the units in progress have returned their results.

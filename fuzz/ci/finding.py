@@ -22,10 +22,10 @@ __all__ = ["CiFinding", "FindingState", "Report"]
 
 
 class FindingState(StrEnum):
-    """What a command says of a failure.
+    """How a command reports a failure.
 
-    A campaign finds a new or a known one, or a hazard that the controller cannot sense; a replay
-    confirms one or does not.
+    A campaign finds new failures, known ones, and hazards that the controller cannot sense; a
+    replay confirms a failure or does not.
     """
 
     NEW = "new"
@@ -43,7 +43,7 @@ class CiFinding:
     """A failure and its description.
 
     Args:
-        state: What the command says of it.
+        state: The command's description.
         file: The failure's file.
         controller: The recorded controller, without options.
         who: Controller with options, and motion model.

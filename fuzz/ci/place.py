@@ -35,7 +35,7 @@ class Place:
 def repository(folder: Path | None = None) -> Path:
     """Return the root of the repository.
 
-    That is GitHub's workspace, else the nearest folder with ``.git``, else the folder itself.
+    That is GitHub's workspace, or else the nearest folder with ``.git``, or else the folder itself.
     """
     here = (folder or Path.cwd()).resolve()
     workspace = os.environ.get("GITHUB_WORKSPACE")
@@ -58,7 +58,7 @@ def place_of(controller: str, root: Path) -> Place | None:
     if is_library_name(controller):
         uri = uri_of(library_file(controller), root)
         return Place(uri) if uri else None
-    # A registered name stands for a module; the source is only parsed, never run.
+    # A registered name refers to a module; its source is only parsed, never run.
     point = CONTROLLERS.entry_points().get(controller)
     module, _, name = (point.value if point else controller).rpartition(":")
     file = Path(module) if module.endswith(".py") else _source(module)

@@ -35,7 +35,7 @@ be reached in all of them.
 
 - `known/`: open failures. A search with `--baseline {known}` counts them but does not
   report them as new.
-- `fixed/`: failures that no longer occur. `pytest` runs each one and fails if it comes back.
+- `fixed/`: failures that no longer occur. `pytest` runs each one and fails if it returns.
 
 `worldgen replay {known}` shows the current state of each failure. After a fix, move its file from
 `known/` to `fixed/`.
@@ -48,7 +48,7 @@ class Project:
 
     Args:
         folder: The project's root; must exist.
-        controller: As ``worldgen fuzz --controller`` takes it.
+        controller: Its name, as for ``worldgen fuzz --controller``.
         motion: Motion model.
         families: Families to test a pull request with; all if empty.
         units: Budget of a pull request's search, in units of work.
@@ -91,8 +91,8 @@ class Project:
         if "${{" in self.controller or not self.controller.isprintable():
             raise InvalidParameter(
                 "not-for-a-ci-file",
-                "controller={controller!r} cannot be written into a CI file, where ${{{{ begins an "
-                "expression",
+                "controller={controller!r} cannot be written into a CI file, because "
+                "${{{{ begins an expression there",
                 "choose a name without it",
                 controller=self.controller,
             )
@@ -117,7 +117,7 @@ class Project:
         if "worldgen" in self._settings().get("tool", {}):
             raise OutputError(
                 "already-set-up",
-                "{path} already has a [tool.worldgen] table, so this project is set up",
+                "{path} already has a [tool.worldgen] table, so this project is already set up",
                 "edit that table, or remove it to start over",
                 path=self.settings,
             )
@@ -188,7 +188,7 @@ class Project:
             f"controller = {json.dumps(self.controller, ensure_ascii=False)}",
             f'motion = "{self.motion}"',
             f'baseline = ["{KNOWN}"] # open failures, which are not new',
-            f"units = {self.units} # the search of each pull request",
+            f"units = {self.units} # the search that each pull request runs",
             f"seed = {SEED}",
         ]
         lines += [f"family = {json.dumps(self.families)}"] if self.families else []

@@ -29,8 +29,9 @@ _MEANINGS: dict[str, str] = {
     **{verdict.value: meaning for verdict, meaning in MEANINGS.items()},
     Verdict.REACHED.value: "The robot arrives, but one of the chosen oracles finds a violation in "
     "its run.",
-    FindingState.NOT_CONFIRMED.value: "A stored failure does not replay as stored: the controller has changed, or "
-    "the file.",
+    FindingState.NOT_CONFIRMED.value: (
+        "A stored failure does not replay as stored: the controller has changed, or the file."
+    ),
 }
 _OTHERWISE = "The robot fails, although its target can be reached."
 
@@ -89,7 +90,7 @@ def _rule(finding: CiFinding) -> dict[str, Any]:
     name = _rule_id(finding)
     verdict = finding.state if finding.state == FindingState.NOT_CONFIRMED else finding.verdict
     meaning = _MEANINGS.get(verdict, _OTHERWISE)
-    how = "The world's file contains a proof. The result states the command that replays it."
+    how = "The world's file contains a proof. The result gives the command that replays it."
     return {
         "id": name,
         "name": "".join(word.capitalize() for word in name.split("-")),

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import click
 
-__all__ = ["Duration", "output_options"]
+from worldgen.cli.output import PATH, named_also
+from worldgen.parameters import Parameter
+
+__all__ = ["Duration", "declared_options", "output_options"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -24,9 +26,7 @@ def output_options(command: F) -> F:
         ("--sarif", "Write a SARIF 2.1.0 report, for code scanning."),
         ("--junit", "Write a JUnit XML report."),
     ):
-        command = click.option(name, type=click.Path(path_type=Path), metavar="OUT", help=what)(
-            command
-        )
+        command = click.option(name, type=PATH, metavar="OUT", help=what)(command)
     return command
 
 
@@ -43,3 +43,56 @@ class Duration(click.ParamType[float]):
         if not match or float(match[1]) <= 0:
             self.fail(f"{value!r} is not a duration; write 30s, 5m or 1h", param, ctx)
         return float(match[1]) * {"s": 1, "m": 60, "h": 3600, None: 1}[match[2]]
+
+
+def declared_options(
+    declared: Sequence[Parameter], notes: Mapping[str, str] | None = None
+) -> Callable[[F], F]:
+    """Give a command an option for each declared one: names, bounds, defaults and help.
+
+    Omitted options are None, or an empty tuple.
+
+    Args:
+        declared: The options, in the order in which help shows them.
+        notes: Different help for some of them, by name.
+    """
+
+    def decorated(command: F) -> F:
+        for parameter in reversed(declared):
+            command = _option(parameter, (notes or {}).get(parameter.name, parameter.help))(command)
+        return command
+
+    return decorated
+
+
+def _option(parameter: Parameter, said: str) -> Callable[[F], F]:
+    written = parameter.flag
+    # A yes-or-no option can be turned off again, for example against a default of the project.
+    if parameter.kind is bool:
+        written = f"{written}/--no-{written.removeprefix('--')}"
+    listed = parameter.kind is tuple
+    usual = parameter.default if not listed and parameter.default not in (None, "") else None
+    settings: dict[str, Any] = {"multiple": listed, "help": said}
+    if usual is not None:
+        settings |= {"default": usual, "show_default": True}
+    elif not listed:
+        settings["default"] = None
+    if parameter.written.metavar:
+        settings["metavar"] = parameter.written.metavar
+    settings["type"] = _type(parameter)
+    if parameter.written.also:
+        return named_also(written, parameter.name, also=parameter.written.also, **settings)
+    return click.option(written, parameter.name, **settings)
+
+
+def _type(parameter: Parameter) -> Any:
+    if parameter.written.path == "folder":
+        return click.Path(file_okay=False)
+    if parameter.written.path == "file":
+        return PATH
+    if parameter.choices:
+        return click.Choice(parameter.choices)
+    if parameter.bounds is not None:
+        kind: Any = click.IntRange if parameter.kind is int else click.FloatRange
+        return kind(parameter.bounds.low, parameter.bounds.high)
+    return parameter.item if parameter.kind is tuple else parameter.kind

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import CONTROLLER_HELP, emit_json, json_option
+from worldgen.cli.output import CONTROLLER_HELP, PATH, SEED, emit_json, json_option
 
 if TYPE_CHECKING:
     from fuzz.boundary import Axis, BoundaryRun, Stretch, Subject
@@ -26,7 +26,7 @@ _FACTOR = 2
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path))
+@click.argument("path", type=PATH)
 @click.option("--controller", help=f"{CONTROLLER_HELP} [default: the one in a failure's record]")
 @click.option(
     "--motion", default="swept", show_default=True, help="Motion model, with --controller."
@@ -34,9 +34,7 @@ _FACTOR = 2
 @click.option(
     "--time-step", type=float, help="Duration of a step, s, with --controller.  [default: 0.015]"
 )
-@click.option(
-    "--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers."
-)
+@click.option("--seed", type=SEED, default=0, help="Seed of random controllers.")
 @click.option(
     "--axis",
     "name",
@@ -57,8 +55,8 @@ def boundary(
 ) -> None:
     """Find the radius, speed or heading at which failures begin.
 
-    Runs the scenario at 65 values, from half to twice its own (headings: a whole turn; depths: 1 to
-    65 cells), and narrows each change down to two neighbouring values. Two changes between
+    Runs the scenario at 65 values, from half to twice the original (headings: a full turn; depths:
+    1 to 65 cells), and narrows each change down to two neighbouring values. Two changes between
     neighbouring values are not detected. Exits with 0 if the robot arrives at every value at which
     the target can be reached, with 1 otherwise.
     """
@@ -73,7 +71,7 @@ def boundary(
     if start is None:
         raise InvalidParameter(
             "not-a-trap",
-            "{path} is not a world of family trap with its provenance, so it has no depth to vary",
+            "the provenance of {path} does not name the trap family, so there is no depth to vary",
             path=path,
         )
     # Scan the axis.

@@ -6,7 +6,14 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import CONTROLLER_HELP, emit_json, json_option, shown
+from worldgen.cli.output import (
+    CONTROLLER_HELP,
+    PATH,
+    emit_json,
+    json_option,
+    shown,
+    time_step_option,
+)
 from worldgen.support.progress import working
 
 __all__ = ["chance"]
@@ -18,9 +25,9 @@ EXAMPLES = (
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path))
+@click.argument("path", type=PATH)
 @click.option("--controller", help=f"{CONTROLLER_HELP} A failure names its own.")
-@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
+@time_step_option
 @click.option(
     "--most",
     type=click.IntRange(1, 10_000_000),
@@ -44,9 +51,9 @@ def chance(
 ) -> None:
     """Decide whether a random controller always, never or sometimes arrives.
 
-    Explores every state that some random numbers lead to; if there are too many, counts the seeds
-    that do not arrive. Exits with 0 if the robot arrives with probability one, or with every seed,
-    with 1 if not.
+    Explores every state that random numbers can lead to; if there are too many, counts the seeds
+    with which the robot fails to arrive. Exits with 0 if the robot arrives with probability one, or
+    with every seed, and with 1 otherwise.
     """
     from fuzz.chance import MOST_STATES, chance_of, in_words, share_that_fails
     from fuzz.failure import Failure

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, shown, write_bytes
+from worldgen.cli.output import (
+    PATH,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    shown,
+    write_bytes,
+)
 from worldgen.support.plain_text import aligned, counted
 
 if TYPE_CHECKING:
@@ -18,8 +26,6 @@ if TYPE_CHECKING:
 __all__ = ["corpus"]
 
 F = TypeVar("F", bound=Callable[..., Any])
-
-FILE = click.Path(path_type=Path)
 
 
 def _filters(command: F) -> F:
@@ -39,7 +45,7 @@ def _filters(command: F) -> F:
 
 def _paths(command: F) -> F:
     return click.argument(
-        "paths", nargs=-1, required=True, type=FILE, metavar="PATH|DIR|ARCHIVE..."
+        "paths", nargs=-1, required=True, type=PATH, metavar="PATH|DIR|ARCHIVE..."
     )(command)
 
 
@@ -99,7 +105,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
 @_paths
 @_filters
 @click.option(
-    "--png", type=FILE, metavar="OUT", help="Draw all on one sheet instead, as a PNG picture."
+    "--png", type=PATH, metavar="OUT", help="Draw all on one sheet instead, as a PNG picture."
 )
 @json_option
 @force_option
@@ -110,9 +116,9 @@ def show(
     force: bool,
     **patterns: tuple[str, ...],
 ) -> None:
-    """Show failures in the terminal: picture, evidence, the line that replays it.
+    """Show failures in the terminal: picture, evidence and the command that replays each.
 
-    Or show all on one sheet. This runs the controllers that the files name.
+    --png draws all of them on one sheet instead. This runs the controllers that the files name.
     """
     from fuzz.corpus import contact_sheet
     from fuzz.describe import describe
@@ -152,7 +158,7 @@ def show(
 @corpus.command(epilog="\b\n  worldgen corpus merge baseline/ failures/ --out baseline/ --force")
 @_paths
 @_filters
-@click.option("--out", type=FILE, required=True, help="Folder for the failures.")
+@click.option("--out", type=PATH, required=True, help="Folder for the failures.")
 @json_option
 @force_option
 def merge(
@@ -160,7 +166,7 @@ def merge(
 ) -> None:
     """Copy the smallest failure of each class into a folder, as CONTROLLER/MOTION/CLASS.grid.
 
-    The same corpora give the same files, whatever order they are named in. A folder that
+    The order in which you name the corpora makes no difference. A folder that
     holds other worlds is refused without --force, which replaces those of the same name and keeps
     the others.
     """
@@ -183,14 +189,15 @@ def merge(
 
 
 @corpus.command(epilog="\b\n  worldgen corpus diff baseline/ failures/")
-@click.argument("old", type=FILE, metavar="OLD")
-@click.argument("new", type=FILE, metavar="NEW")
+@click.argument("old", type=PATH, metavar="OLD")
+@click.argument("new", type=PATH, metavar="NEW")
 @_filters
 @json_option
 def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> None:
     """Report classes of failures that are new, missing, or now in a smaller or larger world.
 
-    Exit code 1 if NEW has a class that OLD has not, else 0: known failures do not fail a build.
+    Exits with 1 if NEW has a class that OLD does not have, and with 0 otherwise: known failures do
+    not fail a build.
     """
     from fuzz.corpus import differences
 
@@ -231,7 +238,7 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
 
 
 @corpus.command(epilog="\b\n  worldgen corpus prune failures/ --dry-run")
-@click.argument("folder", type=FILE, metavar="DIR")
+@click.argument("folder", type=PATH, metavar="DIR")
 @_filters
 @click.option("--dry-run", is_flag=True, help="Print what would be deleted, but delete nothing.")
 @json_option
@@ -290,7 +297,7 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
 @_filters
 @click.option(
     "--out",
-    type=FILE,
+    type=PATH,
     required=True,
     help="A .zip, .tar.gz, .tar.bz2, .tar, .csv or .parquet file.",
 )

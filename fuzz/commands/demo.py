@@ -1,4 +1,4 @@
-"""``worldgen demo``: the main commands, one after the other, on one screen."""
+"""``worldgen demo``: the main commands in sequence, on one screen."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 
 __all__ = ["demo"]
 
@@ -22,13 +22,7 @@ _EXAMPLES = 200
 @click.command(
     epilog="\b\n  worldgen demo --out demo\n  worldgen demo --controller bug2 --out demo-bug2"
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("demo"),
-    show_default=True,
-    help="Folder to write.",
-)
+@click.option("--out", type=PATH, default=Path("demo"), show_default=True, help="Folder to write.")
 @click.option("--controller", default="turn-right", show_default=True, help="Controller to test.")
 @click.option("--motion", default="stepped", show_default=True, help="Motion model of the search.")
 @json_option

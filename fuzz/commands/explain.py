@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from sim.commands.notes import note_survivors
-from worldgen.cli.output import emit_json, json_option, note, shown
+from worldgen.cli.output import PATH, emit_json, json_option, note, shown
 from worldgen.support.progress import working
 
 __all__ = ["explain"]
@@ -16,9 +15,7 @@ EXAMPLES = "\b\n  worldgen explain failures/loop-wall.grid\n  worldgen explain f
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument(
-    "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH|DIR..."
-)
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="PATH|DIR...")
 @click.option("--controller", help="Use this controller instead of the one that the file names.")
 @json_option
 def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> None:
@@ -31,6 +28,7 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
     """
     from fuzz.failure import Failure
     from fuzz.overview.counterfactual import counterfactuals
+    from sim.runners.renewal import survivors_found
     from worldgen.errors import WorldgenError
     from worldgen.files.worlds import read_worlds
 
@@ -55,7 +53,8 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
             click.echo(f"{shown(path)}: {shown(failure.who)}: {failure.verdict}")
             click.echo(f"  {shown(found.describe())}")
         explained.append({"file": str(path), "verdict": failure.verdict, **found.table()})
-        note_survivors([failure.record.controller])
+        for sentence in survivors_found([failure.record.controller]):
+            note(f"note: {sentence}")
     # Print the object, and fail if a file could not be explained.
     if as_json:
         emit_json({"explained": len(explained), "failures": explained})

@@ -9,7 +9,17 @@ import click
 
 from fuzz.commands._options import Duration
 from sim.verdict import OUT_OF_BUDGET, Verdict
-from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option
+from worldgen.cli.output import (
+    PATH,
+    draw_seed,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    seed_option,
+    time_step_option,
+    workers_option,
+)
 
 if TYPE_CHECKING:
     from fuzz.find import FindConfig, OutcomeSearch, OutcomeTarget, Result
@@ -41,9 +51,7 @@ EXAMPLES = (
 @click.option(
     "--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter of the family."
 )
-@click.option(
-    "--from", "begin", type=click.Path(path_type=Path), help="Start from this world and edit it."
-)
+@click.option("--from", "begin", type=PATH, help="Start from this world and edit it.")
 @click.option("--start", metavar="X,Y,HEADING", help="Start pose of every world, m and rad.")
 @click.option(
     "--symmetric",
@@ -64,7 +72,7 @@ EXAMPLES = (
 )
 @click.option("--no-edit", is_flag=True, help="Do not edit worlds; use them as generated.")
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
-@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
+@time_step_option
 @click.option(
     "--budget",
     type=Duration(),
@@ -76,15 +84,8 @@ EXAMPLES = (
     type=click.IntRange(1),
     help="Amount of work instead of time; the result then depends only on the seed.",
 )
-@click.option(
-    "--workers", type=click.IntRange(1, 256), help="Number of processes.  [default: one per core]"
-)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    required=True,
-    help="File to write the nearest world to.",
-)
+@workers_option
+@click.option("--out", type=PATH, required=True, help="File to write the nearest world to.")
 @seed_option
 @json_option
 @force_option
@@ -133,7 +134,7 @@ def find(
         (begin is not None and bool(families), "give --from or --family, not both"),
         (
             no_edit and not families,
-            "--no-edit leaves worlds as a family makes them; name a family with --family",
+            "--no-edit uses worlds as a family makes them; name a family with --family",
         ),
         (together and leash is None, "give --together with --leash, which bounds the edits"),
         (no_edit and symmetric, "give --no-edit or --symmetric, not both: mirroring is an edit"),
@@ -197,9 +198,9 @@ def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
         write_world(search.best.world, out, force=force)
     if broken is not None:
         kept = (
-            f"the nearest world so far is in {out}"
+            f"the closest match so far is in {out}"
             if search.best
-            else "no world had been found so far"
+            else "no world was found before that"
         )
         raise OutputError(
             "worker-died",

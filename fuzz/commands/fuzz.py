@@ -6,18 +6,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.core import ParameterSource
 
 from fuzz.campaign.options import CampaignOptions
-from fuzz.commands._options import Duration, output_options
-from worldgen.cli.declared_options import declared_options
+from fuzz.commands._options import Duration, declared_options, output_options
 from worldgen.cli.output import (
     CONTROLLER_HELP,
+    PATH,
     draw_seed,
     force_option,
     json_option,
     note,
     seed_option,
+    typed,
+    workers_option,
 )
 
 if TYPE_CHECKING:
@@ -60,35 +61,30 @@ _HELP = {
     type=click.IntRange(1),
     help="Run this many units instead; the result then depends only on the seed.",
 )
-@click.option(
-    "--workers", type=click.IntRange(1, 256), help="Number of processes.  [default: one per core]"
-)
+@workers_option
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
     help="Run on the workers of a Dask cluster, such as tcp://host:8786.",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Folder to write the failures to.")
+@click.option("--out", type=PATH, help="Folder to write the failures to.")
 @click.option(
     "--resume",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FOLDER",
     help="Continue the campaign in FOLDER until it is complete, or for the given --units or "
     "--budget.",
 )
-@click.option(
-    "--report",
-    type=click.Path(path_type=Path),
-    metavar="PAGE",
-    help="Write an HTML report of the failures.",
-)
+@click.option("--report", type=PATH, metavar="PAGE", help="Write an HTML report of the failures.")
 @click.option(
     "--baseline",
     multiple=True,
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR|ARCHIVE",
-    help="Known failures. Their classes are counted but neither shrunk nor written, and they do "
-    "not make the exit code 1. May be repeated.",
+    help=(
+        "Known failures. Their classes are counted, but not shrunk or written, and do not affect "
+        "the exit code. May be repeated."
+    ),
 )
 @click.option(
     "--count-hazards",
@@ -118,9 +114,9 @@ def fuzz(
 ) -> None:
     """Search for worlds in which a controller fails.
 
-    The smallest world of each class of failure is written to a .grid file. The exit code is 1 if a
-    class is found that no --baseline has, and 0 if not. Hazards that the controller cannot sense or
-    withstand are listed separately. Ctrl-C keeps the failures found so far; run the same command
+    The smallest world of each class of failure is written to a .grid file. Exits with 1 if it finds
+    a class that is in no --baseline, and with 0 otherwise. Hazards that the controller cannot sense
+    or withstand are listed separately. Ctrl-C keeps the failures found so far; run the same command
     again, or --resume FOLDER, to continue.
     """
     import os
@@ -129,6 +125,7 @@ def fuzz(
     began = time.monotonic()
     from fuzz.campaign import store
     from fuzz.campaign.executors import cluster_executor, local_executor
+    from fuzz.campaign.schedule import Beginning
     from fuzz.campaign.session import CampaignSession
     from fuzz.ci import Outputs
     from fuzz.corpus import Baseline, read_corpus
@@ -179,8 +176,7 @@ def fuzz(
             outputs=outputs,
             baseline=was_known,
             count_hazards=count_hazards,
-            began=began,
-            own=loaded.since().own,
+            began=Beginning(began, loaded.since().own),
             last=last,
         )
         # Search, then write the report.
@@ -197,18 +193,19 @@ def _begin(
     """Return a new campaign, or the same one again in its folder."""
     from fuzz.campaign.configure import configure
     from fuzz.campaign.store import begin, stored_seed
-    from sim.commands.notes import note_unused
+    from sim.options.unused import ineffective
 
     options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
     if not options.controller or out is None:
         raise click.UsageError("give --controller NAME and --out FOLDER, or --resume FOLDER")
     if options.world is not None and (options.families or options.strategies):
         raise click.UsageError(
-            "give --world, or --family and --strategy, not both: on a map only the poses vary"
+            "give --world, or --family and --strategy, not both: on a fixed map only the poses vary"
         )
     drawn = draw_seed(stored_seed(out) if seed is None and not force else seed)
     config = configure(options, drawn, run_budget.seconds)
-    note_unused([config.scenario])
+    for sentence in ineffective([config.scenario]):
+        note(f"note: {sentence}")
     return begin(config, out, run_budget, force=force)
 
 
@@ -230,10 +227,8 @@ def _last_failures(campaign_run: CampaignRun) -> Baseline:
 
 
 def _refuse_beside_resume() -> None:
-    context = click.get_current_context()
-    for option in context.command.params:
-        name = option.name or ""
-        if name in _BEGUN and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+    for option in click.get_current_context().command.params:
+        if option.name in _BEGUN and typed(option.name):
             raise click.UsageError(
                 f"{option.opts[0]} cannot change in a resumed campaign; omit it, or omit --resume"
             )

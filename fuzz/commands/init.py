@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import CONTROLLER_HELP, emit_json, force_option, json_option, note
+from worldgen.cli.output import (
+    CONTROLLER_HELP,
+    PATH,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+)
 
 if TYPE_CHECKING:
     from fuzz.ci.project import Project
@@ -22,7 +29,7 @@ EXAMPLES = (
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("folder", type=click.Path(path_type=Path), default=Path())
+@click.argument("folder", type=PATH, default=Path())
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option(
@@ -41,8 +48,7 @@ EXAMPLES = (
     type=click.IntRange(1),
     default=6,
     show_default=True,
-    help="Amount of work of each search, the same every time, so that no pull request fails by "
-    "chance.",
+    help="Amount of work for each search; a fixed amount, so that no pull request fails by chance.",
 )
 @json_option
 @force_option
@@ -83,7 +89,10 @@ def init(
             CampaignOptions(controller=controller, motion=motion, families=families), SEED
         )
         # Search for today's failures in a temporary folder.
-        note(f"searching for the current failures of {controller}")
+        note(
+            f"searching for the current failures of {controller}, as CI will, and shrinking them; "
+            f"this can take minutes (--units {max(1, units // 3)} takes less)"
+        )
         campaign_run = store.begin(config, Path(scratch) / "found", store.Budget(units=units))
         with contextlib.redirect_stdout(None):
             code = CampaignSession(
@@ -95,7 +104,7 @@ def init(
             found.name: found.read_bytes()
             for found in sorted((Path(scratch) / "found").glob("*.grid"))
         }
-    # Write the project's files, and the failures as known ones.
+    # Write the project's files, and store the failures as known ones.
     written = project.write(force=force)
     for name, text in failures.items():
         write_bytes(project.known / name, text, force=True)
@@ -126,7 +135,7 @@ def _report(project: Project, failures: int, written: list[Path]) -> None:
     for path in written:
         click.echo(f"wrote {path}")
     if missing := project.must_be_told_where_worldgen_is:
-        click.echo(f"fill in {missing}, from which CI gets worldgen")
+        click.echo(f"fill in {missing}; CI installs worldgen from there")
     if project.ci == "gitlab" and (project.folder / ".gitlab-ci.yml") not in written:
         click.echo("add to .gitlab-ci.yml: include: [{local: .gitlab/worldgen.yml}]")
     if not project.runs_fixed_failures:

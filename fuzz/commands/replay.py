@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import output_options
-from sim.commands.notes import note_survivors
-from worldgen.cli.output import emit_json, force_option, json_option, note, shown
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -18,17 +17,28 @@ if TYPE_CHECKING:
 __all__ = ["replay"]
 
 
+def _check(_context: click.Context, _option: click.Parameter, name: str | None) -> str | None:
+    """Refuse a missing controller once, instead of once per failure."""
+    from sim.controllers import CONTROLLERS
+
+    if name is not None:
+        CONTROLLERS.get(name)
+    return name
+
+
 @click.command(
     epilog="\b\n  worldgen replay failures/\n  worldgen replay failures/tunnel-post.grid --show"
 )
-@click.argument(
-    "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH|DIR..."
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="PATH|DIR...")
+@click.option(
+    "--controller",
+    callback=_check,
+    help="Use this controller instead of the one that the file names.",
 )
-@click.option("--controller", help="Use this controller instead of the one that the file names.")
 @click.option("--show", "with_picture", is_flag=True, help="Draw each failure in the terminal.")
 @click.option(
     "--transcript",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="OUT",
     help="Save what was sent to a program (cmd:) in a single failure, for use in a debugger.",
 )
@@ -47,8 +57,8 @@ def replay(
     """Run saved failures again and report what has changed.
 
     A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and
-    certificate. Exits with 0 if all are confirmed, with 1 if any is not (also if the robot now
-    arrives), with 2 if a file contains no failure.
+    certificate. Exits with 0 if all are confirmed, with 1 if any of them is not (even if the robot
+    now arrives), with 2 if a file contains no failure.
     """
     from fuzz.ci import CiFinding, FindingState, Outputs, Report
     from fuzz.describe import describe
@@ -57,6 +67,7 @@ def replay(
     from fuzz.replay.answer import answer
     from sim.controllers.programs.transcript import transcribed
     from sim.describe import describe_frames
+    from sim.runners.renewal import survivors_found
     from worldgen.files.worlds import read_worlds
     from worldgen.support.plain_text import shown_lines
 
@@ -108,7 +119,8 @@ def replay(
         if reports:
             state = FindingState.CONFIRMED if outcome.confirmed else FindingState.NOT_CONFIRMED
             findings.append(CiFinding.of(failure, path, state, now.words, controller))
-    note_survivors(ran)
+    for sentence in survivors_found(ran):
+        note(f"note: {sentence}")
     # Write the reports and the summary; the exit code tells whether all are confirmed.
     reports.write(Report("replay", tuple(findings)))
     _summarise(results, states, as_json=as_json)

@@ -6,16 +6,14 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 
 __all__ = ["report"]
 
-FILE = click.Path(path_type=Path)
-
 
 @click.command(epilog="\b\n  worldgen report failures/ --out report.html")
-@click.argument("paths", nargs=-1, required=True, type=FILE, metavar="PATH|DIR|ARCHIVE...")
-@click.option("--out", type=FILE, required=True, help="File to write the page to, .html.")
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="PATH|DIR|ARCHIVE...")
+@click.option("--out", type=PATH, required=True, help="File to write the page to, .html.")
 @click.option(
     "--title", default="", help="Heading of the page.  [default: controller and motion model]"
 )

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import Duration
-from sim.commands.notes import note_survivors
-from worldgen.cli.output import emit_json, force_option, json_option, named_also, note, shown
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, named_also, note, shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -26,11 +25,12 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
 
     if not wanted or context.resilient_parsing:
         return
-    click.echo("Passes, in order; they run until none makes the failure simpler:")
+    click.echo("Passes, in order; they repeat until none of them makes the failure simpler:")
     for one in PASSES:
         click.echo(f"  {one.name:15} {one.says}")
     click.echo(
-        "A failure is simpler than another if it has less of these; the first that differs decides:"
+        "A failure is simpler than another if it has less of the following; the first difference "
+        "decides:"
     )
     for measure in ORDER:
         click.echo(f"  {measure.name:15} {measure.says}")
@@ -42,10 +42,10 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     "  worldgen shrink big.grid --keep class --budget 10s\n"
     "  worldgen shrink big.grid --snippet > test_small.py"
 )
-@click.argument("path", type=click.Path(path_type=Path))
+@click.argument("path", type=PATH)
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="File to write.  [default: NAME.shrunk.grid, or no file with --snippet]",
 )
 @named_also(
@@ -93,6 +93,7 @@ def shrink(
     from fuzz.describe import describe
     from fuzz.failure import Failure
     from fuzz.shrink import snippet
+    from sim.runners.renewal import survivors_found
     from worldgen.files.whole import check_output
 
     if as_snippet and as_json:
@@ -104,14 +105,15 @@ def shrink(
         target = path.with_name(f"{name}.shrunk.grid")
     if target is not None:
         check_output(target, force)
-    # Shrink, and write what is left.
+    # Shrink, and write the result.
     failure = Failure.read(path)
     result = _watched(failure, seconds, keep)
     changed = _changed(failure, result.failure)
-    note_survivors([failure.record.controller])
+    for sentence in survivors_found([failure.record.controller]):
+        note(f"note: {sentence}")
     if target is not None:
         result.failure.write(target, force=force)
-    # Print the result in the form that was asked for.
+    # Print the result in the requested form.
     if as_json and target is not None:
         emit_json({**_summary(result, target), "changed": changed})
         return
@@ -121,7 +123,8 @@ def shrink(
         click.echo(describe(result.failure, target))
     state = "1-minimal" if not result.left else f"not 1-minimal: {result.left[0]}"
     note(
-        f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, {state}, "
+        f"{f'wrote {target}: ' if target else ''}{result.before} -> {result.after} solid cells, "
+        f"{state}, "
         f"{result.simulations} runs"
     )
     if changed:

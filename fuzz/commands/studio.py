@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import note
+from worldgen.cli.output import PATH, note
 
 __all__ = ["studio"]
 
@@ -17,23 +17,25 @@ EXAMPLES = (
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path), default=".", metavar="[PATH|DIR]")
+@click.argument("path", type=PATH, default=".", metavar="[PATH|DIR]")
 @click.option(
     "--controller",
     "controllers",
     multiple=True,
-    help="Your own controller that the page may run, such as ./mine.py:Robot; may be repeated.",
+    help=(
+        "Allow the page to run this controller of yours, such as ./mine.py:Robot; may be repeated."
+    ),
 )
 @click.option(
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Address to listen on; others expose the studio to the network.",
+    help="Address to listen on; any address but the default exposes the studio to the network.",
 )
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
-    help="Port to listen on; 0 means any free one.  [default: 8642, or one that is free]",
+    help="Port to listen on; 0 picks any free port.  [default: 8642, or a free port]",
 )
 @click.option("--browser/--no-browser", default=True, help="Open the browser.  [default: open]")
 def studio(
@@ -41,9 +43,9 @@ def studio(
 ) -> None:
     """Draw worlds and watch robots run in them, in your browser.
 
-    PATH is a world's file, or a folder; the page can read and write only that folder, or the
-    file's. The server answers only this machine, and only the browser that opens the printed
-    address. docs/howto/studio.md describes the page.
+    PATH is a folder or a world's file; the page can read and write only that folder, or the one
+    that contains the file. The server answers only this machine, and only the browser that opens
+    the printed address. docs/howto/studio.md describes the page.
     """
     import importlib.util
     import ipaddress

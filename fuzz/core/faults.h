@@ -14,7 +14,7 @@ extern const size_t wg_faults_by_touch_count;
 extern const WgFault wg_faults_by_sight[];
 extern const size_t wg_faults_by_sight_count;
 
-// Numbers that a memory holds in addition to those of the controller without the fault.
+// Numbers in a memory besides those of the controller without the fault.
 #define WG_ROOM(with_fault, without) ((int64_t)((sizeof(with_fault) - sizeof(without)) / sizeof(double)))
 
 // Makes the commanded turn the difference of two headings in [-pi, pi), as if it had not been wrapped.

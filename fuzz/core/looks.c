@@ -106,10 +106,9 @@ bool wg_look_open(WgSeat *seat, int64_t run)
     return true;
 }
 
-// Counts the cells that the robot visited, and notes how close they are to solid ones.
+// Counts the cells that the robot visited, and adds up how close they are to solid ones.
 static void note_path(const WgArena *arena, WgLook *look)
 {
-    look->least_clearance = WG_FAR;
     for (int64_t cell = 0; cell < arena->width * arena->height; cell++) {
         if (arena->visited[cell] == 0) {
             continue;
@@ -120,7 +119,6 @@ static void note_path(const WgArena *arena, WgLook *look)
             clearance = (mask & NEXT) != 0 ? 1 : 2;
         }
         look->visited++;
-        look->least_clearance = wg_least(look->least_clearance, clearance);
         look->clearances += clearance;
     }
 }

@@ -321,7 +321,8 @@ int64_t wg_looks_run(WgSeat *seat, int64_t most_steps)
     return WG_GOES_ON;
 }
 
-// Gives a seat one world after another until its controller must act; returns false if no world is left.
+// Gives a seat one world after another until its controller must act; returns false if there are no
+// more worlds.
 static bool board(WgSeat *seat)
 {
     while (wg_seat_next(seat) >= 0) {

@@ -41,8 +41,7 @@ typedef struct WgLook {
     int64_t solid;           // solid cells
     int64_t straight_sq;     // squared distance between start and target, cells
     int64_t visited;         // cells that the centre was in
-    int64_t least_clearance; // smallest chessboard distance of such a cell to a solid one, at most WG_FAR
-    int64_t clearances;      // sum of all these distances
+    int64_t clearances;      // sum of their chessboard distances to a solid cell, each at most WG_FAR
     int64_t watched;         // further steps: one period of a loop
     int64_t bumps;           // number of contacts with a wall that began in these
     int64_t turned;          // net turn in these, heading units

@@ -89,7 +89,8 @@ class Baseline:
         # A baseline for another controller is probably a mistake, such as a wrong path.
         if others and not is_any_ours:
             say(
-                f"the baseline has no failure of {scenario.controller} under {scenario.run.motion}, "
+                f"the baseline has no failure of {scenario.controller} under "
+                f"{scenario.run.motion}, "
                 f"only of "
                 f"{shown(', '.join(sorted(others)[:_SHOWN]))}"
             )
@@ -97,7 +98,7 @@ class Baseline:
 
     @property
     def is_empty(self) -> bool:
-        """True if no failure of the controller is known."""
+        """True if the controller has no known failures."""
         return not self.failures and not self.fixed
 
     def failing(self) -> list[Failure]:

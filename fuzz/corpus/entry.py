@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import re
 import shlex
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -14,7 +16,10 @@ from sim.controllers import in_plain_place
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.world import World
 
-__all__ = ["CorpusEntry", "Facts"]
+__all__ = ["CorpusEntry", "Facts", "name_of"]
+
+_MOST = 80  # characters of a name that come from the text itself
+_DIGITS = 8  # hex digits of the digest that follows a shortened name
 
 
 @dataclass(frozen=True)
@@ -145,3 +150,22 @@ class CorpusEntry:
         row |= {("class" if name == "bucket" else name): value for name, value in facts.items()}
         row["first_seen"] = self.first_seen
         return row
+
+
+def name_of(facts: Facts, number: int = 1) -> str:
+    """Return the name of a failure's file, such as ``turn-right/swept/loop-1bump-end-turn-near-away``.
+
+    It is a path without suffix, valid on every file system, and different for different classes.
+    Further failures of the same class get ``~2`` and so on appended.
+    """
+    controller, motion, bucket = (_plain(word) for word in facts.key)
+    return f"{controller}/{motion}/{bucket}" + (f"~{number}" if number > 1 else "")
+
+
+def _plain(text: str) -> str:
+    """Return the text if it is a valid file name, else a shortened form and a digest."""
+    plain = re.sub(r"[^A-Za-z0-9._+=-]+", "-", text).strip(".-")[:_MOST]
+    if plain and plain == text:
+        return text
+    digest = hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()[:_DIGITS]
+    return f"{plain}-{digest}" if plain else digest

@@ -10,9 +10,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from fuzz.corpus.entry import CorpusEntry, Facts
+from fuzz.corpus.entry import CorpusEntry, Facts, name_of
 from fuzz.corpus.merging import distinct
-from fuzz.corpus.names import name_of
 from fuzz.corpus.pictures import draw_failure
 from fuzz.failure import Failure
 from worldgen.errors import InvalidParameter, OutputError

@@ -6,8 +6,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from fuzz.corpus.entry import CorpusEntry
-from fuzz.corpus.names import name_of
+from fuzz.corpus.entry import CorpusEntry, name_of
 from fuzz.failure import Failure
 from fuzz.simplicity import FailureOrder
 from worldgen.errors import OutputError
@@ -81,8 +80,8 @@ def _refuse_others(out: Path, texts: dict[Path, bytes]) -> None:
         raise OutputError(
             "folder-holds-worlds",
             "{out} holds other worlds: {first}{more}",
-            "give --force to replace files of the same name and keep the others, or choose another "
-            "folder",
+            "give --force to replace files that have the same name and keep the others, or choose "
+            "another folder",
             at_terminal=True,
             out=out,
             first=others[0].relative_to(out),

@@ -106,17 +106,8 @@ def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
         with file.open("rb") as stream:
             seen = int(file.stat().st_mtime)
             data = stream.read(MAX_FILE_BYTES + 1)
-    except FileNotFoundError as error:
-        raise FormatError(
-            "no-such-file", "there is no such file", "check the name", source=str(file)
-        ) from error
     except (OSError, ValueError) as error:  # ValueError: the name contains a NUL
-        raise FormatError(
-            "unreadable",
-            "cannot be read: {reason}",
-            reason=getattr(error, "strerror", None) or error,
-            source=str(file),
-        ) from error
+        raise FormatError.unreadable(file, error) from error
     if len(data) > MAX_FILE_BYTES:
         raise FormatError(
             "too-large",

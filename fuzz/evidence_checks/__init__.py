@@ -9,8 +9,7 @@ Contents:
     check_fleet: The same for a run of several robots.
     check_breach: Finds errors in the claim that a walled-off target is reached.
     EVIDENCE_CHECKS: The checks by verdict.
-    burned, covered, loop, overlap, reached, stalled, timeout, tunnel: Modules, one for each
-        verdict.
+    budget, burned, covered, loop, reached, walls: Modules, one for each kind of verdict.
 """
 
 from __future__ import annotations
@@ -19,15 +18,13 @@ from collections.abc import Callable
 from typing import Any
 
 from fuzz.evidence_checks.breach import check_breach
+from fuzz.evidence_checks.budget import check_stalled, check_timeout
 from fuzz.evidence_checks.burned import check_burned
 from fuzz.evidence_checks.covered import check_covered
 from fuzz.evidence_checks.fleet import check_fleet
 from fuzz.evidence_checks.loop import check_loop
-from fuzz.evidence_checks.overlap import check_overlap
 from fuzz.evidence_checks.reached import check_reached
-from fuzz.evidence_checks.stalled import check_stalled
-from fuzz.evidence_checks.timeout import check_timeout
-from fuzz.evidence_checks.tunnel import check_tunnel
+from fuzz.evidence_checks.walls import check_overlap, check_tunnel
 from sim.evidence import Evidence
 from sim.motion import Motion
 from sim.trace import Trace

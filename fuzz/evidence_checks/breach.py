@@ -24,7 +24,10 @@ def check_breach(world: World, trace: Trace, whole: Trace, evidence: WallEvidenc
     step = evidence.step
     reached = evidence.reached
     if reached is None or not step < reached <= whole.steps:
-        return f"a wall in step {step} and the target in step {reached} are not within the run"
+        return (
+            f"the run does not include both the wall in step {step} and the target in step "
+            f"{reached}"
+        )
     # Up to the wall, both runs must be the same.
     if trace.steps != step or not (trace.states == whole.states[: step + 1]).all():
         return "the continued run differs before the wall"

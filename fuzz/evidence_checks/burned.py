@@ -1,4 +1,4 @@
-"""``burned``: flames or falling debris met the robot."""
+"""``burned``: flames or falling debris hit the robot."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def _check_closure(outcomes: Outcomes) -> str:
 def _check_trap(outcomes: Outcomes) -> str:
     for number, entry in enumerate(outcomes.following):
         if any(after == ARRIVED for _, after in entry):
-            return f"the target follows state {number}"
+            return f"state {number} leads to the target"
     return ""
 
 
@@ -82,7 +82,7 @@ def _check_part(outcomes: Outcomes) -> str:
             return f"state {number} has no successor of lower rank"
         number = lower[0]
     if not _descends(outcomes, number):
-        return f"the target does not follow state {number}"
+        return f"state {number} does not lead to the target"
     # States without a rank are lost: they must not lead anywhere else.
     lost = {number for number, rank in enumerate(outcomes.ranks) if not rank}
     for number in lost:
@@ -90,7 +90,9 @@ def _check_part(outcomes: Outcomes) -> str:
             after == ARRIVED or (after >= 0 and after not in lost)
             for _, after in outcomes.following[number]
         ):
-            return f"state {number} is claimed to be lost, but some draw leads out"
+            return (
+                f"state {number} is claimed to be lost, but some draw leads out of the lost states"
+            )
     ends = any(after == ENDED for entry in outcomes.following for _, after in entry)
     return "" if lost or ends else "no state is lost"
 

@@ -1,4 +1,4 @@
-"""``covered``: the centre has been in every cell that the coverage task asks for."""
+"""``covered``: the centre has been in every cell that the coverage task requires."""
 
 from __future__ import annotations
 

@@ -19,8 +19,7 @@ from fuzz.evidence_checks._plain import (
     target_gap,
 )
 from fuzz.evidence_checks.burned import check_burned
-from fuzz.evidence_checks.overlap import check_overlap
-from fuzz.evidence_checks.tunnel import check_tunnel
+from fuzz.evidence_checks.walls import check_overlap, check_tunnel
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
@@ -98,12 +97,12 @@ def _check_joint_loop(
         return f"a loop does not begin after step {entry} with a period of {period} steps"
     parked = dict(evidence.parked)
     if sorted([*evidence.waiting, *parked]) != list(range(1, len(robots) + 1)):
-        return "a robot is neither among those that wait nor among those that have arrived"
+        return "some robot is neither waiting nor arrived"
     time_step = Fraction(repr(traces[0].time_step))
     if entry * time_step < Fraction(repr(world.timeline.last_time)):
         return "the world still changes after the loop's entry"
 
-    # Robots with periods of their own never come near each other, and return together.
+    # Robots with different periods never come near each other, and return together.
     own = dict(evidence.periods or [(number, period) for number in evidence.waiting])
     if evidence.periods and (wrong := _check_separate(world, traces, evidence, own)):
         return wrong
@@ -155,7 +154,7 @@ def _check_separate(
     if sorted(own) != sorted(evidence.waiting) or min(own.values()) < 1:
         return "the robots with a period are not the waiting ones"
     if math.lcm(*own.values()) != evidence.period:
-        return f"the periods do not return together after {evidence.period} steps"
+        return f"the robots do not all return to their states after {evidence.period} steps"
     for one, other in itertools.combinations(own, 2):
         if own[one] == own[other]:
             continue
@@ -192,12 +191,12 @@ def _check_period(world: World, trace: Trace, entry: int, period: int, motion: M
     if not trace.complete:
         return "the controller has memory that it does not declare, so equal states prove nothing"
     if trace.steps < entry + 2 * period:
-        return f"the trace ends at step {trace.steps}, before the second period does"
+        return f"the trace ends at step {trace.steps}, before the second period is complete"
     one = trace.states[entry : entry + period + 1]
     two = trace.states[entry + period : entry + 2 * period + 1]
     if not np.array_equal(one, two):
         return "the second period differs from the first"
-    # `swept` looks for the target along the path; other models look only where a step ends.
+    # `swept` checks for the target along the path; other models check only the end of a step.
     gap = places_gap(
         world, trace.x[entry : entry + period + 1], trace.y[entry : entry + period + 1]
     )
@@ -241,7 +240,7 @@ def _check_fleet_budget(
 
 
 def _check_apart(world: World, traces: Sequence[Trace]) -> str:
-    """Check that no two robots overlap where a step ends; one that has arrived stays there."""
+    """Check that no two robots overlap at the end of a step; one that has arrived stays there."""
     robots = world.robots
     steps = max(trace.steps for trace in traces)
     for one, other in itertools.combinations(range(len(robots)), 2):

@@ -31,7 +31,7 @@ def check_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motio
     if not trace.complete:
         return "the controller has memory that it does not declare, so equal states prove nothing"
     if trace.steps < entry + 2 * period:
-        return f"the trace ends at step {trace.steps}, before the second period does"
+        return f"the trace ends at step {trace.steps}, before the second period is complete"
     if entry * _decimal(trace.time_step) < _decimal(world.timeline.last_time):
         return "the world still changes after the loop's entry"
     pushes = trace.robot.pushes[::4] if trace.robot is not None else ()
@@ -48,7 +48,7 @@ def check_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motio
     # A robot with a coverage task may cross the target any number of times.
     if trace.task == "cover":
         return ""
-    # `swept` looks for the target along the path; other models look only where a step ends.
+    # `swept` checks for the target along the path; other models check only the end of a step.
     x = trace.x[entry : entry + period + 1]
     y = trace.y[entry : entry + period + 1]
     gap = places_gap(world, x, y)

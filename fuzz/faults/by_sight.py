@@ -41,13 +41,13 @@ three_layer_forgets_its_map = planted(
     "three-layer-forgets-its-map",
     three_layer,
     Verdict.LOOP,
-    "The map is cleared with each new waypoint, so everything learnt is lost.",
+    "The map is cleared with each new waypoint, so everything the robot has learned is lost.",
 )
 three_layer_columns_and_rows_swapped = planted(
     "three-layer-columns-and-rows-swapped",
     three_layer,
     Verdict.LOOP,
-    "Columns and rows are swapped when the robot's cell is looked up.",
+    "Swaps column and row when it looks up the robot's cell.",
 )
 three_layer_stale_target = planted(
     "three-layer-stale-target",
@@ -89,7 +89,7 @@ potential_field_never_slows = planted(
     "potential-field-never-slows",
     potential_field,
     Verdict.TUNNEL,
-    "Keeps its top speed near walls, so it is past them before it looks again.",
+    "Keeps its top speed near walls, so it has passed them before it looks again.",
     variations="+motion=endpoint+time_step=0.3",
 )
 dynamic_window_brakes_for_the_target = planted(
@@ -109,7 +109,7 @@ q_learning_eighth_of_nine = planted(
     "q-learning-eighth-of-nine",
     q_learning,
     Verdict.CRASH,
-    "Counts nine eighths in a turn: straight back on the right is past the table's end.",
+    "Counts nine eighths to a full turn, so straight back on the right is past the table's end.",
 )
 q_learning_timer_off_by_one = planted(
     "q-learning-timer-off-by-one",

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.lattice import in_cells, lattice_to_metres
+from worldgen.lattice import cell_middle, in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
@@ -189,11 +189,7 @@ class Layout:
         if not (1 <= ix < self.empty.width - 1 and 1 <= iy < self.empty.height - 1):
             return None
         # It moves to the centre of a cell, and stays on its leash.
-        moved = replace(
-            target,
-            x=lattice_to_metres(1024 * ix + 512, side),
-            y=lattice_to_metres(1024 * iy + 512, side),
-        )
+        moved = replace(target, x=cell_middle(ix, side), y=cell_middle(iy, side))
         if self.home is not None:
             home = self.home.empty.target
             if max(abs(moved.x - home.x), abs(moved.y - home.y)) > (self.leash + 0.5) * side:

@@ -71,7 +71,7 @@ class FindConfig:
 
 @dataclass(frozen=True)
 class NearestWorld:
-    """A world and how near it comes.
+    """A world and how close it comes.
 
     Args:
         world: The world, with a witness and its provenance.
@@ -305,7 +305,7 @@ def draw(config: FindConfig) -> World:
 
 
 def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
-    """Return a layout to try; its provenance stays the family's as long as nothing was changed."""
+    """Return a layout to try; it keeps the family's provenance unless it was changed."""
     # Take the given world, a family's or a layout's.
     provenance = None
     if config.begin is not None:

@@ -105,9 +105,9 @@ class OutcomeTarget:
 
     @property
     def cost(self) -> int:
-        """A rank that is larger the longer a run takes.
+        """A rank that increases with the time that a run takes.
 
-        In order: one compiled run, many, those of a controller in Python.
+        In order: one compiled run, many compiled runs, runs of a Python controller.
         """
         if not isinstance(CONTROLLERS.get(self.scenario.controller), CompiledController):
             return 2
@@ -145,7 +145,7 @@ class OutcomeTarget:
             return self._over_seeds(
                 [first, *(self._run(world, seed, prove) for seed in range(1, SEEDS))]
             )
-        # It drew nothing, so every seed does the same.
+        # It drew no random numbers, so every seed gives the same run.
         if self.says_chance:
             return self._over_seeds([first] * SEEDS)
         return Result(
@@ -211,7 +211,7 @@ class OutcomeTarget:
             return self._off(number)
         if verdict not in (Verdict.REACHED, *UNENDED):
             return _BROKEN
-        # The later it arrives, the nearer to never.
+        # The later it arrives, the closer it is to never.
         if verdict == Verdict.REACHED:
             return _OTHERWISE - min(number / self.steps, 1.0)
         return _OTHERWISE
@@ -232,8 +232,9 @@ def parse_targets(
 
     Args:
         text: Each outcome is a verdict, ``never`` (loop or stalled; for random controllers also
-            timeout) or ``fails`` (anything but reached); after ``reached`` or ``loop`` may come an
-            ``@`` and steps (for a loop, its period): ``330``, ``300..400``, ``<400``, ``>400``; an
+            timeout) or ``fails`` (anything but reached); ``reached`` and ``loop`` can be followed
+            by ``@`` and steps (for a loop, its period): ``330``, ``300..400``, ``<400``, ``>400``;
+            an
             ``s`` after a number means seconds.
         motion: Motion model of controllers that don't set one.
         time_step: Time step of such controllers, s.
@@ -288,7 +289,7 @@ def _parse_range(text: str, time_step: float) -> tuple[float | None, float | Non
     if match is None:
         raise InvalidParameter(
             "not-steps",
-            "steps {steps!r} are not like 330, 300..400, <400, >400 or 4.95s",
+            "steps {steps!r} are not of a form such as 330, 300..400, <400, >400 or 4.95s",
             steps=text[:40],
         )
     bounds = {
@@ -307,7 +308,7 @@ def _parse_range(text: str, time_step: float) -> tuple[float | None, float | Non
     ):
         raise InvalidParameter(
             "no-steps-left",
-            "no number of steps fits {steps!r}",
+            "no number of steps matches {steps!r}",
             "give at least 1, and the smaller number first",
             steps=text[:40],
         )

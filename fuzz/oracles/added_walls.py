@@ -41,7 +41,7 @@ def walled_where_unnoticed(trial: Trial) -> World | None:
 
     A cell stays free if the witness's disc passes through it, or if it is so near the run that a
     step, the disc and the signal sensor could reach it. Beams, and a signal that walls block, can
-    reach farther. For these, each state of the run is sensed again among the new walls; if any
+    reach farther. For these, each state of the run is sensed again between the new walls; if any
     reading changes, the nearer half of the new walls is dropped and the rest is tried again.
 
     Returns:

@@ -27,7 +27,7 @@ class Trial:
 
     Args:
         world: The world, with its certificate.
-        controller: Name, as the command line takes it.
+        controller: Name, as on the command line.
         options: Options of the run: motion model, budget, time step, seed and others.
         known: The recorded run, if it has already been done.
     """

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.deadline import now
+from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.corpus import Baseline
@@ -22,8 +24,10 @@ from fuzz.simplicity import Case
 from fuzz.triage.cause import Cause, Severity
 from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.judging import failure_of
+from fuzz.triage.repeated_moves import describe_period
 from sim.evidence import FaultEvidence
 from sim.runners.stopping import OutOfTime, stopping_when
+from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 
 __all__ = [
@@ -53,8 +57,10 @@ _EFFORT = 0.15
 # cells gets ten changes, a shrunk world all of them.
 _MOST_CELLS = 2_000_000
 
-# Share of the time for natural worlds; the rest is for explanations.
+# Share of the time after which no more natural worlds are run, and that after which the ones that
+# only they show are no longer shrunk; the rest is for explanations.
 _NATURAL_TIME = 0.6
+_SHRINKING_TIME = 0.75
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,7 @@ class Conclusion:
     """The inputs for concluding a campaign.
 
     Args:
-        known: Failures that the user knows, as a baseline.
+        known: Failures that the user already knows, as a baseline.
         last: Failures of the last campaign in the same folder.
         seconds: Time that the conclusion may take; ``None`` for a fixed amount of work, so that the
             result depends only on the seed.
@@ -80,11 +86,13 @@ class WorldFile(NamedTuple):
         failure: The failure.
         file: Name of its file.
         exists: False if the file is only written if the cause shows it.
+        original: The failure that it was shrunk from, if the campaign's store does not have it yet.
     """
 
     failure: Failure
     file: str
     exists: bool = True
+    original: Failure | None = None
 
 
 def build_overview(
@@ -99,13 +107,13 @@ def build_overview(
     Args:
         config: Its definition.
         state: Its results.
-        conclusion: Known failures, and the time.
+        conclusion: Known failures, and the time limit.
         natural: True to run natural worlds. An interrupted campaign does not.
     """
     began = time.monotonic()
     seconds = conclusion.seconds
 
-    # Group first, because it takes no runs.
+    # Group first, because that needs no runs.
     found = {**state.best, **state.memory.failures}
     causes = causes_of(found, {bucket: state.met[bucket] for bucket in found})
 
@@ -126,10 +134,19 @@ def build_overview(
 
     # Find the clearest world of each cause, and its dependencies.
     is_over = None if seconds is None else _after(began, seconds, 1.0)
+    examples = {} if runs is None else runs.examples
+    until = None if seconds is None else began + _SHRINKING_TIME * seconds
     shown = with_worlds(
         causes,
-        lambda cause: _world_files(
-            cause, state, {} if runs is None else runs.examples, conclusion.known
+        lambda cause: (
+            _in_search(cause, state, conclusion.known)
+            or _in_natural_world(
+                cause,
+                examples,
+                state.best,
+                conclusion.known,
+                lambda failure: _shrunk(failure, until) if config.shrink else failure,
+            )
         ),
         is_over,
     )
@@ -200,28 +217,30 @@ def _with_worlds(
         file=chosen.file,
         failure=chosen.failure,
         smallest=smallest.file if existing else chosen.file,
+        repeats=_repeats(chosen.failure, is_over) if is_explained else "",
         why=explained(chosen.failure, is_over) if is_explained else None,
         fault=_fault_of(chosen.failure),
+        original=chosen.original,
     )
 
 
-def _world_files(
-    cause: Cause, state: CampaignState, examples: Mapping[Cause, Case], known: Baseline
-) -> list[WorldFile]:
-    """Return the failures of a campaign that have a cause, or else the one in its natural world."""
+def _in_search(cause: Cause, state: CampaignState, known: Baseline) -> list[WorldFile]:
+    """Return the failures of a campaign's search that have a cause."""
     found = (*state.best.values(), *(find.failure for find in state.finds))
     own = [one for one in {one.id: one for one in found}.values() if cause_of(one) == cause]
-    return [_world_file(failure, cause, state.best, known) for failure in own] or _in_natural_world(
-        cause, examples, state.best, known
-    )
+    return [_world_file(failure, cause, state.best, known) for failure in own]
 
 
 def _in_natural_world(
-    cause: Cause, examples: Mapping[Cause, Case], best: Mapping[str, Failure], known: Baseline
+    cause: Cause,
+    examples: Mapping[Cause, Case],
+    best: Mapping[str, Failure],
+    known: Baseline,
+    shrunk: Callable[[Failure], Failure],
 ) -> list[WorldFile]:
     """Return the failure in a cause's simplest natural world, if it can be proved.
 
-    Without a file if it is known.
+    Both as it was found and, if that keeps the cause, shrunk. Without a file if it is known.
     """
     if cause not in examples:
         return []
@@ -234,7 +253,22 @@ def _in_natural_world(
         return []
     if known.has(failure):
         return [WorldFile(failure, "", exists=False)]
-    return [_world_file(failure, cause, best, known)]
+    smaller = shrunk(failure)
+    if smaller is failure or cause_of(smaller) != cause:
+        return [_world_file(failure, cause, best, known)]
+    small = _world_file(smaller, cause, best, known)._replace(original=failure)
+    return [small, _world_file(failure, cause, best, known)]
+
+
+def _shrunk(failure: Failure, until: float | None) -> Failure:
+    """Return a failure shrunk as far as the time allows, by ``time.monotonic``."""
+    if until is None:
+        return shrunk_or_same(failure).failure
+    left = until - time.monotonic()
+    if left <= 0.0:
+        return failure
+    # The result takes a little longer to be proved.
+    return shrunk_or_same(failure, seconds=0.7 * left, end=now() + left).failure
 
 
 def _world_file(
@@ -271,6 +305,17 @@ def _fault_of(failure: Failure) -> str:
     if not isinstance(evidence, FaultEvidence):
         return ""
     return ": ".join(filter(None, (evidence.at, evidence.error)))
+
+
+def _repeats(failure: Failure, is_over: Callable[[], bool] | None) -> str:
+    """Return what the robot of a failure repeats; empty without time to run it."""
+    if failure.verdict != Verdict.LOOP or failure.oracle is not None:
+        return ""
+    try:
+        with stopping_when(is_over or (lambda: False)):
+            return describe_period(failure.world, failure.run())
+    except (WorldgenError, OutOfTime):
+        return ""
 
 
 def explained(

@@ -27,7 +27,9 @@ class CauseTotals:
         file: File of the world to look at, relative to the campaign's folder; empty if there is
             none.
         failure: The failure in ``file``.
+        original: The failure that ``failure`` was shrunk from, if only natural worlds have it.
         smallest: File of the simplest world; empty if there is none.
+        repeats: What its robot repeats, to follow ``it``; empty if it does not loop, or not tried.
         why: The single changes after which the robot of ``file`` arrives; ``None`` if not tried.
         fault: The controller's error in ``file``, and its place: ``mine.py:6: KeyError: 'left'``;
             empty if the controller raised none.
@@ -40,7 +42,9 @@ class CauseTotals:
     natural: int | None = None
     file: str = ""
     failure: Failure | None = None
+    original: Failure | None = None
     smallest: str = ""
+    repeats: str = ""
     why: Counterfactuals | None = None
     fault: str = ""
     state: str = ""
@@ -49,6 +53,11 @@ class CauseTotals:
     def met(self) -> int:
         """Number of classified failures of this cause."""
         return sum(self.verdicts.values())
+
+    @property
+    def is_only_shrunk(self) -> bool:
+        """True if only shrinking led to it: no world of the search and no natural world shows it."""
+        return not self.met and not self.natural
 
     def table(self) -> CauseRow:
         """Return the form of this record in JSON; ``docs/reference/verdicts.md`` describes it."""
@@ -65,6 +74,7 @@ class CauseTotals:
             file=self.file,
             smallest=self.smallest,
             fault=self.fault,
+            repeats=self.repeats,
             why="" if self.why is None else self.why.describe(),
             changes=[] if self.why is None else [vars(change) for change in self.why.changes],
         )

@@ -76,7 +76,7 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
     flaws += min(world.width, world.height) < _NARROWEST
     flaws += max(world.width, world.height) > _WIDEST
 
-    # Look at those that only the run shows: a robot drawn over its target, and a tangled period.
+    # Consider what only the run shows: a robot drawn over its target, and a tangled period.
     episode = failure.run(through_walls=failure.is_breach)
     behaviour = behaviour_of(world, episode)
     windings = 0

@@ -22,9 +22,9 @@ class RegressionView:
         new: Classes met now that were not known.
         still: Known classes that still fail.
         fixed: Known classes whose known failure no longer fails.
-        new_causes: Causes met now of which no failure was known.
-        still_causes: Causes known before that still occur.
-        fixed_causes: Causes known before that no longer occur.
+        new_causes: Causes met now that had no known failure.
+        still_causes: Previously known causes that still occur.
+        fixed_causes: Previously known causes that no longer occur.
     """
 
     against: str

@@ -31,7 +31,7 @@ from sim.options.run import switch_sets
 from sim.runners.stopping import OutOfTime, check_time
 from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
-from worldgen.world import Value
+from worldgen.world import Pose, Value
 
 __all__ = ["Change", "Counterfactuals", "counterfactuals"]
 
@@ -51,6 +51,9 @@ _MOST_CELLS = 256
 # Limit on the events that are dropped one by one.
 _MOST_EVENTS = 64
 
+# Places of a loop at which the robot starts without memory.
+_MOST_RESTARTS = 8
+
 # Limit on the simulated steps of one explanation: about a second of the C core, and of Python code.
 _MOST_STEPS = 30_000_000
 _MOST_STEPS_IN_PYTHON = 300_000
@@ -67,10 +70,11 @@ class Change:
     """One change of a failure's scenario, after which the robot arrives.
 
     Args:
-        what: ``cell`` (a solid cell is free), ``event`` (a cell does not change), ``option`` (an
-            option of the run is at its default), or the name of one of :data:`fuzz.boundary.AXES`.
-        value: The value with which the robot arrives: the cell ``[ix, iy]``, the option's name, or
-            a number.
+        what: ``cell`` (a solid cell is free), ``memory`` (it starts without memory in its loop),
+            ``event`` (a cell does not change), ``option`` (an option of the run is at its default),
+            or the name of one of :data:`fuzz.boundary.AXES`.
+        value: The value with which the robot arrives: the cell ``[ix, iy]``, the pose
+            ``[x, y, heading]``, the option's name, or a number.
         was: The value in the failure: the time of the event in s, the option's value, or the
             number.
         unit: Unit of a number, such as ``m``.
@@ -96,6 +100,8 @@ class Change:
         match self.what:
             case "cell":
                 return f"if cell {_cell(self.value)} is free"
+            case "memory":
+                return "if its memory is cleared in the loop"
             case "event":
                 return f"if cell {_cell(self.value)} does not change at {self.was:g} s"
             case "option":
@@ -109,8 +115,8 @@ class Counterfactuals:
     """The changes of one failure that make its robot arrive.
 
     Args:
-        changes: Cells first, nearest to the repeated part of the path first; then events, options
-            and numbers.
+        changes: Cells first, nearest to the repeated part of the path first; then memory, events,
+            options and numbers.
         runs: Number of changed scenarios that ran.
         is_complete: False if the runs took too many steps for all changes to be tried.
     """
@@ -178,7 +184,8 @@ def counterfactuals(
     if subject is None:
         raise InvalidParameter(
             "no-counterfactual",
-            "{who} fails by chance, according to an oracle, or by getting to a walled-off target",
+            "{who} fails by chance, by the judgement of an oracle, or by reaching a walled-off "
+            "target",
             "explain a failure of a robot that never arrives",
             who=failure.who,
         )
@@ -246,12 +253,32 @@ def _changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
         walls[iy, ix] = False
         if search.arrives(_with_world(subject, walls=walls)):
             yield Change("cell", [ix, iy])
+    yield from _memory_changes(search, episode)
     yield from _event_changes(search)
     yield from _option_changes(search)
     for name in _AXES:
         change = search.boundary(name)
         if change is not None:
             yield change
+
+
+def _memory_changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
+    """Yield the first place of the loop from which a robot without memory arrives.
+
+    Then not the place but what the robot remembers keeps it in the loop.
+    """
+    subject = search.subject
+    loop = episode.evidence
+    trace = episode.trace
+    # In a world that changes, the walls would be others after a new start.
+    if not isinstance(loop, LoopEvidence) or trace is None or subject.world.is_dynamic:
+        return
+    for number in range(_MOST_RESTARTS):
+        step = loop.entry + number * loop.period // _MOST_RESTARTS
+        pose = [float(values[step]) for values in (trace.x, trace.y, trace.heading)]
+        if search.arrives(_with_world(subject, start=Pose(*pose))):
+            yield Change("memory", list(pose))
+            return
 
 
 def _event_changes(search: _ChangedRuns) -> Iterator[Change]:

@@ -1,8 +1,8 @@
-"""Run a controller in natural worlds, to find how often it arrives where nobody looked for trouble.
+"""Run a controller in natural worlds, to find how often it arrives in worlds that nobody searched for.
 
-A search looks for failures, so its counts say nothing about a controller's quality. Natural
-worlds are those of families at default settings, drawn by a seed that no search strategy uses. What
-happens in them estimates a rate, with an interval.
+A search looks for failures, so its counts do not show how good a controller is. Natural worlds come
+from families at default settings, with a seed that no search strategy uses. What happens in them
+estimates a rate, with an interval.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ _TURN_EDGES = (0.5, 2.5, 5.5)
 
 @dataclass
 class NaturalRuns:
-    """What a controller did in natural worlds.
+    """A controller's results in natural worlds.
 
     Args:
         worlds: Number of worlds run, except those in which a hazard that the controller cannot
@@ -60,7 +60,7 @@ class NaturalRuns:
         unsensed: Number of worlds in which such a hazard harmed it.
         verdicts: Counts of each verdict.
         causes: Counts of each cause.
-        examples: By cause, the simplest world in which it occurred, and what ran there.
+        examples: By cause, the simplest world in which it occurred, and the scenario.
         families: By family, the worlds run and those in which the robot arrived.
         clearances: By name in :data:`CLEARANCES`, the same.
         turns: By name in :data:`TURNS`, the same.
@@ -82,6 +82,11 @@ class NaturalRuns:
     def interval(self) -> tuple[float, float]:
         """The 95 % interval of the share of natural worlds in which the robot arrives."""
         return interval_95(self.arrived, self.worlds)
+
+    @property
+    def percent(self) -> int:
+        """Share of worlds in which the robot arrives, in whole percent: 100 only if it is all."""
+        return min(round(100 * self.arrived / self.worlds), 99 + (self.arrived == self.worlds))
 
     def count(self, case: Case, family: str, episode: Episode, cause: Cause | None) -> None:
         """Add one run.
@@ -181,7 +186,7 @@ def natural_runs(
             runs.is_complete = False
             break
         except WorldgenError:
-            # A world that cannot be made says nothing about the controller.
+            # A world that cannot be made reveals nothing about the controller.
             continue
         runs.count(case, family, episode, cause)
     return runs

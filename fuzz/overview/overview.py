@@ -19,7 +19,7 @@ _FILE = JsonFile(
     version=1,
     code="invalid-overview",
     problem="not an overview of a campaign: {reason}",
-    remedy="run the campaign again, or delete the file to do without",
+    remedy="run the campaign again, or delete the file if you don't need the overview",
 )
 
 
@@ -30,7 +30,7 @@ class Overview:
     Args:
         causes: The causes, the worst first.
         natural: The results in natural worlds; ``None`` if none were run.
-        comparison: What changed since an earlier campaign; ``None`` if there is none.
+        comparison: Changes since an earlier campaign; ``None`` if there is none.
     """
 
     causes: tuple[CauseTotals, ...]
@@ -63,5 +63,4 @@ def read_overview(folder: Path) -> OverviewTable | None:
     Raises:
         FormatError: If the file cannot be read, or is not an overview of version 1.
     """
-    path = folder / MEMORY / OVERVIEW_FILE
-    return _FILE.read(path) if path.is_file() else None
+    return _FILE.find(folder / MEMORY / OVERVIEW_FILE)

@@ -43,6 +43,7 @@ class CauseRow(msgspec.Struct, frozen=True, kw_only=True):
     file: _File
     smallest: _File
     fault: str = ""  # earlier versions did not write it
+    repeats: str = ""  # the same
     why: str
     changes: list[dict[str, Any]] = []
 

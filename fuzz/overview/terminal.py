@@ -1,4 +1,4 @@
-"""Summarise a campaign in at most fifteen lines: does it work, how bad is it, why, what now."""
+"""Summarise a campaign in at most fifteen lines: does it work, how bad is it, why, and what to do."""
 
 from __future__ import annotations
 
@@ -30,8 +30,10 @@ _EXPLAINED = (
     Severity.TOO_SLOW,
 )
 
-# A robot arrives rarely if its rate of arrival is certainly below this.
+# A robot arrives rarely if its rate of arrival is certainly below the first, and nearly always if it
+# is certainly above the second.
 _RARE = 0.5
+_NEARLY_ALWAYS = 0.95
 
 _COLOURS = {
     Severity.THROUGH_WALLS: "red",
@@ -53,10 +55,9 @@ class Headline:
         who: Controller and motion model: ``bug2 under swept``.
         folder: The campaign's folder.
         worlds: Worlds that the search tried.
-        classes: Classes of failures that it found.
         is_failing: True if failures were found that make the exit code 1.
         is_known: True if known failures were found.
-        lasts: False if the folder is gone after the command, so that no command can use it.
+        lasts: False if the folder is deleted after the command, so that no command can use it.
         not_arrived: Worlds of the search in which the robot did not arrive.
         has_units: False if the time was too short for even one unit, so that nothing was proved.
     """
@@ -64,7 +65,6 @@ class Headline:
     who: str
     folder: Path
     worlds: int
-    classes: int
     is_failing: bool = True
     is_known: bool = False
     lasts: bool = True
@@ -75,20 +75,17 @@ class Headline:
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     """Return the summary for the terminal, in colour; ``click.echo`` removes the colours if necessary."""
     # Say first whether it works and how often the robot arrives.
-    causes = overview.causes
     lines = [_verdict_line(overview, headline)]
     if overview.natural is not None and overview.natural.worlds:
-        lines.append(f"  {describe_rate(overview.natural, causes)}")
+        lines.append(f"  {describe_rate(overview.natural, overview.causes)}")
     # Describe the worst cause in full, the next ones in short, and name the others.
+    causes = _counted_causes(overview) or overview.causes
     if causes:
         lines += _in_full(causes[0], overview.natural, headline)
     for number, cause in enumerate(causes[1 : 1 + _MOST_IN_SHORT], 2):
         advice = f"   {cause.cause.sentence} {cause.cause.advice}"
         lines += [f"{number}. {_title(cause, overview.natural)}", advice]
-    more = len(causes) - 1 - _MOST_IN_SHORT
-    if more > 0:
-        names = ", ".join(cause.cause.value for cause in causes[1 + _MOST_IN_SHORT :])
-        lines.append(f"and {counted(more, 'more cause')}: {names}")
+    lines += _others(overview, causes[1 + _MOST_IN_SHORT :], causes)
     if overview.comparison is not None:
         lines.append(shown(overview.comparison.describe()))
     # Known classes have their own line, and the report lists what was tried.
@@ -103,6 +100,37 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     return lines
 
 
+def _others(
+    overview: Overview, more: Sequence[CauseTotals], causes: Sequence[CauseTotals]
+) -> list[str]:
+    """Return at most one line, with the names of further causes and of those that do not count."""
+    parts = []
+    if more:
+        names = ", ".join(cause.cause.value for cause in more)
+        parts.append(f"and {counted(len(more), 'more cause')}: {names}")
+    others = [one for one in overview.causes if one not in causes]
+    if others:
+        parts.append(f"not counted: {', '.join(map(_uncounted, others))}")
+    return ["; ".join(parts)] if parts else []
+
+
+def _counted_causes(overview: Overview) -> list[CauseTotals]:
+    """Return the causes that count: the controller's own, met in a world that nobody shrunk."""
+    return [
+        one
+        for one in overview.causes
+        if one.cause.severity != Severity.UNSENSED and not one.is_only_shrunk
+    ]
+
+
+def _uncounted(cause: CauseTotals) -> str:
+    """Return why a cause does not count, after its name."""
+    if cause.is_only_shrunk:
+        return f"{cause.cause} (only in worlds that shrinking made)"
+    met = _verdicts(cause)
+    return f"{cause.cause}{f' ({met})' if met else ''}"
+
+
 def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> str:
     """Return how often the robot arrives, with its interval, and what it does otherwise.
 
@@ -112,12 +140,14 @@ def describe_rate(natural: NaturalRuns, causes: Sequence[CauseTotals] = ()) -> s
         natural: The runs.
         causes: The causes, to count those of each severity.
     """
-    low, high = natural.interval
-    share = 100 * natural.arrived / natural.worlds
-    text = (
-        f"arrives in {share:.0f} % of {counted(natural.worlds, 'natural world')} "
-        f"(95 %: {100 * low:.0f} to {100 * high:.0f} %)"
-    )
+    low, high = (round(100 * share) for share in natural.interval)
+    if natural.arrived == natural.worlds:
+        text = f"arrives in all {counted(natural.worlds, 'natural world')} (95 %: at least {low} %)"
+    else:
+        text = (
+            f"arrives in {natural.percent} % of {counted(natural.worlds, 'natural world')} "
+            f"(95 %: {low} to {high} %)"
+        )
     for severity in Severity:
         found = {cause: n for cause, n in natural.causes.items() if cause.severity == severity}
         if found:
@@ -141,8 +171,8 @@ def describe_coverage(natural: NaturalRuns) -> str:
         never.append(f"gaps of {_listed(clearances)} robot radii")
     if turns:
         never.append(f"paths with {_listed(turns)} quarter turns")
-    text = f"natural worlds of {counted(len(tried), 'family', 'families')}"
-    return text + (f"; not covered: {'; '.join(never)}" if never else "")
+    text = f"natural worlds: {counted(len(tried), 'family', 'families')} at default settings"
+    return text + (f"; never tried: {'; '.join(never)}" if never else "")
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -158,7 +188,7 @@ def _is_open(overview: Overview, headline: Headline) -> bool:
 def _verdict_line(overview: Overview, headline: Headline) -> str:
     """Return in a few words whether it works."""
     # Hazards that the robot cannot sense are not its own failures.
-    own = [one for one in overview.causes if one.cause.severity != Severity.UNSENSED]
+    own = _counted_causes(overview)
     searched = f"{counted(headline.worlds, 'world')} searched"
     if _is_open(overview, headline):
         too_short = click.style("too little time for an answer", fg="yellow", bold=True)
@@ -181,19 +211,28 @@ def _verdict_line(overview: Overview, headline: Headline) -> str:
             )
         return f"{click.style(found, fg='green', bold=True)}; {searched}"
     # Otherwise the worst cause determines the verdict.
+    own = own or list(overview.causes)
     who = click.style(shown(headline.who), bold=True)
-    worst = overview.causes[0].cause.severity
-    words = overview.causes[0].cause.phrase
+    worst = own[0].cause.severity
+    words = own[0].cause.phrase
     if worst == Severity.NEVER_ARRIVES:
         # It never arrives in the failures, but that is not what it does in general.
-        natural = overview.natural
-        is_rare = natural is not None and natural.worlds and natural.interval[1] < _RARE
-        words = "rarely arrives" if is_rare else "does not always arrive"
+        words = _how_often_it_arrives(overview.natural)
     elif worst == Severity.TOO_SLOW:
         words = f"sometimes {words}"
     failed = click.style(words, fg=_COLOURS[worst], bold=True)
-    classes = counted(headline.classes, "class", "classes")
+    classes = counted(sum(len(one.classes) for one in own), "class", "classes")
     return f"{who}: {failed}; {counted(len(own), 'cause')}, {classes} of failures, {searched}"
+
+
+def _how_often_it_arrives(natural: NaturalRuns | None) -> str:
+    if natural is not None and natural.worlds:
+        low, high = natural.interval
+        if high < _RARE:
+            return "rarely arrives"
+        if low > _NEARLY_ALWAYS:
+            return "nearly always arrives"
+    return "does not always arrive"
 
 
 def _title(cause: CauseTotals, natural: NaturalRuns | None) -> str:
@@ -206,16 +245,20 @@ def _how_often(cause: CauseTotals, natural: NaturalRuns | None) -> str:
     parts = []
     if natural is not None and natural.worlds and cause.natural is not None:
         of = natural.worlds if cause.cause.severity != Severity.UNSENSED else 0
-        parts.append(f"{cause.natural} of {of} natural worlds" if of else "")
-    if cause.classes:
-        met = ", ".join(f"{count} {verdict}" for verdict, count in cause.verdicts.items() if count)
-        classes = counted(len(cause.classes), "class", "classes")
-        # The search did not meet a class that only shrinking or natural worlds led to.
-        if met:
-            parts.append(f"{met} in {classes}")
-        elif not cause.natural:
-            parts.append(f"{classes}, met while shrinking")
+        parts.append(f"{cause.natural or 'none'} of {of} natural worlds" if of else "")
+    # The search proves and classifies only some of the runs that fail in the same way.
+    met = _verdicts(cause)
+    if met:
+        parts.append(f"examined: {met}")
+    elif cause.is_only_shrunk:
+        parts.append("only in worlds that shrinking made")
+    else:
+        parts.append("not met by the search")
     return "; ".join(filter(None, parts))
+
+
+def _verdicts(cause: CauseTotals) -> str:
+    return ", ".join(f"{count} {verdict}" for verdict, count in cause.verdicts.items() if count)
 
 
 def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline) -> list[str]:
@@ -224,12 +267,15 @@ def _in_full(cause: CauseTotals, natural: NaturalRuns | None, headline: Headline
     path = shown(shlex.quote(str(headline.folder / cause.file)))
     # A known failure has its file elsewhere, and only a copy in the campaign's store.
     has_file = bool(cause.file) and headline.lasts and not cause.file.startswith(MEMORY)
-    if cause.fault:
-        lines.append(f"   {shown(cause.fault)}")
-    elif cause.why is not None:
-        lines.append(f"   It {shown(cause.why.describe())}.")
-    elif has_file and cause.cause.severity in _EXPLAINED:
-        lines.append(f"   what the failure depends on: worldgen explain {path}")
     if has_file:
         lines.append(f"   worldgen replay {path} --show")
+    known = [cause.repeats, "" if cause.why is None else cause.why.describe()]
+    if cause.fault:
+        lines.append(f"   {shown(cause.fault)}")
+    elif any(known):
+        is_fleet = cause.failure is not None and bool(cause.failure.world.others)
+        who = "the fleet" if is_fleet else "it"
+        lines.append(f"   In this world {who} {shown('. It '.join(filter(None, known)))}.")
+    elif has_file and cause.cause.severity in _EXPLAINED:
+        lines.append(f"   what the failure depends on: worldgen explain {path}")
     return lines

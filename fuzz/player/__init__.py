@@ -12,10 +12,8 @@ Contents:
     replay_page: Such a page of robots in one world.
 """
 
-from fuzz.player.one_file import one_file
-from fuzz.player.replay import replay_page
-from fuzz.player.runs import drawn_robots, drawn_run
-from fuzz.player.sensors import sensors_of
+from fuzz.player.one_file import one_file, replay_page
+from fuzz.player.runs import drawn_robots, drawn_run, sensors_of
 from fuzz.player.worlds import MOST_CELLS, drawn_world
 
 __all__ = [

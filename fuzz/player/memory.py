@@ -36,7 +36,8 @@ _MOST_MAPS = 400
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Shape = tuple[int, int, int, int, int]
-# Degrees are shown in so many steps. The kinds from DEGREE on are rectangles, the worst first.
+# Number of steps in which degrees are shown. The kinds from DEGREE on are rectangles, the worst
+# first.
 _DEGREES = 4
 
 

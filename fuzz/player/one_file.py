@@ -11,13 +11,12 @@ import base64
 import hashlib
 import html
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from typing import Any
 
-from fuzz.player.sources import player_modules, style
-
-__all__ = ["one_file", "policy_source"]
+__all__ = ["modules", "one_file", "policy_source", "replay_page"]
 
 
 def one_file(
@@ -39,8 +38,10 @@ def one_file(
         start: Name of the module that starts the page.
         data: Data that the scripts read as JSON.
     """
-    styles = style() + styles
-    urls = {name: _data_url(text) for name, text in (player_modules() | dict(scripts)).items()}
+    player = files("fuzz.player") / "page"
+    styles = (player / "player.css").read_text("utf-8") + styles
+    texts = modules(player, "#player/") | dict(scripts)
+    urls = {name: _data_url(text) for name, text in texts.items()}
     filled = {
         "TITLE": html.escape(title.encode("utf-8", "replace").decode("utf-8")),
         "STYLE": styles,
@@ -50,8 +51,8 @@ def one_file(
     }
 
     # A module may be imported if its importer has the policy's nonce. The nonce is a digest of the
-    # page's text, so no text in the page can contain it. Hence nothing in a failure's file can run,
-    # and equal pages get equal bytes.
+    # page's text, so no text in the page can contain it. So nothing in a failure's file can run,
+    # and equal pages have equal bytes.
     nonce = hashlib.sha256("\0".join([body, *filled.values()]).encode("utf-8")).hexdigest()[:32]
     filled["NONCE"] = nonce
     filled["POLICY"] = (
@@ -60,6 +61,43 @@ def one_file(
     )
     template = (files("fuzz.player") / "one_file.html").read_text("utf-8").replace("@@BODY@@", body)
     return "".join(filled.get(piece, piece) for piece in template.split("@@")).encode("utf-8")
+
+
+def replay_page(
+    title: str, world: dict[str, Any] | None, robots: Sequence[dict[str, Any]]
+) -> bytes:
+    """Return robots in one world as a page that can be sent to anyone with a browser.
+
+    Args:
+        title: Heading.
+        world: Result of ``drawn_world``.
+        robots: Each with ``name``, ``verdict``, ``why``, ``steps``, ``time``, ``path``,
+            ``collisions``, ``digest``, and ``run`` and ``sensors`` as the player draws them.
+    """
+    folder = files("fuzz.player") / "replay_page"
+    body = (folder / "body.html").read_text("utf-8")
+    styles = (folder / "style.css").read_text("utf-8")
+    scripts = modules(folder, "#replay/")
+    data = {"title": title, "world": world, "robots": list(robots)}
+    return one_file(
+        body, title, styles=styles, scripts=scripts, start="#replay/start.js", data=data
+    )
+
+
+def modules(folder: Traversable, prefix: str) -> dict[str, str]:
+    """Return the text of each JavaScript module in and below a folder, by the name used in imports.
+
+    Args:
+        folder: Folder of the ``.js`` files.
+        prefix: Prefix of a file's name in imports, such as ``#report/``.
+    """
+    found: dict[str, str] = {}
+    for part in sorted(folder.iterdir(), key=lambda part: part.name):
+        if part.is_dir():
+            found |= modules(part, f"{prefix}{part.name}/")
+        elif part.name.endswith(".js"):
+            found[f"{prefix}{part.name}"] = part.read_text("utf-8")
+    return found
 
 
 def policy_source(text: str) -> str:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fuzz.player.memory import drawn_memory
 from fuzz.player.streams import bits, numbers
-from sim.controllers.base import Controller
+from sim.controllers.base import Controller, robot_for
 from sim.controllers.behaviours.arbitration import Arbitration, acted_at
 from sim.episode import Episode
 from sim.evidence import (
@@ -21,12 +21,13 @@ from sim.evidence import (
     WallEvidence,
 )
 from sim.fleet import FleetEpisode
-from sim.motion import Motion
+from sim.motion import MOTIONS, THESIS, Motion
+from sim.options.run import RunOptions
 from sim.trace import BEHAVIOURS, Trace
 from sim.verdict import Verdict
 from worldgen.lattice import TURN, UNIT
 
-__all__ = ["MOST_STEPS", "SHARE", "drawn_robots", "drawn_run"]
+__all__ = ["MOST_STEPS", "SHARE", "drawn_robots", "drawn_run", "sensors_of"]
 
 Ints = npt.NDArray[np.int64]
 
@@ -76,7 +77,7 @@ def drawn_run(
     trace = episode.trace
     if trace is None:
         return None
-    # Keep more steps where a reader looks closely.
+    # Keep more steps where readers look closely.
     evident = judged or episode
     marks = _marks(evident)
     loop = _loop(evident)
@@ -134,6 +135,27 @@ def drawn_robots(
             run["blocked_by"] = [*shown.blockers(number)]
             drawn.append({"run": run, "number": number})
     return {**drawn[0], "others": drawn[1:]} if drawn else {"run": None}
+
+
+def sensors_of(controller: Controller, options: RunOptions, side: float) -> dict[str, Any]:
+    """Return the range beams, in cells and rad, and whether to tint the floor by the signal.
+
+    The floor can only be tinted by a signal that walls do not block.
+
+    Args:
+        controller: The controller.
+        options: Options of the run.
+        side: Size of a cell, m.
+    """
+    if MOTIONS.get(options.motion).kernel == THESIS:
+        return {"beams": 0, "signal": options.thesis.signal == "open"}
+    robot = robot_for(controller, options.robot)
+    return {
+        "beams": robot.beams,
+        "range": min(robot.beam_range / side, 1e6),
+        "field": robot.beam_field,
+        "signal": robot.signal == "open",
+    }
 
 
 def _columns(

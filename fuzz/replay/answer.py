@@ -1,4 +1,4 @@
-"""Answer what has become of a stored failure: does it still fail, and how, or is it fixed?"""
+"""Find out what has become of a stored failure: does it still fail, and how, or is it fixed?"""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def answer(failure: Failure, controller: str | None = None) -> ReplayAnswer:
         same = (
             "the same, bit for bit"
             if outcome.episode.trace_digest == record.trace_digest
-            else "still fails in the same manner"
+            else "still fails in the same way"
         )
         return ReplayAnswer(State.SAME, f"{same}: {was}", outcome, outcome.episode)
 
@@ -125,7 +125,9 @@ def describe_summary(states: list[State]) -> str:
 
 def _mended(failure: Failure, episode: Episode) -> str:
     if failure.is_breach:
-        return f"stays out now, {episode.verdict} after {episode.time:.6g} s"
+        return (
+            f"no longer reaches the walled-off target: {episode.verdict} after {episode.time:.6g} s"
+        )
     return f"arrives now in {episode.time:.6g} s"
 
 

@@ -111,7 +111,7 @@ def entry_of(path: Path) -> CorpusEntry | None:
 
 
 def _placed(cause: CauseRow, folder: Path) -> CauseRow:
-    """Return a cause whose files have their folder."""
+    """Return a cause with the folder added to its files."""
     file = str(folder / cause.file) if cause.file else ""
     smallest = str(folder / cause.smallest) if cause.smallest else ""
     return msgspec.structs.replace(cause, file=file, smallest=smallest)

@@ -182,7 +182,7 @@ def _seen(path: Path) -> ReplayedFailure:
 
 
 def _bytes_of(path: Path) -> bytes:
-    """Return a file's bytes, also if it is in an archive."""
+    """Return a file's bytes, even if it is in an archive."""
     place = None if path.is_file() else archive_in(path)
     if place is None:
         with path.open("rb") as stream:

@@ -9,7 +9,7 @@ from fuzz.boundary import describe_boundaries
 from fuzz.campaign.store import Summary
 from fuzz.describe import describe_seeds
 from fuzz.report.gather import ReplayedFailure, Reported, ReportedCampaign
-from sim.evidence import LoopEvidence
+from sim.evidence import JointLoopEvidence, LoopEvidence
 from worldgen.support.plain_text import counted, describe_value
 from worldgen.world import Cut, Value, Witness, World
 
@@ -128,7 +128,7 @@ def _of_the_run(seen: ReplayedFailure) -> list[Row]:
         if isinstance(witness, Witness) and witness.length > 0:
             rows.append(("path / witness", f"{episode.path_length / witness.length:.3g}"))
         loop = episode.evidence
-        if isinstance(loop, LoopEvidence) and episode.steps:
+        if isinstance(loop, LoopEvidence | JointLoopEvidence) and episode.steps:
             step = episode.time / episode.steps
             rows.append(("loop entered", f"step {loop.entry:,} ({loop.entry * step:.6g} s)"))
             rows.append(("period", f"{loop.period:,} steps ({loop.period * step:.6g} s)"))

@@ -13,7 +13,7 @@ import msgspec
 
 from fuzz.corpus import CorpusEntry, places
 from fuzz.player import drawn_robots, drawn_world, one_file, sensors_of
-from fuzz.player.sources import modules
+from fuzz.player.one_file import modules
 from fuzz.report.answers import answers_for, entry_of
 from fuzz.report.gather import (
     ReplayedFailure,
@@ -25,6 +25,7 @@ from fuzz.report.gather import (
 from fuzz.report.numbers import groups
 from fuzz.shrink.snippet import snippet
 from fuzz.triage.diagnosis import cause_of
+from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS
 from worldgen.files.json_file import plain
 from worldgen.files.whole import check_output, write_bytes
@@ -136,12 +137,19 @@ def _failure(
         "sentence": cause.sentence,
         "advice": cause.advice,
         "why": why.get(str(entry.path), ""),
+        "repeats": _repeats(seen),
         "shrunk": seen.failure.is_shrunk,
         "test": snippet(seen.failure),
         "groups": groups(reported, campaigns),
         "now": _drawn(seen),
         "before": None if reported.original is None else _drawn(reported.original),
     }
+
+
+def _repeats(seen: ReplayedFailure) -> str:
+    if seen.shown is None or seen.failure.is_breach or seen.failure.oracle is not None:
+        return ""
+    return describe_period(seen.failure.world, seen.shown)
 
 
 def _drawn(seen: ReplayedFailure) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Runs in the form that the core takes, made of arrays, and the seats in which robots run."""
+"""Runs as arrays for the core, and the seats in which robots run."""
 
 from __future__ import annotations
 

@@ -182,16 +182,8 @@ class Screening:
         return self.driven / np.maximum(self.visited, 1)
 
     @property
-    def least_clearance(self) -> Ints:
-        """Distance to the nearest wall among the cells that the centre visited.
-
-        1 or 2; 3 for any larger distance.
-        """
-        return self.raw["least_clearance"]
-
-    @property
     def mean_clearance(self) -> Floats:
-        """Mean of these distances, 1 to 3."""
+        """Mean distance to the nearest wall over the cells that the centre visited: 1, 2, or 3 for more."""
         return self.raw["clearances"] / np.maximum(self.visited, 1)
 
     @property
@@ -297,7 +289,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
     if layouts.ndim != 2 or layouts.shape[1] not in widths or layouts.dtype != np.uint8:
         raise InvalidParameter(
             "wrong-shape",
-            "layouts of shape {shape} and type {dtype}",
+            "the layouts have shape {shape} and type {dtype}",
             "give uint8 with {narrow} or {wide} bytes per row",
             shape=layouts.shape,
             dtype=layouts.dtype,
@@ -345,7 +337,7 @@ def _spread(values: Any, count: int, name: str) -> Any:
     if values.shape not in ((), (count,)):
         raise InvalidParameter(
             "wrong-shape",
-            "{name} of shape {shape} for {count} layouts",
+            "{name} has shape {shape}, but there are {count} layouts",
             "give one per layout, or one for all",
             name=name,
             shape=values.shape,
@@ -356,7 +348,7 @@ def _spread(values: Any, count: int, name: str) -> Any:
 
 @dataclass(frozen=True)
 class _Packed:
-    """A scenario in the form that the core takes."""
+    """A scenario in the form that the core expects."""
 
     controller: Controller
     runs: tuple[LatticeRun, ...]

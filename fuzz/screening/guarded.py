@@ -20,7 +20,7 @@ CRASH_NUMBERS = (1 << 24) - 1
 """Numbers that identify crashes."""
 
 MOST_HANGS = 2
-"""Limit on the hangs of a batch: each takes a whole deadline, and no unit proves more of them."""
+"""Limit on the hangs of a batch: each takes a whole deadline, and no unit proves more."""
 
 # Steps of a call, about a second.
 _PORTION = 1 << 24

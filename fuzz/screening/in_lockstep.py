@@ -16,7 +16,7 @@ from fuzz.screening.batch import Batch, Seat, ffi, lib
 from sim.controllers import ProcessController, VectorController
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.vector import Asker
-from sim.runners.core_calls import SENSES
+from sim.kernels.layout import OBS_SIZE
 from sim.runners.hidden_state import hidden_state
 from sim.runners.lockstep import ControllerRaised, its_own_fault
 from sim.runners.python_loop import begun_anew
@@ -45,7 +45,7 @@ class _Seats:
     """
 
     def __init__(self, batch: Batch, memory: Floats, count: int) -> None:
-        self.observation = np.full((count, SENSES + batch.beams), np.nan)
+        self.observation = np.full((count, OBS_SIZE + batch.beams), np.nan)
         self.memory = np.zeros((count, memory.size))
         self.after = np.zeros((count, memory.size))
         # Speed, turn rate, whether the random number was used.

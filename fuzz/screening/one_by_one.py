@@ -83,7 +83,7 @@ class OneByOne:
         return self._hangs >= MOST_HANGS or is_out_of_time()
 
     def _look(self, n: int) -> None:
-        """Run the controller in a world, and watch it for a while if that reveals more."""
+        """Run the controller in a world, and keep watching it for a while if that reveals more."""
         if isinstance(self._controller, ProcessController):
             # Outside the guard, because a missing program is not a crash.
             self._controller.start()
@@ -106,7 +106,7 @@ class OneByOne:
             raise
         except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             self._hangs += _ending_of(error) == HANG
-            # Nothing that it does after its budget is a finding.
+            # Nothing that it does after its budget counts as a finding.
             if seat is None or seat.c.watch < 0:
                 self._fail(n, seat, error)
 

@@ -30,8 +30,8 @@ __all__ = ["ARCHIVE", "archive_table", "search"]
 ARCHIVE = "archive"
 
 _UNRELATED = 10  # one in this many scenes of a generation has no parents
-_EDITS = 3  # most bytes of a child that are changed; one always is
-# Small changes of a byte: a move by one or three cells, another kind, one feature more or less.
+_EDITS = 3  # largest number of changed bytes in a child; at least one changes
+# Small changes of a byte: a move by one or three cells, a different kind, one feature more or less.
 _SMALL = np.array([-3, -1, 1, 3])
 
 Bytes = npt.NDArray[np.uint8]

@@ -1,10 +1,10 @@
 """The boundary strategy: change one number of a scenario until the outcome changes.
 
 Other strategies leave radius, speed and time step as they are. Half of the scenarios here are known
-failures, for which the nearest value is searched at which the robot arrives. The other half are
-drawn, and the nearest value at which the robot fails is searched. Two neighbouring values with
-different outcomes make a failure whose record states the boundary. A drawn scenario that fails but
-has no boundary within reach is handed in as it is.
+failures, for which the search looks for the nearest value at which the robot arrives. The other
+half are drawn, and the search looks for the nearest value at which the robot fails. Two
+neighbouring values with different outcomes make a failure whose record states the boundary. A drawn
+scenario that fails but has no boundary within reach is passed to triage unchanged.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ __all__ = ["BOUNDARY", "search"]
 BOUNDARY = "boundary"
 
 # Even complete controllers fail in gaps as wide as the robot: mapper still does with 2 % to spare.
-# With 5 % to spare none does.
+# With 5 % to spare, none of them does.
 _SPARE = 0.05
 # Number of feature layouts that take as long as one boundary, which takes about 20 runs but few
 # proofs.
@@ -66,7 +66,7 @@ def search(task: Task) -> None:
 
 
 def _bring(task: Task, looks: BoundaryRuns, start: int, *, is_known: bool) -> None:
-    """Hand in the failing side of the nearest boundary, or a drawn scenario that has none."""
+    """Pass the failing side of the nearest boundary to triage, or a drawn scenario that has none."""
     try:
         found = nearest_boundary(looks, start)
     except OutOfTime:

@@ -34,7 +34,7 @@ from sim.runners.stopping import OutOfTime, check_time
 from sim.scenario import Scenario
 from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidWorld
-from worldgen.lattice import lattice_to_metres
+from worldgen.lattice import cell_middle
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World
 
@@ -58,7 +58,7 @@ _SETTINGS = settings(
 
 
 def search(task: Task) -> None:
-    """Run worlds that Hypothesis draws, and hand those in which the robot fails to triage."""
+    """Run worlds that Hypothesis draws, and pass those in which the robot fails to triage."""
     config = task.config
     share = (1 if task.strategy in (*LAYOUT_STRATEGIES, "map") else _DEARER) * config.slower
     database = remembered(config, task.strategy) if config.database else None
@@ -248,14 +248,10 @@ def poses_on(world: World) -> st.SearchStrategy[World]:
         side = world.cell_size
         return replace(
             plain,
-            start=Pose(_centre(at[1], side), _centre(at[0], side), heading * (math.pi / 8)),
-            target=Target(_centre(to[1], side), _centre(to[0], side), world.target.radius),
+            start=Pose(cell_middle(at[1], side), cell_middle(at[0], side), heading * (math.pi / 8)),
+            target=Target(cell_middle(to[1], side), cell_middle(to[0], side), world.target.radius),
             robot_radius=radius,
         )
 
     index = st.integers(0, len(free) - 1)
     return st.builds(place, index, st.integers(0, 15), index, st.sampled_from(radii))
-
-
-def _centre(index: int, cell_size: float) -> float:
-    return lattice_to_metres(1024 * int(index) + 512, cell_size)

@@ -31,7 +31,7 @@ from fuzz.search.layout_bytes import (
     SPREAD_OF_SIDES,
 )
 from worldgen.errors import InvalidParameter
-from worldgen.lattice import lattice_to_metres
+from worldgen.lattice import cell_middle
 from worldgen.world import (
     DEFAULT_CELL_SIZE,
     DEFAULT_ROBOT_RADIUS,
@@ -87,12 +87,11 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
         walls[iy - CLEAR : iy + CLEAR + 1, ix - CLEAR : ix + CLEAR + 1] = False
     walls[[0, -1], :] = True
     walls[:, [0, -1]] = True
+    x, y, to_x, to_y = (cell_middle(index, DEFAULT_CELL_SIZE) for index in (*start, *target))
     return World(
         walls,
-        start=Pose(
-            _centre(start[0]), _centre(start[1]), data[4] % HEADINGS * (2 * math.pi / HEADINGS)
-        ),
-        target=Target(_centre(target[0]), _centre(target[1]), DEFAULT_CELL_SIZE / 2),
+        start=Pose(x, y, data[4] % HEADINGS * (2 * math.pi / HEADINGS)),
+        target=Target(to_x, to_y, DEFAULT_CELL_SIZE / 2),
         cell_size=DEFAULT_CELL_SIZE,
         robot_radius=robot_radius,
         robot_speed=DEFAULT_ROBOT_SPEED,
@@ -116,7 +115,7 @@ def decode_scene(data: bytes) -> World:
     if len(data) != SCENE_BYTES:
         raise InvalidParameter(
             "wrong-size",
-            "{count} bytes are not a scene",
+            "a scene does not have {count} bytes",
             "give {scene_bytes}, or {layout_bytes} for a layout",
             count=len(data),
             scene_bytes=SCENE_BYTES,
@@ -129,10 +128,6 @@ def decode_scene(data: bytes) -> World:
         start=replace(world.start, heading=heading * (2 * math.pi / (HEADINGS * FINER))),
         target=replace(world.target, radius=TARGET_RADII[data[SCENE_TARGET] % len(TARGET_RADII)]),
     )
-
-
-def _centre(index: int) -> float:
-    return lattice_to_metres(1024 * index + 512, DEFAULT_CELL_SIZE)
 
 
 def _draw(walls: Walls, feature: bytes) -> None:

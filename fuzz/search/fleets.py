@@ -12,7 +12,7 @@ from hypothesis import reject
 from hypothesis import strategies as st
 
 from worldgen.errors import InvalidWorld
-from worldgen.lattice import UNIT, lattice_to_metres
+from worldgen.lattice import cell_middle
 from worldgen.world import Pose, Robot, Target, World
 
 __all__ = ["fleet_worlds"]
@@ -25,15 +25,15 @@ def fleet_worlds(
 ) -> st.SearchStrategy[World]:
     """Draw worlds with more robots; the worlds themselves for a single robot.
 
-    Half of the robots have to change places with an earlier one, because robots that meet in a
-    narrow place are what fleets fail at. The others start and end in arbitrary free cells, apart
-    from the robots before them.
+    Half of the robots have to change places with an earlier one, because fleets typically fail when
+    robots meet in a narrow place. The others start and end in arbitrary free cells, apart from the
+    robots before them.
 
     Args:
         where: Worlds for one robot.
         robots: Number of robots in each world.
-        like: World whose robots give those with their numbers their speed, size relative to the
-            first, and size of the target. All others are like the first robot.
+        like: World whose robots set the speed, the size relative to the first, and the size of the
+            target of robots with the same number. All others are like the first robot.
     """
     return where if robots == 1 else _with_more_robots(where, robots, like)
 
@@ -102,7 +102,7 @@ def _drawn_place(
         draw: Draws from a strategy.
         free: (n, 2) int64, the free cells (iy, ix).
         side: Side of a cell, m.
-        reach: Distance to keep, m, which is added to that of each other.
+        reach: Distance to keep, m, added to that of each other robot.
         others: Their places x and y, m, and distances to keep, m.
     """
     centres = (free[:, ::-1] + 0.5) * side
@@ -118,7 +118,4 @@ def _drawn_place(
 def _centre(cell: npt.NDArray[np.int64], side: float) -> tuple[float, float]:
     """Return the middle of a cell (iy, ix), m."""
     iy, ix = cell.tolist()
-    return (
-        lattice_to_metres(ix * UNIT + UNIT // 2, side),
-        lattice_to_metres(iy * UNIT + UNIT // 2, side),
-    )
+    return cell_middle(ix, side), cell_middle(iy, side)

@@ -48,10 +48,11 @@ Draw = Callable[[RandomStream], npt.NDArray[np.uint8]]
 Seen = Callable[[Screening], None]
 """Called with the result of each screening run."""
 
-_SCENES = 80  # scenes of a unit at most, per example
+_SCENES = 80  # limit on a unit's scenes, per example
 _WORK = 20_000  # steps of a unit, per example: 0.8 s if a step takes 0.1 us
 _DEATH = 40_000  # steps that take as long as starting another process
-# Runs of each key that are proved. Equal keys need not be of the same class, hence more than one.
+# Number of runs of each key that are proved. Equal keys need not be of the same class, hence more
+# than one.
 _OF_EACH_KEY = 2
 _SCENE_WORDS = -(-SCENE_BYTES // 8)  # words of 8 bytes
 

@@ -1,8 +1,9 @@
 """Share a campaign's budget among search strategies in proportion to their yield.
 
-The yield of a strategy is what it found divided by its cost. Cost is counted in worlds and steps
-rather than seconds, so a plan is the same on every machine. A strategy starts with an optimistic
-estimate, and its share never falls below a floor, because yields change during a campaign.
+The yield of a strategy is the value of its findings divided by its cost. Cost is counted in worlds
+and steps rather than seconds, so a plan is the same on every machine. A strategy starts with an
+optimistic estimate, and its share never falls below a floor, because yields change during a
+campaign.
 """
 
 from __future__ import annotations

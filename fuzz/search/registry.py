@@ -113,7 +113,7 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
     if name in (native.NATIVE, archive.ARCHIVE) and not can_screen(scenario):
         raise InvalidParameter(
             "strategy-needs-other-motion",
-            "strategy {strategy!r} runs under swept or endpoint",
+            "strategy {strategy!r} only runs under swept or endpoint",
             "use another strategy for {label} under {motion}",
             strategy=name,
             label=scenario.label(),
@@ -122,8 +122,8 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
     if name == boundary.BOUNDARY and not is_bounded(scenario):
         raise InvalidParameter(
             "strategy-needs-no-chance",
-            "strategy {strategy!r} looks for the point where failures begin, and with chance that "
-            "is anywhere",
+            "strategy {strategy!r} looks for the point where failures begin, which does not exist "
+            "if failures depend on chance",
             "use another strategy for {label}",
             strategy=name,
             label=scenario.label(),

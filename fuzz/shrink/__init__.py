@@ -1,7 +1,7 @@
 """Shrinking: make a failure's world as small as possible, and check that it is.
 
 Contents:
-    shrink: Runs every pass until none makes the failure simpler.
+    shrink: Runs every pass until none of them makes the failure simpler.
     shrink_class: Returns the simplest result over several failures.
     Shrunk: The result of both.
     snippet: Writes a failure as a test module that contains its world.

@@ -18,7 +18,6 @@ from worldgen.world import Pose, Robot, Target, World
 
 __all__ = [
     "drop_lines",
-    "drop_robot",
     "edited",
     "free_cells",
     "with_robots",
@@ -78,15 +77,8 @@ def with_robots(world: World, robots: Sequence[Robot], **parts: Any) -> World | 
         return None
     try:
         return world.with_robots(robots, **parts)
-    except InvalidWorld:  # a robot is off the grid, or where another one stands
+    except InvalidWorld:  # a robot is off the grid, or in another robot's place
         return None
-
-
-def drop_robot(world: World, index: int) -> World | None:
-    """Return the world without one of its robots; ``None`` if it has only one."""
-    if len(world.robots) < 2:
-        return None
-    return with_robots(world, [*world.robots[:index], *world.robots[index + 1 :]])
 
 
 def edited(world: World, edit: CellEdit) -> World | None:

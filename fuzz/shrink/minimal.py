@@ -1,13 +1,17 @@
-"""Check independently that a shrunk world is 1-minimal, with plain loops and no shrinking pass."""
+"""Check that a shrunk world is 1-minimal, with plain code that no shrinking pass uses."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from fuzz.shrink.edits import drop_lines, drop_robot, free_cells
-from worldgen.world import World
+from worldgen.errors import InvalidWorld
+from worldgen.lattice import exact
+from worldgen.timeline import Timeline
+from worldgen.world import Robot, World
 
 __all__ = ["removable", "removed"]
 
@@ -36,11 +40,62 @@ def removed(
 
 
 def _neighbours(world: World) -> Iterator[tuple[str, World | None]]:
+    robots = list(world.robots)
     if world.others:
-        for index in range(len(world.robots)):
-            yield f"robot {index + 1}", drop_robot(world, index)
+        for index in range(len(robots)):
+            yield f"robot {index + 1}", _changed(world, robots[:index] + robots[index + 1 :])
     for iy, ix in np.argwhere(world.walls).tolist():
-        yield f"cell ({ix}, {iy})", free_cells(world, [(ix, iy)])
-    for axis, name in enumerate(("row", "column")):
-        for line in range(world.walls.shape[axis]):
-            yield f"{name} {line}", drop_lines(world, line, 1, axis)
+        walls = world.walls.copy()
+        walls[iy, ix] = False
+        yield f"cell ({ix}, {iy})", replace(world, walls=walls)
+    for row in range(world.height):
+        yield f"row {row}", _without_line(world, row, by_row=True)
+    for column in range(world.width):
+        yield f"column {column}", _without_line(world, column, by_row=False)
+
+
+def _without_line(world: World, line: int, *, by_row: bool) -> World | None:
+    """Return the world without a row or column; everything beyond it moves back by a cell."""
+    # Keep the other lines, of which there must be one.
+    kept = [other for other in range(world.height if by_row else world.width) if other != line]
+    if not kept:
+        return None
+
+    side = exact(world.cell_size)
+
+    # A point within the removed cells stays where it is.
+    def moved(metres: float) -> float:
+        cells = exact(metres) / side
+        return float((cells - 1) * side) if cells >= line + 1 else metres
+
+    # Move what is beyond the line: starts and targets, then the changes of cells.
+    robots = []
+    for one in world.robots:
+        if by_row:
+            start = replace(one.start, y=moved(one.start.y))
+            target = replace(one.target, y=moved(one.target.y))
+        else:
+            start = replace(one.start, x=moved(one.start.x))
+            target = replace(one.target, x=moved(one.target.x))
+        robots.append(replace(one, start=start, target=target))
+
+    events = []
+    for event in world.timeline:
+        at = event.iy if by_row else event.ix
+        beyond = int(at > line)
+        if at != line:
+            events.append(
+                event._replace(iy=event.iy - beyond)
+                if by_row
+                else event._replace(ix=event.ix - beyond)
+            )
+    walls = world.walls[kept] if by_row else world.walls[:, kept]
+    return _changed(world, robots, walls=walls, timeline=Timeline.of(events))
+
+
+def _changed(world: World, robots: Iterable[Robot], **parts: Any) -> World | None:
+    """Return the world with other robots and parts; None if a robot is then off the grid."""
+    try:
+        return world.with_robots(robots, **parts)
+    except InvalidWorld:
+        return None

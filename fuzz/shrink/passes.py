@@ -13,7 +13,7 @@ from fuzz.simplicity import Case, rounder
 from sim.options.run import DEFAULT_TIME_STEP
 from sim.runners.edited import CellEdit, EditKind
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.lattice import UNIT, in_cells, lattice_to_metres, metres_to_lattice
+from worldgen.lattice import UNIT, cell_middle, in_cells, lattice_to_metres, metres_to_lattice
 from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, Robot, World
 
 __all__ = ["PASSES", "Change", "Edit", "Pass"]
@@ -124,8 +124,9 @@ def _centre(case: Case) -> Iterator[Edit]:
     for index, robot in enumerate(case.world.robots):
         for name in ("start", "target"):
             point = getattr(robot, name)
-            x = _middle(point.x, side)
-            y = _middle(point.y, side)
+            x, y = (
+                cell_middle(math.floor(in_cells(place, side)), side) for place in (point.x, point.y)
+            )
             for where in ({"x": x, "y": y}, {"x": x}, {"y": y}):
                 yield partial(_robot, case, index, **{name: replace(point, **where)})
 
@@ -183,8 +184,8 @@ PASSES: tuple[Pass, ...] = (
     Pass("drop-robots", "drop robots: half of them, a quarter, ... one", _drop_robots),
     Pass(
         "drop-rows",
-        "drop rows: all beyond or between start and target, then half of the grid, a quarter, ... "
-        "one",
+        "drop rows: all outside or between start and target, then half of the grid, a quarter, "
+        "... one",
         _drop_rows,
     ),
     Pass("drop-columns", "drop columns, in the same order", _drop_columns),
@@ -199,25 +200,25 @@ PASSES: tuple[Pass, ...] = (
     Pass("free-cells", "free one solid cell at a time", _free_cells),
     Pass(
         "straighten",
-        "turn the start's heading to a quarter turn, an eighth, a sixteenth",
+        "turn the start's heading to a multiple of a quarter turn, an eighth, a sixteenth",
         _straighten,
     ),
     Pass("centre", "put start and target in the middle of their cells", _centre),
     Pass("approach", "move the start nearer to the target", _approach),
     Pass(
         "simplify-robot",
-        "give the robot the usual radius and speed, or values with few digits",
+        "give the robot the usual radius and speed, or values with fewer digits",
         _simplify_robot,
     ),
     Pass(
         "simplify-target",
-        "give the target a radius of half a cell, or a value with few digits",
+        "give the target a radius of half a cell, or a value with fewer digits",
         _simplify_target,
     ),
     Pass(
-        "simplify-run", "give the time step and the options values with few digits", _simplify_run
+        "simplify-run", "give the time step and the options values with fewer digits", _simplify_run
     ),
-    Pass("round-times", "move events to earlier times with few digits, ideally 0", _round_times),
+    Pass("round-times", "move events to earlier times with fewer digits, ideally 0", _round_times),
 )
 """The passes in order; they are repeated until a whole round changes nothing."""
 
@@ -232,11 +233,6 @@ def _halves(count: int) -> list[int]:
 
 def _one(cells: int) -> int:
     return (cells > 0) - (cells < 0)
-
-
-def _middle(place: float, side: float) -> float:
-    """Return the middle of the cell that contains a coordinate, m."""
-    return lattice_to_metres(math.floor(in_cells(place, side)) * UNIT + UNIT // 2, side)
 
 
 def _shifted(place: float, cells: int, side: float) -> float:

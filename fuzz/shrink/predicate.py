@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
 from fuzz.triage.crash_bucket import crash_bucket, has_facts
-from fuzz.triage.fleet_signature import standoff
 from fuzz.triage.judging import oracle_of
+from fuzz.triage.signature import standoff
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
 from sim.evidence import (
@@ -146,7 +146,7 @@ class StillFails:
     def seems_to_fail(self, candidate: World, scenario: Scenario) -> bool:
         """Return True if one unrecorded run with the smallest budget ends as it should.
 
-        This is neither a proof, nor does it need a certificate.
+        This is not a proof, and does not need a certificate.
         """
         try:
             self.simulations += 1

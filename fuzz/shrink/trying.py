@@ -71,7 +71,7 @@ class Trying:
         Raises:
             TimeoutError: If the deadline has passed.
         """
-        # A pass proposes edits of cells only, or none at all.
+        # A pass proposes only edits of cells, or no edits of cells at all.
         cells = [edit for edit in edits if isinstance(edit, CellEdit)]
         runs = self._edited_runs(case) if cells else None
         at = begin

@@ -89,7 +89,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
     def before(self, message: Message, part: Part) -> dict[str, Any]:
         """Return the original of a failure in the folder, before shrinking.
 
-        Null if its campaign has not kept that.
+        Null if its campaign has not kept it.
         """
         path = self.folder.place(field(message, "name", str))
         shrunk = Failure.found_in(read_world(path))
@@ -276,7 +276,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
             raise InvalidParameter(
                 "unknown-name",
                 "robot {robot} as {kind!r}",
-                "choose one that ran, and one of {known!l}",
+                "choose a robot that ran, and one of {known!l}",
                 robot=looked,
                 kind=kind[:20],
                 known=list(_PICTURES),

@@ -42,11 +42,11 @@ class CompareAnswers(Opened):
                 "out-of-range", "{seeds} seeds", "choose 1 to {most}", seeds=seeds, most=MOST_SEEDS
             )
         steps = None if message.get("steps") is None else field(message, "steps", int)
-        # Send each cell once it is known, so that the page fills while the runs go on.
+        # Send each cell once it is known, so that the page fills while the runs continue.
         worlds = []
         rows = []
         for row, one in enumerate(asked):
-            # A world that cannot be read costs its own row only.
+            # A world that cannot be read only affects its own row.
             try:
                 world = self._world(one)
             except WorldgenError as error:
@@ -80,7 +80,7 @@ class CompareAnswers(Opened):
         """Return a world that the page sent, a world in the folder, or one that a family makes."""
         if not isinstance(asked, dict):
             raise InvalidParameter(
-                "wrong-type", "a world of the message is not an object", "reload the page"
+                "wrong-type", "a world in the message is not an object", "reload the page"
             )
         if "world" in asked:
             world = restored(field(asked, "world", dict))

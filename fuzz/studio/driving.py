@@ -21,7 +21,7 @@ _FASTEST_TURN = 20.0
 
 @dataclass(frozen=True)
 class HandDriven:
-    """Gives the commands of a script, one after the other; its memory is the number of the step.
+    """Gives the commands of a script in order; its memory is the number of the step.
 
     Args:
         ends: For each command, the step before which it ends, in ascending order.

@@ -126,7 +126,7 @@ class Edits:
         """Do nothing: there is no process to start."""
 
     def end(self) -> None:
-        """Do nothing: the generator ends when nobody reads on."""
+        """Do nothing: the generator ends when nobody reads from it."""
 
     def _digests(self) -> dict[str, str]:
         files = {file for label in self._named for file in _own_files(label)}

@@ -135,7 +135,7 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
     if not isinstance(files, list) or not 1 <= len(files) <= _MOST_FILES:
         raise InvalidParameter(
             "out-of-range",
-            "drop 1 to {most} files: a map, and the files that it refers to",
+            "drop 1 to {most} files: a map and the files that it refers to",
             most=_MOST_FILES,
         )
     places: list[Path] = []
@@ -157,7 +157,7 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
         if place in places:
             raise InvalidParameter(
                 "twice",
-                "two of the files have the name {name}",
+                "two of the files are called {name}",
                 "drop one of them",
                 name=place.name,
             )
@@ -179,7 +179,7 @@ def _main_of(places: Sequence[Path]) -> Path:
         raise InvalidParameter(
             "several-maps",
             "{names} are {count} maps",
-            "drop one, with the files that it refers to",
+            "drop one map, with the files that it refers to",
             names=names,
             count=len(found),
         )

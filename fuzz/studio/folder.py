@@ -22,7 +22,7 @@ __all__ = ["KNOWN", "MOST_FAILURES", "MOST_FILES", "Folder", "Opened"]
 KNOWN = "known"
 """The folder, in the opened one, of failures that are marked as known.
 
-It is the baseline of campaigns that are begun in the studio.
+It is the baseline of campaigns started in the studio.
 """
 
 _MEMORY = ".campaign"  # name of the campaign store in a campaign's folder
@@ -72,7 +72,7 @@ class Folder:
         if any(part in ("", ".", "..") or part.startswith(".") for part in parts):
             raise InvalidParameter(
                 "outside-of-folder",
-                "{name!r} leads out of the opened folder or is hidden",
+                "{name!r} is outside the opened folder or is hidden",
                 "choose a name in the folder",
                 name=shown(name[:60]),
             )
@@ -82,7 +82,7 @@ class Folder:
         if not real.is_relative_to(self.root):
             raise InvalidParameter(
                 "outside-of-folder",
-                "{name!r} leads out of the opened folder",
+                "{name!r} is outside the opened folder",
                 "copy the file into it",
                 name=shown(name[:60]),
             )
@@ -117,7 +117,7 @@ class Folder:
         Formats read such files along with the map.
 
         Raises:
-            InvalidParameter: As ``place`` does; also if such a link exists.
+            InvalidParameter: As for ``place``, even if such a link exists.
         """
         place = self.place(name)
         if place.is_file():
@@ -125,7 +125,7 @@ class Folder:
                 if not Path(os.path.realpath(other)).is_relative_to(self.root):
                     raise InvalidParameter(
                         "outside-of-folder",
-                        "{name!r} next to it leads out of the opened folder",
+                        "{name!r}, which the file refers to, is outside the opened folder",
                         "copy the file into it",
                         name=shown(other.name),
                     )

@@ -10,19 +10,18 @@ from typing import Any
 
 from fuzz.boundary import describe_boundaries
 from fuzz.corpus import places, read_corpus
-from fuzz.corpus.entry import CorpusEntry, Facts
-from fuzz.corpus.names import name_of
+from fuzz.corpus.entry import CorpusEntry, Facts, name_of
 from fuzz.describe import describe_seeds
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.player import drawn_robots, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
 from fuzz.studio.folder import KNOWN, MOST_FAILURES, Opened
 from fuzz.studio.messages import field as part_of
-from fuzz.studio.pasted import from_anywhere
-from fuzz.studio.running import check_record, check_registered
+from fuzz.studio.running import check_record, check_registered, from_anywhere
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import arrives_in
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
+from fuzz.triage.repeated_moves import describe_period
 from sim.controllers import CONTROLLERS
 from sim.describe import describe_evidence
 from sim.episode import simulate
@@ -180,6 +179,7 @@ class WallAnswers(Opened):
             "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + failure.violation.in_words,
             "cause": cause_of_run(world, judged, arrives_in(who, options)).value,
+            "repeats": "" if failure.oracle else describe_period(world, judged),
             "same": judged.trace_digest == failure.record.trace_digest
             or options.steps < failure.options.steps,
         }

@@ -6,13 +6,12 @@ needs no copy of these numbers, and its fields can show immediately what the ser
 
 from __future__ import annotations
 
-from typing import TypedDict
+from typing import Any
 
 from fuzz.campaign.options import CampaignOptions
 from fuzz.player import MOST_CELLS
 from sim.options.run import TIME_STEPS
-from worldgen.domain import MAX_SIDE
-from worldgen.random_streams import MASK64
+from worldgen.domain import MASK64, MAX_SIDE
 
 __all__ = [
     "LENGTHS",
@@ -26,7 +25,6 @@ __all__ = [
     "MOST_UNITS",
     "MOST_WORKERS",
     "MOST_WORLDS",
-    "Limits",
     "limits",
 ]
 
@@ -51,33 +49,12 @@ MOST_UNITS = 1_000_000
 MOST_WORKERS = 256
 
 
-class Limits(TypedDict):
-    """The limits sent to the page; each list holds the smallest and the largest value.
+def limits() -> dict[str, Any]:
+    """Return every limit that a field of the page needs; ``Limits`` in ``page/types.d.ts``.
 
-    The largest seed is text, because a browser's numbers cannot hold it.
+    A list holds the smallest and the largest value. The largest seed is text, because a browser's
+    numbers cannot hold it.
     """
-
-    message: int
-    dropped: int
-    side: int
-    cells: int
-    lengths: list[float]
-    robots: int
-    compared: int
-    compared_worlds: int
-    compared_seeds: int
-    steps: int
-    time_steps: list[float]
-    seconds: int
-    units: int
-    workers: int
-    examples: int
-    epoch: int
-    seed: str
-
-
-def limits() -> Limits:
-    """Return every limit that a field of the page needs."""
     return {
         "message": MOST_MESSAGE,
         "dropped": MOST_DROPPED,

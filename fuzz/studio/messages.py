@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, TypedDict, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -15,16 +15,14 @@ from fuzz.failure import Failure
 from fuzz.player import MOST_CELLS
 from fuzz.player.streams import bits
 from fuzz.studio.limits import LENGTHS
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files.grid import dumps, loads
 from worldgen.files.json_file import converted
-from worldgen.random_streams import MASK64
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 
 __all__ = [
-    "EventsMessage",
-    "WorldMessage",
     "checked",
     "field",
     "is_same_place",
@@ -43,40 +41,13 @@ _MOST_EVENTS = 1_000_000
 _SOURCE_LIMIT = 8 << 20  # characters of a file's text, which the page keeps and sends back
 
 
-class EventsMessage(TypedDict):
-    """Changes of cells, in columns.
+def message_of(world: World) -> dict[str, Any]:
+    """Return a world as the page edits it, without its proof; ``WorldMessage`` in ``types.d.ts``.
 
-    Time in s, column, row from the lowest, and state: 0 free, 1 solid, 2 burning.
-    """
-
-    times: list[float]
-    ix: list[int]
-    iy: list[int]
-    state: list[int]
-
-
-class WorldMessage(TypedDict):
-    """A world without its proof.
-
-    Lengths are in m; ``cells`` are bits in base64, row by row from the lowest y. ``source`` is the
-    text of the file from which it was opened, or null. As long as the world stays the same, it is
-    saved with that file's proof, provenance and failure.
-    """
-
-    width: int
-    height: int
-    cells: str
-    cell_size: float
-    robot_radius: float
-    robot_speed: float
-    start: list[float]
-    target: list[float]
-    events: EventsMessage | None
-    source: str | None
-
-
-def message_of(world: World) -> WorldMessage:
-    """Return a world as the page edits it.
+    Lengths are in m; ``cells`` are bits in base64, row by row from the lowest y. ``events`` are
+    columns: time in s, column, row from the lowest, and state: 0 free, 1 solid, 2 burning.
+    ``source`` is the text of the file from which it was opened, or null. As long as the world stays
+    the same, it is saved with that file's proof, provenance and failure.
 
     Raises:
         InvalidWorld: If it has more cells or events than the page allows, or cells of another size.
@@ -237,7 +208,8 @@ def restored(message: Mapping[str, Any]) -> World:
     if (opened.walls.shape, opened.cell_size) != (world.walls.shape, world.cell_size):
         raise InvalidWorld(
             "other-robots",
-            "the file has {robots} robots, and the studio cannot reposition the others when you resize "
+            "the file has {robots} robots, and the studio cannot reposition the others when you "
+            "resize "
             "the world",
             "undo the change of size, or open a copy with a single [[robot]]",
             robots=len(opened.robots),
@@ -262,7 +234,7 @@ def checked(message: object, kind: type[T]) -> T:
     except ValueError as error:
         raise InvalidParameter(
             "wrong-message",
-            "the page sent a message of another form: {reason}",
+            "the page sent a malformed message: {reason}",
             "reload the page",
             reason=str(error),
         ) from error

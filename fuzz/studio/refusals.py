@@ -33,7 +33,9 @@ REMEDIES: Mapping[str, str] = {
     "ambiguous-format": "choose it in Options of the import",
     "another-campaign": f"select it above and resume it, or {_ANOTHER_FOLDER}",
     "campaign-is-further": f"give {{units}} units or more, or {_ANOTHER_FOLDER}",
-    "first-steps-too-slow": "allow more seconds, or run it as a program, whose steps have a deadline",
+    "first-steps-too-slow": (
+        "allow more seconds, or run it as a program, whose steps have a deadline"
+    ),
     "file-exists": "overwrite it, or choose another name",
     "folder-holds-worlds": _ANOTHER_FOLDER,
     "invalid-campaign": _ANOTHER_FOLDER,
@@ -43,7 +45,7 @@ REMEDIES: Mapping[str, str] = {
     "many-posts": "export as sdf, which has fewer, larger boxes",
     "motion-is-the-thesis-robots": "choose the motion model swept or endpoint for other "
     "controllers",
-    "no-campaign": "begin one with Begin",
+    "no-campaign": "start one with Begin",
     "ambiguous-layer": "name one in Options of the import, layer",
     "layer-missing": "name one in Options of the import, layer",
     "no-map-found": "add the .map file to this one",
@@ -80,8 +82,8 @@ IMPORT_OPTIONS = frozenset(
 )
 """Codes whose remedy is in the options of the import, which the page then opens."""
 
-_FIELDS = {"--vary": "Vary"}  # options that facts may name, with the names of their fields
-_LONGEST = 2_000  # characters of a fact; a longer one quotes a file
+_FIELDS = {"--vary": "Vary"}  # options that can appear in facts, with the names of their fields
+_LONGEST = 2_000  # characters of a fact; longer ones are quotes from a file
 
 
 def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[str, Any]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from fuzz.studio.messages import field
@@ -29,6 +31,7 @@ __all__ = [
     "check_named",
     "check_record",
     "check_registered",
+    "from_anywhere",
     "may_run",
     "names_of",
     "scenario_of",
@@ -84,7 +87,7 @@ def check_record(record: FailureRecord, named: Sequence[str]) -> None:
     if record.motion not in MOTIONS.names():
         raise InvalidParameter(
             "not-registered",
-            "{verdict}; it does not run here: its motion model {motion} is from a file",
+            "{verdict}; it does not run here: its motion model {motion} comes from a file",
             "replay it at a terminal",
             verdict=record.verdict,
             motion=shown(record.motion[:60]),
@@ -130,6 +133,21 @@ def check_registered(what: str, name: str, offered: Iterable[str]) -> None:
             kind=what,
             name=name[:40],
         )
+
+
+def from_anywhere(line: str, code: str, registered: list[str]) -> str:
+    """Return a command that also works in another folder.
+
+    Code in a file may be named relative to the folder in which the studio was started.
+
+    Args:
+        line: The command, quoted for a shell.
+        code: The controller that it needs, possibly with variations; empty if there is none.
+        registered: Names that mean the same everywhere.
+    """
+    if code in ("", *registered) or any(code.startswith(f"{name}+") for name in registered):
+        return line
+    return f"cd {shlex.quote(str(Path.cwd()))} && {line}"
 
 
 @functools.cache

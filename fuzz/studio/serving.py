@@ -18,7 +18,7 @@ __all__ = ["USUAL_PORT", "bind", "called", "serve"]
 
 
 def bind(host: str, port: int | None) -> socket.socket:
-    """Return a socket at a port; 0 stands for any free port.
+    """Return a socket at a port; 0 means any free port.
 
     If no port is given, use the studio's default port, or any that is free.
 
@@ -91,7 +91,7 @@ def _fault(host: str, port: int, error: OSError) -> Message:
 def called(host: str, listener: socket.socket) -> str:
     """Return the host as a browser writes it: 127.0.0.1 for 127.1, a name in lower case."""
     with contextlib.suppress(OSError, UnicodeError):
-        if host:  # an empty host stands for all addresses of this machine
+        if host:  # an empty host means all addresses of this machine
             socket.getaddrinfo(host, None, flags=socket.AI_NUMERICHOST)
         return str(listener.getsockname()[0])
     return host.lower()

@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import multiprocessing
+import os
+import signal
 import time
-from collections.abc import AsyncGenerator
+from collections.abc import AsyncGenerator, Callable
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -15,11 +17,11 @@ from typing import Any
 
 from fuzz.studio.edits import edited_files, loaded_files
 from fuzz.studio.folder import Folder
-from fuzz.studio.processes import start_beside
 from fuzz.studio.refusals import our_fault, refusal
 from worldgen.errors import Message, WorldgenError
+from worldgen.support.workers import become_worker, sigint_blocked
 
-__all__ = ["WORKER_OF", "Ended", "Worker"]
+__all__ = ["WORKER_OF", "Ended", "Worker", "start_beside"]
 
 _NICE = 5  # gives the page priority
 
@@ -59,8 +61,37 @@ WORKER_OF = {
 """The process for each kind of request.
 
 Saving is never interrupted, a long search for a proof does not delay a run, and anything that is
-slow to begin can be stopped while it begins.
+slow to start can be stopped while it starts.
 """
+
+
+def start_beside(target: Callable[..., None], *args: Any, nice: int) -> BaseProcess:
+    """Start a process that works for the server.
+
+    It ignores Ctrl-C, gives the page priority, and ends with the server, however it ends.
+
+    Args:
+        target: The function to run, from a module.
+        *args: Its arguments.
+        nice: Niceness, the priority of everything else over it, from 0 to 19.
+    """
+    process = multiprocessing.get_context("spawn").Process(
+        target=_begin, args=(nice, target, *args), daemon=True
+    )
+    with sigint_blocked():
+        process.start()
+    return process
+
+
+def _begin(nice: int, target: Callable[..., None], *args: Any) -> None:
+    become_worker()
+    # Campaigns that are started in this process must receive Ctrl-C.
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    # AttributeError: Windows has no nice.
+    with contextlib.suppress(OSError, AttributeError):
+        os.nice(nice)
+    target(*args)
 
 
 class Ended(Exception):

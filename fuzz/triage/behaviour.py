@@ -78,7 +78,7 @@ def behaviour_of(world: World, episode: Episode) -> RepeatedPart | None:
     trace = episode.trace
     if trace is None or trace.steps == 0:
         return None
-    # The end of a run that only spent its budget is the best guess of what repeats.
+    # If a run only used up its budget, its end is the best guess of what repeats.
     loop = episode.evidence
     if isinstance(loop, LoopEvidence):
         return _measured(world, trace, loop.entry, loop.entry + loop.period)
@@ -122,7 +122,7 @@ def _measured(world: World, trace: Trace, first: int, last: int) -> RepeatedPart
 
 
 def _edge_of(world: World, place: tuple[float, float]) -> tuple[float, float]:
-    """Return where a robot arrives that drives straight from a place to the target, in cells.
+    """Return where a robot ends up that drives straight from a place to the target, in cells.
 
     It need not fit at the target's centre.
     """

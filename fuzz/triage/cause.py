@@ -1,8 +1,8 @@
 """The causes that failures are sorted into: what a robot does wrong, in one sentence each.
 
-A bucket says what a failure looks like; hundreds of buckets can have one reason. A cause is that
-reason, as far as the run reveals it: the decision that repeats, or the move that ended the run. It
-is never a place in a world.
+A bucket describes what a failure looks like; hundreds of buckets can have one reason. A cause is
+that reason, as far as the run reveals it: the decision that repeats, or the move that ended the
+run. It is never a place in a world.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ _PHRASES = {
     Severity.NEVER_ARRIVES: "never arrives",
     Severity.TOO_SLOW: "runs out of time",
     Severity.QUESTIONABLE: "breaks a rule that you set",
-    Severity.UNSENSED: "is harmed by what it cannot sense",
+    Severity.UNSENSED: "is harmed by something that it cannot sense",
 }
 
 
 class Cause(StrEnum):
     """Why a robot fails.
 
-    Equal to its name in JSON and on the command line. ``docs/reference/verdicts.md`` describes how each
-    is recognised in the run.
+    Equal to its name in JSON and on the command line. ``docs/reference/verdicts.md`` describes how
+    each is recognised in the run.
     """
 
     # Through walls.
@@ -93,7 +93,7 @@ class Cause(StrEnum):
     GIVES_WAY_FOREVER = "gives-way-forever"
     WAITS_FOR_OTHERS = "waits-for-others"
 
-    # Neither the controller's fault nor a known reason.
+    # Not the controller's fault, or not a known reason.
     BREAKS_A_RULE = "breaks-a-rule"
     HARMED_UNSENSED = "harmed-by-what-it-cannot-sense"
     PUSHED_TOO_HARD = "pushed-too-hard"
@@ -106,7 +106,7 @@ class Cause(StrEnum):
 
     @property
     def phrase(self) -> str:
-        """What the robot does, to follow its name: that of the severity unless it is too general."""
+        """What the robot does, to follow its name: the severity's sentence, unless that is too general."""
         return _OWN_PHRASES.get(self, self.severity.phrase)
 
     @property
@@ -123,43 +123,55 @@ class Cause(StrEnum):
 _SENTENCES = {
     Cause.STEPS_OVER_A_WALL: "It drives so far in one step that it passes a wall, or the corner of "
     "one, without noticing.",
-    Cause.CUTS_A_CORNER: "Its edge enters the corner of a wall that it passes.",
+    Cause.CUTS_A_CORNER: "Its edge cuts the corner of a wall as it passes.",
     Cause.SLIDES_INTO_A_WALL: "It slides along a wall, or backs off from one, into another wall.",
-    Cause.COLLIDES: "It drives into another robot in the middle of a step, where its motion model "
-    "does not look.",
+    Cause.COLLIDES: (
+        "It drives into another robot in the middle of a step, which its motion model does not "
+        "check."
+    ),
     Cause.CRASHES: "Its code raises an error.",
     Cause.GIVES_NO_ANSWER: "Its code does not answer in time.",
     Cause.INVALID_COMMAND: "It sends a command that is not a valid speed and turn rate.",
     Cause.DRIVES_INTO_A_HAZARD: "It drives into a cell that is already burning or solid.",
     Cause.CAUGHT_BY_A_CHANGE: "It is in a cell when the cell catches fire or becomes solid.",
-    Cause.CONFUSED_BY_CHANGES: "It fails because cells change while it drives: it arrives if they have "
-    "all changed before it starts.",
-    Cause.NEEDS_A_WIDER_GAP: "It does not drive through a gap, or up to a wall, although it fits; a "
-    "smaller robot arrives.",
+    Cause.CONFUSED_BY_CHANGES: (
+        "It fails because cells change while it drives: it arrives if they have "
+        "all changed before it starts."
+    ),
+    Cause.NEEDS_A_WIDER_GAP: (
+        "It does not drive through a gap, or up to a wall, although it would fit; a smaller robot "
+        "arrives."
+    ),
     Cause.STANDS_STILL: "It stops in the open and never moves again.",
-    Cause.PUSHES_A_WALL: "It keeps driving against a wall and does not get away from it.",
-    Cause.TURNS_BACK_AND_FORTH: "It turns back and forth, or around, instead of driving on.",
-    Cause.MISSES_THE_TARGET: "It gets close to the target, with a clear path, and passes it again "
-    "and again.",
+    Cause.PUSHES_A_WALL: "It keeps driving into a wall and does not get away from it.",
+    Cause.TURNS_BACK_AND_FORTH: "It turns back and forth, or in circles, instead of moving on.",
+    Cause.MISSES_THE_TARGET: (
+        "It gets close to the target on a clear path, but passes it again and again."
+    ),
     Cause.CIRCLES_A_WALL: "It follows a wall all the way around and never leaves it.",
     Cause.RETURNS_TO_THE_WALL: "It leaves a wall for the target too early and comes back to the "
     "same wall.",
     Cause.BOUNCES_BETWEEN_WALLS: "It bounces from wall to wall on a path that repeats.",
-    Cause.TRAPPED_BEHIND_A_WALL: "It stays where it is nearest to the target, although a wall is in "
-    "between.",
-    Cause.DRIVES_IN_CIRCLES: "It drives the same closed path again and again, away from any wall.",
+    Cause.TRAPPED_BEHIND_A_WALL: (
+        "It stays where it is nearest to the target, although a wall is in between."
+    ),
+    Cause.DRIVES_IN_CIRCLES: "It drives the same closed path again and again, far from any wall.",
     Cause.WANDERS: "It still reaches new places when its time is up.",
     Cause.FACE_TO_FACE: "Two robots drive into each other, and neither gives way.",
-    Cause.WAITS_IN_A_CIRCLE: "Three or more robots each wait for the next one, all around.",
-    Cause.BLOCKED_BY_PARKED: "A robot that has arrived is in the way of another one.",
+    Cause.WAITS_IN_A_CIRCLE: "Three or more robots wait for each other in a circle.",
+    Cause.BLOCKED_BY_PARKED: "A robot that has arrived is in another robot's way.",
     Cause.WAITS_IN_A_QUEUE: "A robot waits behind another one that does not arrive.",
     Cause.GIVES_WAY_FOREVER: "Robots avoid each other again and again and get nowhere.",
-    Cause.WAITS_FOR_OTHERS: "Robots stop because of each other, and each of them would arrive alone.",
+    Cause.WAITS_FOR_OTHERS: (
+        "Robots stop because of each other, although each of them would arrive alone."
+    ),
     Cause.BREAKS_A_RULE: "It breaks a rule that you asked about with --oracle.",
-    Cause.HARMED_UNSENSED: "Fire or debris catches it that none of its senses shows.",
-    Cause.PUSHED_TOO_HARD: "It is moved by more than any controller is certain to make up for.",
-    Cause.UNKNOWN: "It fails; its controller could not be run here, or not in time, to find the "
-    "reason.",
+    Cause.HARMED_UNSENSED: "It is caught by fire or debris that none of its senses detects.",
+    Cause.PUSHED_TOO_HARD: "It is moved farther than any controller can be certain to correct.",
+    Cause.UNKNOWN: (
+        "It fails; the reason is unknown, because its controller could not be run here, or not in "
+        "time."
+    ),
 }
 
 _OWN_PHRASES = {
@@ -176,42 +188,54 @@ _ADVICE = {
     "swept.",
     Cause.COLLIDES: "Make the time step smaller, or keep more distance.",
     Cause.CRASHES: "Fix the error that it names; the world reproduces it.",
-    Cause.GIVES_NO_ANSWER: "Look for an endless or a slow step, or give it more time.",
+    Cause.GIVES_NO_ANSWER: "Look for an endless loop or a slow step, or give it more time.",
     Cause.INVALID_COMMAND: "Look for a division by zero or a root of a negative number in the "
     "computation of the command.",
     Cause.DRIVES_INTO_A_HAZARD: "Check its reaction to walls sensed ahead.",
-    Cause.CAUGHT_BY_A_CHANGE: "Check how soon it leaves cells that it can sense are about to close.",
-    Cause.CONFUSED_BY_CHANGES: "Check what it remembers about walls: what it has seen may have changed "
-    "since.",
-    Cause.NEEDS_A_WIDER_GAP: "Check how much room it wants at walls and for its turns: its radius must "
-    "be enough.",
+    Cause.CAUGHT_BY_A_CHANGE: (
+        "Check how soon it leaves cells that it can sense are about to close."
+    ),
+    Cause.CONFUSED_BY_CHANGES: (
+        "Check what it remembers about walls: they may have changed since it saw them."
+    ),
+    Cause.NEEDS_A_WIDER_GAP: (
+        "Check how much clearance it requires at walls and in turns: its radius must be enough."
+    ),
     Cause.STANDS_STILL: "Look for a condition under which no command is sent, or speed is 0.",
-    Cause.PUSHES_A_WALL: "Check what it does at a bump: does it turn, and does it keep turning?",
-    Cause.TURNS_BACK_AND_FORTH: "Look for two decisions that undo each other, and for a turn that "
-    "is not wrapped to half a turn.",
+    Cause.PUSHES_A_WALL: "Check what it does after a bump: does it turn, and does it keep turning?",
+    Cause.TURNS_BACK_AND_FORTH: (
+        "Look for two decisions that undo each other, and for an angle that is not wrapped to half "
+        "a turn."
+    ),
     Cause.MISSES_THE_TARGET: "Check how it slows down and aims close to the target.",
     Cause.CIRCLES_A_WALL: "Check the condition under which it leaves a wall: it never holds here.",
     Cause.RETURNS_TO_THE_WALL: "Check the condition under which it leaves a wall: it must be "
     "closer to the target each time.",
-    Cause.BOUNCES_BETWEEN_WALLS: "Add memory, chance or wall following: turning by the same rule at "
-    "each wall repeats.",
-    Cause.TRAPPED_BEHIND_A_WALL: "It needs a way out of places where every direct move leads away: "
-    "follow the wall, or plan.",
+    Cause.BOUNCES_BETWEEN_WALLS: (
+        "Add memory, chance or wall following: a robot that turns by the same rule at each wall "
+        "repeats itself."
+    ),
+    Cause.TRAPPED_BEHIND_A_WALL: (
+        "It needs a way out of places where every direct move leads away from the target: follow "
+        "the wall, or plan."
+    ),
     Cause.DRIVES_IN_CIRCLES: "Look for a state that it enters again and again without getting "
     "closer.",
     Cause.WANDERS: "Give it more time, or check whether it makes progress.",
     Cause.FACE_TO_FACE: "Break the symmetry: give one robot priority, or make both keep to the "
     "same side.",
-    Cause.WAITS_IN_A_CIRCLE: "Let the robot that has waited longest push on, and the others yield.",
-    Cause.BLOCKED_BY_PARKED: "Go around a robot that stands, or let those in the way move aside.",
+    Cause.WAITS_IN_A_CIRCLE: (
+        "Let the robot that has waited longest go first, and make the others yield."
+    ),
+    Cause.BLOCKED_BY_PARKED: "Drive around a robot that has stopped, or let it move aside.",
     Cause.WAITS_IN_A_QUEUE: "Look at the robot in front: it is the one that fails.",
     Cause.GIVES_WAY_FOREVER: "Decide who goes first by a fixed property, not by behaviour that "
     "both share.",
     Cause.WAITS_FOR_OTHERS: "Decide who goes first, and let the others make room for it.",
-    Cause.BREAKS_A_RULE: "The violation says which rule, and by how much.",
-    Cause.HARMED_UNSENSED: "Give it a sense that shows the hazard, or exclude such worlds.",
+    Cause.BREAKS_A_RULE: "The violation names the rule, and by how much it is broken.",
+    Cause.HARMED_UNSENSED: "Give it a sensor that detects the hazard, or exclude such worlds.",
     Cause.PUSHED_TOO_HARD: "Compare with a run without pushes, tilts and decoys.",
-    Cause.UNKNOWN: "Replay it where its controller is.",
+    Cause.UNKNOWN: "Replay it on a machine that has its controller.",
 }
 
 _SEVERITIES = {

@@ -37,7 +37,7 @@ _GAP = 2.0
 # holds back fail at the first radius, which saves the other runs.
 _SMALLER = (0.5, 0.6, 0.7, 0.8, 0.9)
 
-# So many of the smaller robots must arrive. In a world that is hard for another reason, one or two
+# Number of smaller robots that must arrive. In a world that is hard for another reason, one or two
 # robots may arrive by chance.
 _FEWEST = 3
 
@@ -63,7 +63,7 @@ def arrives_in(controller: str, options: RunOptions) -> Arrives:
 def fails_by_timing(world: World, arrives: Arrives) -> bool:
     """Return True if the robot arrives once all changes have happened before it starts.
 
-    Then neither the walls that it ends up with nor those that it starts with stop it. It fails
+    Then neither the final walls nor the initial ones stop it. It fails
     because a cell changes while it drives.
     """
     if not world.timeline:
@@ -82,8 +82,8 @@ def fails_by_timing(world: World, arrives: Arrives) -> bool:
 def needs_a_wider_gap(world: World, place: tuple[float, float], arrives: Arrives) -> bool:
     """Return True if the robot does not go where it has little room, although it fits.
 
-    That is so if there is little room on every path from the place that it gets to, and all robots
-    arrive that are smaller than some radius below its own.
+    That is the case if every path from the place that it gets to is narrow, and all robots below
+    some smaller radius arrive.
 
     Args:
         world: The world.

@@ -21,6 +21,7 @@ from worldgen.world import World
 __all__ = [
     "KINDS",
     "Contact",
+    "bearing_of_wall",
     "contacts",
     "enclosure",
     "part_of",
@@ -31,8 +32,8 @@ __all__ = [
 KINDS = ("nook", "end", "post", "corner", "wall")
 """Kinds of contact, the most specific first.
 
-Two walls at once, the end of a wall, a cell that stands alone, a corner that sticks out, and the
-face of a wall.
+Two walls at once, the end of a wall, a single cell, a corner that sticks out, and the face of a
+wall.
 """
 
 _ENCLOSURES = ("open", "side", "bend", "passage", "pocket", "closed")
@@ -105,6 +106,31 @@ def winding_number(x: Floats, y: Floats, cells: Iterable[tuple[int, int]]) -> in
         down = (y[:-1] > cy) & (y[1:] <= cy) & (side < 0)
         most = max(most, abs(int(np.count_nonzero(up)) - int(np.count_nonzero(down))))
     return most
+
+
+def bearing_of_wall(world: World, trace: Trace, step: int) -> float:
+    """Return where the wall is that a robot touches after a step, relative to its heading.
+
+    Of several walls, the one ahead of it counts, because it stops the robot.
+
+    Args:
+        world: World of the run; walls count as they are after the last event.
+        trace: The recording.
+        step: The step.
+
+    Returns:
+        Radians, from -pi to pi; 0 is ahead, and positive on the left. 0 if no wall is near enough:
+        the motion model then looked further ahead than the robot is.
+    """
+    x = float(trace.x[step]) / world.cell_size
+    y = float(trace.y[step]) / world.cell_size
+    touched = world.robot_radius / world.cell_size + _SLACK
+    bearings = [
+        math.remainder(math.atan2(-away_y, -away_x) - float(trace.heading[step]), math.tau)
+        for gap, _, (away_x, away_y) in _Solid(world).near(x, y)
+        if gap <= touched
+    ]
+    return min(bearings, key=lambda bearing: (abs(bearing), bearing), default=0.0)
 
 
 def walls_at_the_end(world: World) -> npt.NDArray[np.bool_]:
@@ -181,7 +207,7 @@ class _Solid:
 
     def contact(self, x: float, y: float) -> Contact:
         """Return the contact of a robot at a place with the walls nearest to it."""
-        near = self._near(x, y)
+        near = self.near(x, y)
         gap = min(near)[0]
         # Nearly equal distances count as one touch, so that a mirrored run gives the same kind.
         touched = [entry for entry in near if entry[0] <= gap + _SLACK]
@@ -191,7 +217,7 @@ class _Solid:
         )
         return Contact(kind, frozenset(cell for _, cell, _ in touched))
 
-    def _near(self, x: float, y: float) -> list[tuple[float, tuple[int, int], tuple[float, float]]]:
+    def near(self, x: float, y: float) -> list[tuple[float, tuple[int, int], tuple[float, float]]]:
         """Return distance, cell and normal of solid cells around a place, at least the nearest."""
         reach = self._reach
         column = math.floor(x)

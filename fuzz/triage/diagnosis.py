@@ -1,8 +1,8 @@
 """Decide a failure's cause from its run.
 
-The rules are a list, and the first that holds decides. Each looks at what repeats, or at the move
-that ended the run, and never at where in the world it happens. ``python -m benchmarks.causes``
-measures how well they distinguish seeded faults.
+The rules are a list, and the first that applies decides. Each examines the repeated part, or the
+move that ended the run, but never its place in the world. ``python -m benchmarks.causes`` measures
+how well they distinguish seeded faults.
 """
 
 from __future__ import annotations
@@ -16,9 +16,8 @@ from fuzz.failure import Failure
 from fuzz.triage.behaviour import RepeatedPart, behaviour_of
 from fuzz.triage.cause import Cause
 from fuzz.triage.changed_worlds import Arrives, arrives_in, fails_by_timing, needs_a_wider_gap
-from fuzz.triage.fleet_signature import Standoff, standoff
 from fuzz.triage.hazards import Hazard, hazard_in
-from fuzz.triage.signature import is_entered
+from fuzz.triage.signature import Standoff, is_entered, standoff
 from sim.episode import Episode
 from sim.evidence import (
     BudgetEvidence,
@@ -97,7 +96,7 @@ def cause_of(failure: Failure) -> Cause:
     recorded = failure.record.details.get(CAUSE)
     if recorded in set(Cause):
         return Cause(recorded)
-    # These need no run: the record says enough.
+    # These need no run: the record is enough.
     if failure.oracle is not None:
         return Cause.BREAKS_A_RULE
     if (hazard := hazard_in(failure.record.details)) is not None:
@@ -164,7 +163,7 @@ def _of_fleet(world: World, episode: FleetEpisode, arrives: Arrives | None) -> C
         for number, one in enumerate(episode.robots, start=1)
         if one.verdict != Verdict.REACHED
     ]
-    # Without a proof, nothing says who drives into whom.
+    # Without a proof, it is unknown which robot drives into which.
     if isinstance(evidence, BudgetEvidence):
         held = _held_by_others(world, episode, late, episode.steps // 2, arrives)
         if held is not None:
@@ -228,7 +227,7 @@ def _of_wall(evidence: WallEvidence) -> Cause:
 
 
 def _of_changed_worlds(world: World, seen: RepeatedPart, arrives: Arrives | None) -> Cause | None:
-    """Return a cause that only further runs show, if it is one of these."""
+    """Return the cause, if it is one of those that only further runs show."""
     if arrives is None:
         return None
     try:
@@ -261,7 +260,7 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     if near and not seen.is_blocked and seen.touching < _RARELY:
         return Cause.MISSES_THE_TARGET
 
-    # Along walls. A robot that follows the whole of a wall goes around an island, or around the target,
+    # Along walls. A robot that follows an entire wall goes around an island, or around the target,
     # which is inside the outer wall; a robot that does neither has left the wall in between.
     if seen.off_wall <= _ALONG and (seen.around_island or seen.around_target):
         return Cause.CIRCLES_A_WALL

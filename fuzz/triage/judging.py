@@ -238,7 +238,7 @@ def _difference(record: FailureRecord, episode: Episode, evidence: Mapping[str, 
     made = record.details.get("motion_version")
     now = MOTIONS.get(record.motion).version
     other = (
-        f" (recorded with version {made} of {record.motion}, this is {now})"
+        f" (recorded with version {made} of {record.motion}; this is version {now})"
         if made not in (None, now)
         else ""
     )

@@ -50,7 +50,7 @@ def _with_whole_cell(world: World) -> World:
 def certificate_fault(world: World) -> str:
     """Return the reason that a world's certificate does not hold; empty if it does."""
     if world.certificate is None:
-        return "the file carries no witness that the target can be reached"
+        return "the file has no witness that the target can be reached"
     if isinstance(world.certificate, Cut):
         report = _check_cut(world)
         return "" if report.valid else f"the cut does not hold: {report.reason}"

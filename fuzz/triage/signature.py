@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
 
 from fuzz.triage.contacts import KINDS, Contact, contacts, enclosure, part_of, winding_number
 from fuzz.triage.crash_bucket import crash_bucket
-from fuzz.triage.fleet_signature import standoff
 from sim.episode import Episode
 from sim.evidence import (
     BudgetEvidence,
@@ -24,7 +24,7 @@ from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.world import World
 
-__all__ = ["failure_class", "is_entered"]
+__all__ = ["Standoff", "failure_class", "is_entered", "standoff"]
 
 # Cells by which a limit may be exceeded, so that a mirrored run is on the same side of the limit.
 _ROUNDING = 1e-6
@@ -173,3 +173,53 @@ def _apart(world: World, trace: Trace) -> npt.NDArray[np.float64]:
     dy = (trace.y - world.target.y) / world.cell_size
     apart: npt.NDArray[np.float64] = np.sqrt(dx * dx + dy * dy)
     return apart
+
+
+class Standoff(StrEnum):
+    """How robots that repeat themselves forever block each other."""
+
+    FACE_TO_FACE = "face-to-face"
+    CIRCULAR_WAIT = "circular-wait"
+    BEHIND_PARKED = "behind-parked"
+    QUEUE = "queue"
+    OSCILLATION = "oscillation"
+    APART = "apart"
+
+
+def standoff(evidence: JointLoopEvidence) -> Standoff:
+    """Return how the robots of a joint loop block each other.
+
+    Two robots that drive into each other are *face to face*; three or more, each of which drives
+    into the next, are in a *circular wait*. A robot can also be stopped by a robot that has
+    *parked*, or *queue* behind one that walls hold back. Robots that move and never touch
+    *oscillate*; those that stand or circle without touching anyone are *apart*.
+    """
+    drives_into: dict[int, set[int]] = {}
+    for robot, other in evidence.blocked:
+        drives_into.setdefault(robot, set()).add(other)
+    if any(robot in drives_into.get(other, ()) for robot, other in evidence.blocked):
+        return Standoff.FACE_TO_FACE
+    if any(robot in _reached_from(robot, drives_into) for robot in drives_into):
+        return Standoff.CIRCULAR_WAIT
+    parked = {number for number, _ in evidence.parked}
+    if any(others & parked for others in drives_into.values()):
+        return Standoff.BEHIND_PARKED
+    if drives_into:
+        return Standoff.QUEUE
+    if evidence.periods and len({period for _, period in evidence.periods}) == len(
+        evidence.periods
+    ):
+        return Standoff.APART
+    return Standoff.OSCILLATION if len(evidence.moving) > 1 else Standoff.APART
+
+
+def _reached_from(robot: int, drives_into: dict[int, set[int]]) -> set[int]:
+    """Return all robots that can be reached from one by following who drives into whom."""
+    found: set[int] = set()
+    waiting = [*drives_into.get(robot, ())]
+    while waiting:
+        other = waiting.pop()
+        if other not in found:
+            found.add(other)
+            waiting += drives_into.get(other, ())
+    return found

@@ -56,7 +56,7 @@ class Triage:
             self._proof_steps = 0
 
     def stop(self) -> None:
-        """End the unit soon after Ctrl-C; until then, failures met so far may still be proved."""
+        """End the unit soon after Ctrl-C; until then, failures found so far may still be proved."""
         self._deadline = self._deadline.stopped_now()
 
     def count(self, verdict: str, steps: int) -> None:
@@ -135,7 +135,7 @@ class Triage:
                 check_time()
                 return self._proved(world, scenario, verdict, details)
             return ""
-        # A failure counts as soon as it is met, so its proof may exceed the unit's time.
+        # A failure counts as soon as it is found, so its proof may exceed the unit's time.
         with stopping_when(self._deadline.to_prove_is_over):
             check_time()
             return self._proved(world, scenario, verdict, details)

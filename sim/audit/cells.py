@@ -14,14 +14,11 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from sim.audit.geometry import Parts
+from worldgen.support.arrays import Bools, Floats, Indices, Ints
 from worldgen.timeline import CellState
 from worldgen.world import World
 
 __all__ = ["Pairs", "Surroundings"]
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
-Cells = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -30,35 +27,31 @@ class Pairs:
 
     Args:
         piece: Row of the piece.
-        ix: Column of the cell; -1 and the grid's width stand for the outside.
-        iy: Row of the cell; -1 and the grid's height stand for the outside.
+        ix: Column of the cell; -1 and the grid's width mean the outside.
+        iy: Row of the cell; -1 and the grid's height mean the outside.
         span: Row of the time span in :class:`Surroundings`; -1 if the cell is always solid.
     """
 
-    piece: npt.NDArray[np.intp]
+    piece: Indices
     ix: Ints
     iy: Ints
-    span: npt.NDArray[np.intp]
+    span: Indices
 
-    def take(self, rows: npt.NDArray[np.intp] | npt.NDArray[np.bool_]) -> Pairs:
+    def take(self, rows: Indices | Bools) -> Pairs:
         """Return some of the pairs."""
         return Pairs(self.piece[rows], self.ix[rows], self.iy[rows], self.span[rows])
 
     def followed_by(self, other: Pairs) -> Pairs:
         """Return these pairs and the others, in one record."""
-        columns = (
-            (self.piece, other.piece),
-            (self.ix, other.ix),
-            (self.iy, other.iy),
-            (self.span, other.span),
-        )
-        return Pairs(*(np.concatenate(both) for both in columns))
+        names = ("piece", "ix", "iy", "span")
+        both = ((getattr(self, name), getattr(other, name)) for name in names)
+        return Pairs(*map(np.concatenate, both))
 
 
 class Surroundings:
     """A world's cells over time, in tables that answer which of them are near a path.
 
-    The grid is ringed with solid cells that stand for the outside. Cells that never change are
+    The grid is ringed with solid cells that mean the outside. Cells that never change are
     found through tables of the nearest solid cell to the left and to the right: in each row only
     these can be nearest, so a large disc need not visit its whole area. Cells that change have
     spans of time, in order of cell and time.
@@ -79,7 +72,7 @@ class Surroundings:
         self._right = np.minimum.accumulate(ahead[:, ::-1], axis=1)[:, ::-1]
         self._spans_of(world)
 
-        # Distances to any cell that is ever blocked skip pieces that stay far from all of them.
+        # When looking for cells that are ever blocked, skip pieces that stay far from all of them.
         blocked = self._still.copy()
         blocked[1:-1, 1:-1] |= changing
         self._far = ndimage.distance_transform_cdt(~blocked, metric="chessboard")
@@ -118,9 +111,9 @@ class Surroundings:
         rows = range(self._first[cell], self._end[cell]) if cell >= 0 else ()
         return [self.span(row) for row in rows if self.state[row] == int(CellState.SOLID)]
 
-    def ever_blocked(self, ix: Ints, iy: Ints) -> Cells:
+    def ever_blocked(self, ix: Ints, iy: Ints) -> Bools:
         """Return where cells, of the grid or next to it, are solid or burning at any time."""
-        blocked: Cells = self._far[iy + 1, ix + 1] == 0
+        blocked: Bools = self._far[iy + 1, ix + 1] == 0
         return blocked
 
     def at_least(self, pieces: Parts) -> Floats:
@@ -146,7 +139,7 @@ class Surroundings:
             reach: Distance, cells.
 
         Returns:
-            All pairs that are within reach, and some that are not.
+            All pairs within reach, and some that are not.
         """
         found = self._near_still(pieces, reach)
         if self._far_changing is not None:
@@ -200,7 +193,7 @@ class Surroundings:
         pairs = Pairs(piece[known], ix[known], iy[known], cell[known].astype(np.intp))
         return _within_reach(pieces, pairs, reach)
 
-    def _rows(self, pieces: Parts, reach: float) -> tuple[npt.NDArray[np.intp], Ints]:
+    def _rows(self, pieces: Parts, reach: float) -> tuple[Indices, Ints]:
         """Return each piece with each row that may be within reach of it, the ring included."""
         low, high = _ends(pieces.y, pieces.dy)
         first = np.clip(np.floor(low - reach), -1, self.height).astype(np.int64)
@@ -216,7 +209,7 @@ class Surroundings:
         row, span = _ranges(first, after - 1)
         return Pairs(pairs.piece[row], pairs.ix[row], pairs.iy[row], span.astype(np.intp))
 
-    def _search(self, cell: npt.NDArray[np.intp], goes_on: Callable[[Ints], Cells]) -> Ints:
+    def _search(self, cell: Indices, goes_on: Callable[[Ints], Bools]) -> Ints:
         """Return each cell's first span for which ``goes_on`` is false, by bisection.
 
         If it is true for all spans of a cell, return the index after its last one.
@@ -239,7 +232,7 @@ def _ends(place: Floats, step: Floats) -> tuple[Floats, Floats]:
     return np.minimum(place, place + step), np.maximum(place, place + step)
 
 
-def _ranges(first: Ints, last: Ints) -> tuple[npt.NDArray[np.intp], Ints]:
+def _ranges(first: Ints, last: Ints) -> tuple[Indices, Ints]:
     """Return all numbers of the ranges first..last (inclusive), and which range each is from."""
     count = np.maximum(last - first + 1, 0)
     row = np.repeat(np.arange(len(count)), count)

@@ -1,7 +1,7 @@
 """Decide close calls in rational numbers.
 
 The close calls are whether the centre really entered a wall, and whether it really left the grid.
-A float stands for its shortest decimal, as in the world's file: with cells of 0.1 m, 0.3 m is
+A float means its shortest decimal, as in the world's file: with cells of 0.1 m, 0.3 m is
 exactly on the face of cell 3.
 """
 

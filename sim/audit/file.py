@@ -10,15 +10,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.judge import Trajectory
 from worldgen.errors import FormatError
+from worldgen.support.arrays import Floats, Ints
 
 __all__ = ["parse_trajectories", "read_trajectories"]
 
 COLUMNS = ("t", "x", "y")
-# Column that tells whose a sample is, in a recording of several robots.
+# Column with the robot of each sample, in a recording of several robots.
 _ROBOT = "robot"
 _DELIMITERS = (",", ";", "\t")
 # A larger file is refused before it fills the memory.
@@ -33,12 +33,12 @@ def read_trajectories(
     Args:
         path: The file.
         robots: Number of robots in the world.
-        only: The robot whose trajectory is wanted; all if omitted.
+        only: The robot whose trajectory to read; all if omitted.
 
     Returns:
         Trajectories by the robots' numbers, from 1. A file without a column ``robot`` has one
-        trajectory, of the first robot or of the wanted one; in a world of one robot, that column is
-        ignored.
+        trajectory, of the first robot or of the chosen one; in a world with one robot, that column
+        is ignored.
 
     Raises:
         FormatError: If it cannot be read, or is not a trajectory.
@@ -59,7 +59,7 @@ def read_trajectories(
         raise FormatError(
             "too-large",
             "is larger than {most} MiB",
-            "cut it into parts",
+            "split it into parts",
             most=_MOST_BYTES >> 20,
             source=name,
         )
@@ -87,7 +87,7 @@ def parse_trajectories(
             ignored.
         source: The file's name, for messages.
         robots: Number of robots in the world.
-        only: The robot whose trajectory is wanted; all if omitted.
+        only: The robot whose trajectory to read; all if omitted.
 
     Raises:
         FormatError: If it is not a trajectory; the error names the faulty line.
@@ -133,24 +133,24 @@ def parse_trajectories(
 
 
 def _has_robots(header: str) -> bool:
-    return any(_names(header, delimiter).count(_ROBOT) == 1 for delimiter in _DELIMITERS)
+    return any(_names(header.lower(), delimiter).count(_ROBOT) == 1 for delimiter in _DELIMITERS)
 
 
 def _samples(
-    owners: npt.NDArray[np.float64],
+    owners: Floats,
     robots: int,
     only: int | None,
     body: str,
     header_line: int,
     source: str,
-) -> dict[int, npt.NDArray[np.int64]]:
+) -> dict[int, Ints]:
     """Return the rows of each robot's samples."""
     wrong = np.flatnonzero(~np.isin(owners, np.arange(1, robots + 1)))
     if len(wrong):
         raise FormatError(
             "out-of-range",
             "robot {robot:g} is not in the world, which has {robots}",
-            "number the robots from 1, or give the world that was driven in",
+            "number the robots from 1, or give the world in which it was recorded",
             robot=float(owners[wrong[0]]),
             robots=robots,
             line=_line_of(body, int(wrong[0]), header_line),
@@ -170,29 +170,29 @@ def _samples(
 
 
 def _names(header: str, delimiter: str) -> list[str]:
-    """Return the names of the columns, in lower case."""
+    """Return the names of the columns."""
     names = header.strip().lstrip("#").split(delimiter)
-    return [name.strip().strip('"').strip().lower() for name in names]
+    return [name.strip().strip('"').strip() for name in names]
 
 
 def _columns(header: str, wanted: Sequence[str], line: int, source: str) -> tuple[str, list[int]]:
     """Return the separator of the columns, and the indices of the wanted ones."""
     for delimiter in _DELIMITERS:
-        lower = _names(header, delimiter)
+        lower = _names(header.lower(), delimiter)
         if all(lower.count(name) == 1 for name in wanted):
             return delimiter, [lower.index(name) for name in wanted]
 
-    # No separator gives all of them, so report the one that splits the header furthest.
+    # No separator gives all of them, so report the one that splits the header into most columns.
     furthest = max(_DELIMITERS, key=header.count)
-    lower = _names(header, furthest)
-    found = [name.strip().strip('"').strip() for name in header.strip().lstrip("#").split(furthest)]
+    found = _names(header, furthest)
+    lower = [name.lower() for name in found]
     wrong = next(name for name in COLUMNS if lower.count(name) != 1)
     how = f"two columns {wrong!r}" if wrong in lower else f"no column {wrong!r}"
     shown = ", ".join(found)[:80]
     raise FormatError(
         "columns-missing",
         "the header ({shown}) has {fault}",
-        "name t, x and y once each, with commas, semicolons or tabs between",
+        "name t, x and y once each, separated by commas, semicolons or tabs",
         shown=shown,
         fault=how,
         line=line,
@@ -200,7 +200,7 @@ def _columns(header: str, wanted: Sequence[str], line: int, source: str) -> tupl
     )
 
 
-def _quick(body: str, delimiter: str, places: list[int]) -> tuple[npt.NDArray[np.float64], ...]:
+def _quick(body: str, delimiter: str, places: list[int]) -> tuple[Floats, ...]:
     if not body.strip():
         return (np.zeros(0),) * len(places)
     columns = np.loadtxt(
@@ -217,7 +217,7 @@ def _quick(body: str, delimiter: str, places: list[int]) -> tuple[npt.NDArray[np
 
 def _slow(
     body: str, delimiter: str, places: Mapping[str, int], header_line: int, source: str
-) -> tuple[npt.NDArray[np.float64], ...]:
+) -> tuple[Floats, ...]:
     """Read line by line, to report the line that is not a sample."""
     rows: list[list[float]] = []
     for line, text in enumerate(body.split("\n"), header_line + 1):

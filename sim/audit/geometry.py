@@ -15,11 +15,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
+
+from worldgen.support.arrays import Bools, Floats, Indices, Ints
 
 __all__ = ["Parts", "deepest", "nearest", "slab", "within"]
-
-Floats = npt.NDArray[np.float64]
 
 _CORNERS = ((-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5))
 
@@ -38,13 +37,11 @@ class Parts:
         span = high - low
         return Parts(self.x + low * self.dx, self.y + low * self.dy, span * self.dx, span * self.dy)
 
-    def take(self, rows: npt.NDArray[np.intp] | npt.NDArray[np.bool_] | slice) -> Parts:
+    def take(self, rows: Indices | Bools | slice) -> Parts:
         """Return some of the parts."""
         return Parts(self.x[rows], self.y[rows], self.dx[rows], self.dy[rows])
 
-    def seen_from(
-        self, ix: npt.NDArray[np.int64] | Floats, iy: npt.NDArray[np.int64] | Floats
-    ) -> Parts:
+    def seen_from(self, ix: Ints | Floats, iy: Ints | Floats) -> Parts:
         """Return the parts with the origin moved to the middle of each one's cell."""
         return Parts(self.x - (ix + 0.5), self.y - (iy + 0.5), self.dx, self.dy)
 

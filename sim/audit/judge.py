@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.path import AuditPath
 from sim.audit.scan import Hits, Scan, merged, scan
 from worldgen.errors import InvalidParameter, Message
+from worldgen.support.arrays import Floats
 from worldgen.world import World
 
 __all__ = [
@@ -27,8 +27,6 @@ __all__ = [
     "Trajectory",
     "audit",
 ]
-
-Floats = npt.NDArray[np.float64]
 
 KINDS = ("tunnel", "overlap", "outside", "jump", "burned", "start")
 # Depth up to which a cut is not reported, m.
@@ -106,7 +104,7 @@ class Trajectory:
                 value = float(values[wrong[0]])
                 return int(wrong[0]), Message(
                     "out-of-range",
-                    "{name} = {value:g} is not a number of {unit}, or too large",
+                    "{name} = {value:g} is not a number of {unit}, or is too large",
                     "remove lines like this one",
                     name=name,
                     value=value,
@@ -137,9 +135,9 @@ class Finding:
         depth: How far it went at worst, m. For a ``tunnel``, the distance from the centre to the
             nearest face of the cell that it is in. For ``overlap`` and ``burned``, the radius minus
             the distance to the cell. For ``outside``, the distance from the centre to the grid. For
-            a ``jump``, how much farther it went than it could. For ``start``, the distance from the
+            a ``jump``, how much farther it went than possible. For ``start``, the distance from the
             first sample to the start.
-        cell: Cell (ix, iy) at worst; -1 or the grid's width or height stand for the outside.
+        cell: Cell (ix, iy) at worst; -1 or the grid's width or height mean the outside.
             ``None`` for findings without a cell.
         begin: Time when it began, s.
         end: Time when it ended, s.
@@ -165,9 +163,9 @@ class Audit:
 
     Args:
         findings: Everything impossible, in order of when it began.
-        notes: Sentences worth reading that are not findings.
+        notes: Remarks that are not findings.
         samples: Number of samples.
-        reached: Time when the centre first was in the target, s; ``None`` if it never was.
+        reached: Time when the centre was first in the target, s; ``None`` if it never was.
         path_length: Length of the path, m.
         duration: Time from the first sample to the last, s.
         clearance: Smallest distance of the centre to the outside or to anything solid or burning at
@@ -233,11 +231,9 @@ def audit(
     # Collect findings along the path, of moves that are too fast, and of the start.
     way = AuditPath(world, trajectory.times, trajectory.x, trajectory.y)
     result = scan(way, world.robot_radius / size, tolerance / size, straight=straight)
-    findings = [
-        finding
-        for kind, hits in result.hits.items()
-        for finding in _findings(kind, hits, way, size)
-    ]
+    findings: list[Finding] = []
+    for kind, hits in result.hits.items():
+        findings += _findings(kind, hits, way, size)
     findings += _jumps(world, trajectory, slack)
     elsewhere = _elsewhere(world, trajectory, max(tolerance, slack))
     findings += elsewhere if from_start else []
@@ -273,17 +269,8 @@ def _findings(kind: str, hits: Hits, way: AuditPath, unit: float) -> list[Findin
     t, x, y = way.place(hits.worst)
     begin = way.place(hits.begin)[0]
     end = way.place(hits.end)[0]
-    columns = (
-        t,
-        x,
-        y,
-        hits.depth * unit,
-        hits.ix,
-        hits.iy,
-        begin,
-        end,
-        np.floor(hits.worst).astype(int),
-    )
+    sample = np.floor(hits.worst).astype(int)
+    columns = (t, x, y, hits.depth * unit, hits.ix, hits.iy, begin, end, sample)
     return [
         Finding(kind, t, x, y, depth, (ix, iy), begin, end, sample)
         for t, x, y, depth, ix, iy, begin, end, sample in zip(
@@ -351,8 +338,7 @@ def _report(
     if result.shaved:
         notes.append(
             f"{result.shaved} straight line{'s' if result.shaved > 1 else ''} between clear "
-            f"samples cut a corner, by "
-            f"up to {depth:.3g} m; --straight counts them"
+            f"samples cut a corner, by up to {depth:.3g} m; --straight counts them"
         )
     nearest = way.place(np.array([result.nearest]))
     return Audit(

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.exact import Move, decimal, is_beyond
 from sim.audit.geometry import Parts, slab
+from worldgen.support.arrays import Bools, Floats
 from worldgen.world import World
 
 __all__ = ["AuditPath"]
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 # Cells. Longer moves are examined in pieces of at most this length.
 _PIECE = 2.0
@@ -39,11 +36,9 @@ class AuditPath:
         self.moves = Parts(self.x[:-1], self.y[:-1], np.diff(self.x), np.diff(self.y))
         self.leaving = np.flatnonzero(self.beyond[:-1] | self.beyond[1:])
         # A burning cell may touch a disc whose centre is outside the grid.
-        margin = (
-            min(world.robot_radius / world.cell_size, self.height + self.width)
-            if world.is_dynamic
-            else 0.0
-        )
+        margin = 0.0
+        if world.is_dynamic:
+            margin = min(world.robot_radius / world.cell_size, self.height + self.width)
         self.low = np.zeros(len(self.moves.x))
         self.high = np.ones(len(self.moves.x))
         self.low[self.leaving], self.high[self.leaving] = self.in_grid(margin)
@@ -101,9 +96,7 @@ class AuditPath:
         return Move(begin, end, *places)
 
 
-def _coordinate(
-    metres: Floats, count: int, cell_size: float
-) -> tuple[Floats, npt.NDArray[np.bool_]]:
+def _coordinate(metres: Floats, count: int, cell_size: float) -> tuple[Floats, Bools]:
     """Return coordinates in cells, and exactly which of them are outside a grid of ``count``."""
     size = decimal(cell_size)
     if max(size.numerator, size.denominator) < 2**53:
@@ -112,7 +105,7 @@ def _coordinate(
     else:
         cells = metres / cell_size
 
-    # Rounding could decide for coordinates this near to an edge; compare those exactly.
+    # For coordinates this near an edge, rounding could change the result; compare those exactly.
     outside = (cells < 0.0) | (cells > count)
     for row in np.flatnonzero(np.minimum(np.abs(cells), np.abs(cells - count)) < 1e-9 * count):
         outside[row] = is_beyond(float(metres[row]), count, cell_size)

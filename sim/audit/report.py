@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.judge import KINDS, Audit, Finding, Trajectory
 from worldgen import render
 from worldgen.render.overlay import MarkKind
+from worldgen.support.arrays import Floats
 from worldgen.world import World
 
 __all__ = ["as_lines", "as_object", "draw", "fleet_lines", "fleet_object"]
-
-Floats = npt.NDArray[np.float64]
 
 _MOST_LINES = 40
 # Limit on marks of one kind; more of them would hide the picture.
@@ -44,31 +43,19 @@ def as_object(audit: Audit, tolerance: float) -> dict[str, object]:
     t, x, y = audit.nearest
     return {
         "ok": audit.ok,
-        "findings": [
-            {
-                "kind": finding.kind,
-                "t": finding.t,
-                "x": finding.x,
-                "y": finding.y,
-                "depth": finding.depth,
-                "cell": None if finding.cell is None else list(finding.cell),
-                "t_begin": finding.begin,
-                "t_end": finding.end,
-                "sample": finding.sample,
-            }
-            for finding in audit.findings
-        ],
-        "notes": list(audit.notes),
-        "samples": audit.samples,
-        "reached": audit.reached,
-        "path_length": audit.path_length,
-        "duration": audit.duration,
-        "clearance": audit.clearance,
+        **asdict(audit),
+        "findings": [_as_object(finding) for finding in audit.findings],
         "nearest": {"t": t, "x": x, "y": y},
-        "shaved": audit.shaved,
-        "shaved_depth": audit.shaved_depth,
         "tolerance": tolerance,
     }
+
+
+def _as_object(finding: Finding) -> dict[str, object]:
+    """Return a finding without its speed, which only its sentence tells."""
+    names = {"begin": "t_begin", "end": "t_end"}
+    plain = asdict(finding)
+    del plain["speed"]
+    return {names.get(name, name): value for name, value in plain.items()}
 
 
 def as_lines(world: World, audit: Audit) -> list[str]:
@@ -110,11 +97,8 @@ def fleet_object(audits: Mapping[int, Audit], tolerance: float) -> dict[str, obj
 
 
 def _line(world: World, finding: Finding) -> str:
-    span = (
-        f"{finding.begin:.6g} to {finding.end:.6g} s"
-        if finding.end > finding.begin
-        else f"{finding.begin:.6g} s"
-    )
+    until = f" to {finding.end:.6g}" if finding.end > finding.begin else ""
+    span = f"{finding.begin:.6g}{until} s"
     where = f"at t = {finding.t:.6g} s, ({finding.x:.6g}, {finding.y:.6g}) m"
     return f"{finding.kind} {span}: {_words(world, finding)}, {where}"
 
@@ -135,11 +119,9 @@ def _words(world: World, finding: Finding) -> str:
     if finding.kind == "outside":
         return f"the centre is up to {depth} outside the grid"
     if finding.kind == "jump":
-        speed = (
-            f"at {finding.speed:.6g} m/s"
-            if finding.speed < math.inf
-            else "in no time, at infinite speed"
-        )
+        speed = "in no time, at infinite speed"
+        if finding.speed < math.inf:
+            speed = f"at {finding.speed:.6g} m/s"
         return f"up to {depth} farther in one step than {world.robot_speed:g} m/s allow, {speed}"
     return f"the first sample is {depth} away from the world's start"
 
@@ -154,17 +136,14 @@ def _verdict(*audits: Audit) -> str:
 
 
 def _figures(world: World, audit: Audit) -> str:
-    reached = (
-        "target not reached"
-        if audit.reached is None
-        else f"target reached at {audit.reached:.6g} s"
-    )
+    reached = "target not reached"
+    if audit.reached is not None:
+        reached = f"target reached at {audit.reached:.6g} s"
     t, x, y = audit.nearest
     return (
         f"{audit.samples} samples, {audit.duration:.6g} s, {audit.path_length:.6g} m, {reached}; "
         f"smallest clearance {audit.clearance:.6g} m at t = {t:.6g} s, ({x:.6g}, {y:.6g}) m, "
-        f"radius "
-        f"{world.robot_radius:g} m"
+        f"radius {world.robot_radius:g} m"
     )
 
 

@@ -8,20 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.audit.cells import Pairs, Surroundings
 from sim.audit.exact import meet_inside, run_along, run_between
 from sim.audit.geometry import deepest, nearest, slab, within
 from sim.audit.path import AuditPath
+from worldgen.support.arrays import Bools, Floats, Indices, Ints
 from worldgen.timeline import CellState
 
 __all__ = ["Hits", "Scan", "merged", "scan"]
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 # Sizes of the arrays that are worked on at once, in pieces and in pairs, to limit memory.
 _PIECES_AT_ONCE = 60_000
@@ -42,7 +40,7 @@ _NEARLY = 1e-6
 # Relative rounding error of a few operations in float64.
 _ROUNDING = 4e-16
 
-# Fraction of a move. Stretches that are nearer to each other than this are one.
+# Fraction of a move. Stretches closer to each other than this count as one.
 _TOUCHING = 1e-8
 
 
@@ -66,7 +64,7 @@ class Hits:
     ix: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     iy: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
 
-    def of_moves(self, rows: npt.NDArray[np.intp]) -> Hits:
+    def of_moves(self, rows: Indices) -> Hits:
         """Return the stretches on the path, if the places are fractions of these moves."""
         begin, end, worst = (rows + place for place in (self.begin, self.end, self.worst))
         return replace(self, begin=begin, end=end, worst=worst)
@@ -74,12 +72,19 @@ class Hits:
     @classmethod
     def of(cls, many: Sequence[Hits]) -> Hits:
         """Return all of the stretches in one record."""
-        names = ("begin", "end", "depth", "worst", "ix", "iy")
-        return (
-            cls(*(np.concatenate([getattr(hits, name) for hits in many]) for name in names))
-            if many
-            else cls()
-        )
+        if not many:
+            return cls()
+        columns = zip(*(hits.columns for hits in many), strict=True)
+        return cls(*map(np.concatenate, columns))
+
+    @property
+    def columns(self) -> tuple[Any, ...]:
+        """The fields in their order."""
+        return self.begin, self.end, self.depth, self.worst, self.ix, self.iy
+
+    def take(self, rows: Indices | Bools) -> Hits:
+        """Return some of the stretches."""
+        return Hits(*(column[rows] for column in self.columns))
 
 
 def merged(hits: Hits, grain: float = 1e-9) -> Hits:
@@ -103,14 +108,7 @@ def merged(hits: Hits, grain: float = 1e-9) -> Hits:
     depth = np.round(hits.depth[order] / grain)
     ranked = order[np.lexsort((hits.worst[order], -depth, group))][first]
     ends = np.append(first[1:], len(group)) - 1
-    return Hits(
-        begin=hits.begin[order][first],
-        end=reached[ends],
-        depth=hits.depth[ranked],
-        worst=hits.worst[ranked],
-        ix=hits.ix[ranked],
-        iy=hits.iy[ranked],
-    )
+    return replace(hits.take(ranked), begin=hits.begin[order][first], end=reached[ends])
 
 
 @dataclass
@@ -148,8 +146,8 @@ class _Measured:
     """Pairs of a piece and a cell, with their distance; (n,) each."""
 
     pairs: Pairs
-    row: npt.NDArray[np.intp]
-    burning: npt.NDArray[np.bool_]
+    row: Indices
+    burning: Bools
     # Fractions of the move at which the piece begins and ends while the cell is blocked.
     low: Floats
     high: Floats
@@ -201,9 +199,7 @@ def scan(way: AuditPath, radius: float, tolerance: float, *, straight: bool) -> 
     return result
 
 
-def _portions(
-    pieces: Ints, rows: npt.NDArray[np.intp], rows_each: float
-) -> Iterator[npt.NDArray[np.intp]]:
+def _portions(pieces: Ints, rows: Indices, rows_each: float) -> Iterator[Indices]:
     """Yield the moves in portions that fit into memory."""
     most = max(1, min(_PIECES_AT_ONCE, int(_ROWS_AT_ONCE / rows_each)))
     total = np.cumsum(pieces[rows])
@@ -216,7 +212,7 @@ def _portions(
 
 
 def _measure(
-    way: AuditPath, around: Surroundings, rows: npt.NDArray[np.intp], reach: float, least: Floats
+    way: AuditPath, around: Surroundings, rows: Indices, reach: float, least: Floats
 ) -> _Measured:
     """Measure the distances of some moves to the cells around them.
 
@@ -255,8 +251,8 @@ def _measure(
 
 
 def _windows(
-    way: AuditPath, around: Surroundings, pairs: Pairs, row: npt.NDArray[np.intp]
-) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
+    way: AuditPath, around: Surroundings, pairs: Pairs, row: Indices
+) -> tuple[Floats, Floats, Bools]:
     """Return the fractions of the move between which each cell is blocked, and if it burns."""
     since = np.zeros(len(row))
     until = np.ones(len(row))
@@ -266,13 +262,12 @@ def _windows(
         span = pairs.span[timed]
         begin = way.times[row[timed]]
         end = way.times[row[timed] + 1]
-        lasts = np.where(end > begin, end - begin, 1.0)
-        since[timed] = np.where(
-            end > begin, np.clip((around.since[span] - begin) / lasts, 0.0, 1.0), 0.0
-        )
-        until[timed] = np.where(
-            end > begin, np.clip((around.until[span] - begin) / lasts, 0.0, 1.0), 1.0
-        )
+        lasts = end > begin
+        duration = np.where(lasts, end - begin, 1.0)
+        enter = np.clip((around.since[span] - begin) / duration, 0.0, 1.0)
+        leave = np.clip((around.until[span] - begin) / duration, 0.0, 1.0)
+        since[timed] = np.where(lasts, enter, 0.0)
+        until[timed] = np.where(lasts, leave, 1.0)
         burning[timed] = around.state[span] == int(CellState.BURNING)
     return since, until, burning
 
@@ -280,10 +275,10 @@ def _windows(
 def _measured(
     way: AuditPath,
     pairs: Pairs,
-    row: npt.NDArray[np.intp],
+    row: Indices,
     shares: tuple[Floats, Floats],
     window: tuple[Floats, Floats],
-    burning: npt.NDArray[np.bool_],
+    burning: Bools,
 ) -> _Measured:
     low, high = shares
     parts = way.moves.take(row).between(low, high).seen_from(pairs.ix, pairs.iy)
@@ -324,11 +319,9 @@ def _outside(way: AuditPath) -> Hits:
         sample = rows[own] + share
         ix = np.clip(np.floor(way.x[sample]), -1, width).astype(np.int64)
         iy = np.clip(np.floor(way.y[sample]), -1, height).astype(np.int64)
-        found.append(
-            Hits(
-                begin[own], end[own], depth[sample], np.full(len(ix), float(share)), ix, iy
-            ).of_moves(rows[own])
-        )
+        worst = np.full(len(ix), float(share))
+        hits = Hits(begin[own], end[own], depth[sample], worst, ix, iy)
+        found.append(hits.of_moves(rows[own]))
     return merged(Hits.of(found))
 
 
@@ -356,21 +349,17 @@ def _overlaps(
     depth = radius - measured.distance[hit]
     hits = Hits(begin, end, depth, at, pairs.ix, pairs.iy).of_moves(row)
     burning = measured.burning[hit]
-    return {"overlap": _some(hits, ~burning), "burned": _some(hits, burning)}
-
-
-def _some(hits: Hits, rows: npt.NDArray[np.bool_]) -> Hits:
-    return Hits(*(getattr(hits, n)[rows] for n in ("begin", "end", "depth", "worst", "ix", "iy")))
+    return {"overlap": hits.take(~burning), "burned": hits.take(burning)}
 
 
 def _shaved(
     measured: _Measured,
     way: AuditPath,
-    hit: npt.NDArray[np.intp],
+    hit: Indices,
     radius: float,
     tolerance: float,
     result: Scan,
-) -> npt.NDArray[np.bool_]:
+) -> Bools:
     """Return which hits are cuts by a line no longer than the radius, with both ends clear.
 
     A robot that slides around a corner between two samples leaves such a line. The line cuts by at
@@ -451,8 +440,8 @@ def _doubt(measured: _Measured, way: AuditPath, around: Surroundings) -> Floats:
 
 
 def _along_a_free_cell(
-    measured: _Measured, index: npt.NDArray[np.intp], way: AuditPath, around: Surroundings
-) -> npt.NDArray[np.bool_]:
+    measured: _Measured, index: Indices, way: AuditPath, around: Surroundings
+) -> Bools:
     """Return where the centre moves along a face with a cell behind it that is never blocked.
 
     Those are not close calls. A robot that drives along a wall does this with every sample, so each
@@ -530,7 +519,7 @@ def _widest(way: AuditPath, around: Surroundings, least: Floats, result: Scan) -
         result.note_clearance(measured.distance, measured.row + measured.nearest)
 
 
-def _distinct(way: AuditPath, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+def _distinct(way: AuditPath, rows: Indices) -> Indices:
     """Return the moves, keeping only one of several equal ones if the world does not change."""
     if way.world.is_dynamic or not len(rows):
         return rows

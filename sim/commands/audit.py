@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    write_out,
+)
 from worldgen.support.progress import working
 
 __all__ = ["audit"]
@@ -16,7 +24,6 @@ EXAMPLES = (
     "  worldgen run w.grid --controller turn-right --trace own.csv; worldgen audit w.grid own.csv\n"
     "  my-simulator | worldgen audit w.grid - --json"
 )
-PATH = click.Path(path_type=Path)
 
 
 @click.command(epilog=EXAMPLES)
@@ -39,7 +46,10 @@ PATH = click.Path(path_type=Path)
 @click.option(
     "--straight",
     is_flag=True,
-    help="The robot drove straight between samples, so corners that the lines cut count.",
+    help=(
+        "Assume that the robot drove straight between samples, so that corners cut by these lines "
+        "count."
+    ),
 )
 @click.option(
     "--from-start", is_flag=True, help="Require that the first sample is the world's start."
@@ -48,7 +58,7 @@ PATH = click.Path(path_type=Path)
     "--robot",
     type=click.IntRange(1),
     metavar="N",
-    help="Judge this robot alone.  [default: every robot of the recording]",
+    help="Judge only this robot.  [default: every robot of the recording]",
 )
 @click.option(
     "--picture",
@@ -73,22 +83,19 @@ def audit(
     """Check whether a trajectory from any simulator was possible.
 
     TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up) and, for several
-    robots, robot; - is stdin. It reports walls that the centre went through (tunnel) or the disc
-    cut into (overlap), paths outside the grid, jumps faster than the robot, and touched fire;
-    docs/howto/audit.md describes them. Exits with 0 if it was possible, with 1 if not.
+    robots, robot; - is stdin. It reports walls that the centre went through (tunnel) or that the
+    disc cut into (overlap), paths outside the grid, jumps faster than the robot's speed, and
+    contact with fire; docs/howto/audit.md describes them. Exits with 0 if it was possible, with 1
+    if not.
     """
     from sim.audit import audit as audit_trajectory
     from sim.audit.file import read_trajectories
     from sim.audit.report import as_lines, as_object, draw, fleet_lines, fleet_object
     from worldgen.errors import InvalidParameter
     from worldgen.files.grid import read_world
-    from worldgen.files.whole import check_output
 
     # Refuse bad output before the work.
-    if picture is not None and picture.suffix != ".png":
-        raise click.UsageError(f"--picture {picture}: name a .png file")
-    if picture is not None:
-        check_output(picture, force)
+    check_out("--picture", picture, ".png", force=force)
     # Read and audit.
     world = read_world(world_path)
     if robot is not None and robot > len(world.robots):
@@ -100,18 +107,12 @@ def audit(
             robots=len(world.robots),
         )
     trajectories = read_trajectories(trajectory_path, len(world.robots), robot)
+    driven = {number: world.alone(number) if world.others else world for number in trajectories}
+    judge = partial(
+        audit_trajectory, tolerance=tolerance, slack=slack, straight=straight, from_start=from_start
+    )
     with working(f"auditing {trajectory_path}"):
-        audits = {
-            number: audit_trajectory(
-                world.alone(number) if world.others else world,
-                trajectory,
-                tolerance=tolerance,
-                slack=slack,
-                straight=straight,
-                from_start=from_start,
-            )
-            for number, trajectory in trajectories.items()
-        }
+        audits = {number: judge(driven[number], own) for number, own in trajectories.items()}
 
     # Report; a recording of one robot needs no numbers.
     if len(audits) > 1:
@@ -120,7 +121,7 @@ def audit(
     else:
         ((number, result),) = audits.items()
         found = as_object(result, tolerance)
-        lines = as_lines(world.alone(number) if world.others else world, result)
+        lines = as_lines(driven[number], result)
     if as_json:
         emit_json(found)
     else:
@@ -129,7 +130,6 @@ def audit(
     # Draw; the exit code tells whether the trajectories were possible.
     if picture is not None:
         recorded = {number: (trajectories[number], audits[number]) for number in audits}
-        write_bytes(picture, draw(world, recorded, trajectory_path.name), force=force)
-        note(f"wrote {picture}")
+        write_out(picture, draw(world, recorded, trajectory_path.name), force=force)
     if not all(result.ok for result in audits.values()):
         raise SystemExit(1)

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    write_out,
+)
 
 if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration
@@ -25,7 +32,7 @@ EXAMPLES = (
 @click.argument("controller", required=False)
 @click.option(
     "--chart",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="OUT",
     help="Draw how the controller arbitrates, as a flow chart (.svg).",
 )
@@ -40,7 +47,6 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
     from sim.controllers.behaviours.arbitration import sentences
     from sim.controllers.behaviours.chart import chart_svg
     from sim.scenario import Scenario
-    from worldgen.files.whole import check_output
 
     # Without a controller, list the library.
     if controller is None:
@@ -49,10 +55,7 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
         _list_library(as_json)
         return
     # Check the chart's file before the work.
-    if chart is not None:
-        check_output(chart, force)
-        if chart.suffix != ".svg":
-            raise click.UsageError(f"--chart {chart}: name an .svg file")
+    check_out("--chart", chart, ".svg", force=force)
     arbitration = Scenario.parse(controller).arbitration
     if arbitration is None:
         raise click.UsageError(
@@ -65,8 +68,7 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
     else:
         click.echo("\n".join((f"by {arbitration.arbiter}", *sentences(arbitration))))
     if chart is not None:
-        write_bytes(chart, chart_svg(arbitration, controller).encode(), force=force)
-        note(f"wrote {chart}")
+        write_out(chart, chart_svg(arbitration, controller).encode(), force=force)
 
 
 def _list_library(as_json: bool) -> None:
@@ -77,14 +79,8 @@ def _list_library(as_json: bool) -> None:
     for name in BEHAVIOURS:
         one = BEHAVIOURS.get(name)
         own = [option for option in options_of(one) if option.name not in _OF_EVERY_PART]
-        rows.append(
-            {
-                "name": name,
-                "when": one.applies,
-                "does": one.does,
-                "options": {option.name: option.default for option in own},
-            }
-        )
+        defaults = {option.name: option.default for option in own}
+        rows.append({"name": name, "when": one.applies, "does": one.does, "options": defaults})
     if as_json:
         emit_json({"behaviours": rows})
         return

@@ -9,8 +9,20 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sim.commands.notes import note_unused
-from worldgen.cli.output import emit_json, force_option, json_option, named_also, note, write_bytes
+from worldgen.cli.output import (
+    PATH,
+    SEED,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    named_also,
+    note,
+    steps_option,
+    time_step_option,
+    typed,
+    write_out,
+)
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -30,7 +42,6 @@ EXAMPLES = (
     "  worldgen compare worlds/ --controller turn-random --seeds 1000 --csv new.csv --against "
     "old.csv"
 )
-PATH = click.Path(path_type=Path)
 PUBLISHED = "published.csv"
 # Seconds; most of the thesis's endless runs are proved to be loops by then.
 _TIME_FOR_NEVER = 300.0
@@ -51,7 +62,7 @@ _TIME_FOR_NEVER = 300.0
     "--motion",
     help="Motion model.  [default: swept, or that of published figures for these worlds]",
 )
-@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
+@time_step_option
 @click.option(
     "--seeds",
     type=click.IntRange(1, 1_000_000),
@@ -61,12 +72,12 @@ _TIME_FOR_NEVER = 300.0
 )
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     default=0,
     show_default=True,
     help="First seed.",
 )
-@click.option("--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]")
+@steps_option
 @click.option(
     "--against",
     type=PATH,
@@ -106,14 +117,11 @@ def compare(
     from sim.compare.published import agreement
     from sim.compare.report import as_csv, as_text
     from sim.compare.report import as_json as plain
-    from worldgen.files.whole import check_output
+    from sim.options.unused import ineffective
 
     # Refuse bad output before the work.
-    if picture is not None and picture.suffix != ".png":
-        raise click.UsageError(f"--picture {picture}: name a .png file")
-    for out in (table, picture):
-        if out is not None:
-            check_output(out, force)
+    check_out("--picture", picture, ".png", force=force)
+    check_out("--csv", table, force=force)
     if table is not None and picture is not None and table.resolve() == picture.resolve():
         raise click.UsageError(f"--csv and --picture both name {table}; give two names")
     # Read the figures, the controllers and the worlds.
@@ -126,7 +134,8 @@ def compare(
         )
     worlds = [_with_time(world, figures) for world in _worlds(paths)]
     _note_strangers(figures, worlds, scenarios)
-    note_unused(scenarios.values(), seeds=["seed", "seeds"])
+    for sentence in ineffective(scenarios.values(), seeds=typed("seed", "seeds")):
+        note(f"note: {sentence}")
     # Run everything.
     with working("comparing") as work:
         comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=work.say)
@@ -137,17 +146,15 @@ def compare(
     else:
         click.echo(as_text(comparison, beside), nl=False)
     if table is not None:
-        write_bytes(table, as_csv(comparison).encode(), force=force)
-        note(f"wrote {table}")
+        write_out(table, as_csv(comparison).encode(), force=force)
     if picture is not None:
         with working(f"drawing {picture}"):
             drawn = draw_comparison(comparison)
-        write_bytes(picture, drawn, force=force)
-        note(f"wrote {picture}")
+        write_out(picture, drawn, force=force)
 
 
 def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow, ...]:
-    """Return earlier figures: those of ``--against``, or those next to the worlds."""
+    """Return earlier figures, from ``--against`` or from next to the worlds."""
     from sim.compare.published import read_figures
     from worldgen.files.whole import read_text
 
@@ -157,14 +164,9 @@ def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow,
     for path in dict.fromkeys(paths):
         place = (path if path.is_dir() else path.parent) / PUBLISHED
         if place.is_file():
-            figures = read_figures(
-                read_text(place), str(place), folder=str(path) if path.is_dir() else ""
-            )
-            found += (
-                figures
-                if path.is_dir()
-                else [figure for figure in figures if figure.world == _stem(path)]
-            )
+            folder = str(path) if path.is_dir() else ""
+            figures = read_figures(read_text(place), str(place), folder)
+            found += [one for one in figures if path.is_dir() or one.world == _stem(path)]
     return tuple(found)
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import importlib.resources
+import keyword
+import os
 import re
+import shlex
 from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, write_bytes
 from worldgen.errors import InvalidParameter, OutputError
 
 __all__ = ["new_controller"]
@@ -31,13 +35,13 @@ _COMPILERS = {
     type=click.Choice(KINDS),
     default="python",
     show_default=True,
-    help="A function of C or C++ in a shared library, one that numba compiles, a Python class for "
+    help="A C or C++ function in a shared library, one that numba compiles, a Python class for "
     "one robot, one for "
     "many robots at once with NumPy, or a separate program that speaks JSON lines.",
 )
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR|FILE",
     help="Where to write it.  [default: ./NAME.py, .c or .cpp]",
 )
@@ -46,22 +50,17 @@ _COMPILERS = {
 def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force: bool) -> None:
     """Write a working, commented controller to start from.
 
-    All kinds drive by the same rule: to the target, and after a bump away from the wall for a
+    All kinds follow the same rule: drive to the target and, after a bump, away from the wall for a
     while. The kinds in C and C++ and the compiled one run millions of steps per second, and their
-    loops are proved. The Python class runs some hundred thousand, the vector class millions if it
-    drives many robots; their loops are proved too. The process may be in any language and hide any
-    state, so at most it is reported as stalled.
+    loops are proved. The Python class runs a few hundred thousand, and the vector class millions if
+    it drives many robots; their loops are proved too. The process can be in any language and may
+    hide state, so its loops are not proved: they are reported as stalled.
     """
-    import importlib.resources
-
     word = _word(name)
     path = _place(out, word, kind)
     example = f"library{_suffix(kind)}" if kind in _COMPILERS else f"{kind}.py"
-    text = (
-        importlib.resources.files("sim.controllers.examples")
-        .joinpath(example)
-        .read_text(encoding="utf-8")
-    )
+    folder = importlib.resources.files("sim.controllers.examples")
+    text = folder.joinpath(example).read_text(encoding="utf-8")
     write_bytes(path, _renamed(text, word).encode(), force=force)
     if kind == "process":
         path.chmod(path.stat().st_mode | 0o111 & ~_umask())
@@ -77,14 +76,12 @@ def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force:
     if build:
         click.echo(build)
     click.echo("worldgen trap --size 20 --seed 4 --out w.grid")
-    click.echo(f"worldgen run w.grid --controller {_quoted(controller)} --trail run.png")
-    click.echo(f"worldgen fuzz --controller {_quoted(controller)} --budget 30s --out failures/")
+    click.echo(f"worldgen run w.grid --controller {shlex.quote(controller)} --trail run.png")
+    click.echo(f"worldgen fuzz --controller {shlex.quote(controller)} --budget 30s --out failures/")
 
 
 def _word(name: str) -> str:
     """Return the name as a Python identifier."""
-    import keyword
-
     word = name.replace("-", "_")
     if (
         not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", word)
@@ -125,8 +122,6 @@ def _place(out: Path | None, word: str, kind: str) -> Path:
 
 def _build(path: Path, kind: str) -> str:
     """Return the command that builds a shared library; empty if none is needed."""
-    import shlex
-
     if kind not in _COMPILERS:
         return ""
     library = shlex.quote(str(path.with_suffix(".so")))
@@ -146,8 +141,6 @@ def _title(word: str) -> str:
 
 def _reference(path: Path, word: str, kind: str) -> str:
     """Return the name for ``--controller``."""
-    import shlex
-
     place = str(path) if path.is_absolute() or str(path).startswith((".", "~")) else f"./{path}"
     if kind in _COMPILERS:
         return f"lib:{place.removesuffix(_suffix(kind))}.so:{word}"
@@ -156,15 +149,7 @@ def _reference(path: Path, word: str, kind: str) -> str:
     return f"{place}:{_title(word) if kind in ('python', 'vector') else word}"
 
 
-def _quoted(controller: str) -> str:
-    import shlex
-
-    return shlex.quote(controller)
-
-
 def _umask() -> int:
-    import os
-
     umask = os.umask(0)
     os.umask(umask)
     return umask

@@ -8,20 +8,25 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sim.commands.notes import note_survivors, note_unused
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.cli.output import (
     CONTROLLER_HELP,
+    PATH,
+    SEED,
+    check_out,
     emit_json,
     force_option,
     json_option,
     note,
-    write_bytes,
+    time_step_option,
+    typed,
+    write_out,
 )
 from worldgen.errors import InvalidParameter
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
+    from sim.controllers.behaviours.arbitration import Arbitration
     from sim.episode import Episode
     from sim.scenario import Scenario
     from worldgen.world import World
@@ -34,7 +39,6 @@ EXAMPLES = (
     "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json\n"
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
-OUT = click.Path(path_type=Path)
 _BLOCKED = "the target cannot be reached in this world, whatever the controller does"
 _BLOCKED_TOGETHER = "the robots cannot all arrive in this world, whatever the controllers do"
 _UNDECIDED = "it is undecided whether the target can be reached in this world"
@@ -43,7 +47,7 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path))
+@click.argument("path", type=PATH)
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
 @click.option(
     "--motion", default="swept", show_default=True, help="Motion model: swept, endpoint or stepped."
@@ -59,25 +63,26 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     help="Budget in steps.  [default: as for the file's failure, if it is this controller's, "
     "else 50 times the witness's time]",
 )
-@click.option("--time-step", type=float, help="Duration of a step, s.  [default: 0.015]")
-@click.option(
-    "--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers."
-)
+@time_step_option
+@click.option("--seed", type=SEED, default=0, help="Seed of random controllers.")
 @click.option(
     "--trail",
-    type=OUT,
+    type=PATH,
     metavar="OUT",
-    help="Draw world and trail: .png, .svg, .html, or an animated .gif.",
+    help="Draw the world and the trail: .png, .svg, .html, or an animated .gif.",
 )
 @click.option(
     "--trace",
-    type=OUT,
+    type=PATH,
     metavar="OUT",
-    help="Write t,x,y,heading per step, as CSV, plus the active behaviour if there are any.",
+    help=(
+        "Write t,x,y,heading for each step as CSV, and the active behaviour if the controller has "
+        "behaviours."
+    ),
 )
 @click.option(
     "--transcript",
-    type=OUT,
+    type=PATH,
     metavar="OUT",
     help="Save what was sent to a program (cmd:), for use in a debugger.",
 )
@@ -101,46 +106,43 @@ def run(
 
     Exits with 0 if the robot arrives, with 1 if it does not.
     """
-    from sim.commands.acting import acting_shares, counts_behaviours, who_acted
+    from sim.controllers.behaviours.arbitration import shares
     from sim.controllers.contract import check_contract
     from sim.controllers.programs.transcript import check_transcript, transcribed
     from sim.describe import describe_frames
     from sim.fleet.assignment import controllers_in
-    from sim.options.run import RunOptions
+    from sim.options.run import MAX_RECORDED, RunOptions
+    from sim.options.unused import ineffective
     from sim.scenario import Scenario
     from worldgen.files.grid import read_world
-    from worldgen.files.whole import check_output
     from worldgen.support.plain_text import shown_lines
 
     # Read the world and the controllers.
     world = read_world(path)
     duration = RunOptions.time_step if time_step is None else time_step
+    common = {"time_step": duration, "seed": seed, "task": task or RunOptions.task}
     scenarios = [
-        Scenario.parse(
-            part,
-            motion=motion,
-            time_step=duration,
-            seed=seed,
-            task=task or RunOptions.task,
-        )
+        Scenario.parse(part, motion=motion, **common)
         for part in controllers_in(controller, len(world.robots))
     ]
-    note_unused(list(dict.fromkeys(scenarios)), seeds=["seed"])
+    for sentence in ineffective(dict.fromkeys(scenarios), seeds=typed("seed")):
+        note(f"note: {sentence}")
     # Refuse bad output before the run.
     check_transcript(scenarios, transcript)
-    for out in (trail, trace):
-        if out is not None:
-            check_output(out, force)
-    if trail is not None and trail.suffix not in _PICTURES:
-        raise click.UsageError(f"--trail {trail}: name a {', '.join(_PICTURES)} file")
+    check_out("--trail", trail, *_PICTURES, force=force)
+    check_out("--trace", trace, force=force)
     steps = _stored_budget(world, scenarios) if steps is None else steps
     # Run; record only if something needs the recording.
     with (
         transcribed(scenarios[0].controller, transcript, force=force),
         working(f"running {_label(scenarios)} in {path}"),
     ):
-        record = bool(trail or trace or (as_json and counts_behaviours(scenarios, world, steps)))
-        episode = _simulated(world, scenarios, steps, record=record)
+        # Behaviours are counted only for a single robot, and in runs short enough to be recorded.
+        arbitration = scenarios[0].arbitration if len(scenarios) == 1 else None
+        short = scenarios[0].options(world, steps).steps <= MAX_RECORDED
+        counts = as_json and arbitration is not None and short
+        episode = _simulated(world, scenarios, steps, record=bool(trail or trace or counts))
+    acted = _acted(arbitration, episode)
     # Explain what went wrong, if anything did.
     check_contract(_at_fault(scenarios, episode), episode.evidence, episode.steps)
     reachable, proof = _is_reachable(world, episode)
@@ -150,7 +152,7 @@ def run(
         emit_json(
             {
                 **_summary(episode),
-                **acting_shares(scenarios, episode),
+                **({"behaviours": shares(arbitration, acted)} if arbitration and acted else {}),
                 "reachable": reachable,
                 **({} if reachable is not False else {"proof": proof}),
                 "arrival_uncertain": uncertain or None,
@@ -166,10 +168,9 @@ def run(
     if uncertain and episode.verdict not in ARRIVALS:
         note(f"with these disturbances, no controller is certain to arrive: {uncertain}")
     # Write the trace and the picture.
-    states = _csv(episode, who_acted(scenarios, episode))
+    states = _csv(episode, acted)
     if trace is not None and states:
-        write_bytes(trace, states.encode(), force=force)
-        note(f"wrote {trace}")
+        write_out(trace, states.encode(), force=force)
     if trail is not None:
         title = (
             f"{_label(scenarios)}, {scenarios[0].run.motion}: {_sentence(episode)}, "
@@ -177,8 +178,7 @@ def run(
         )
         with working(f"drawing {trail}"):
             picture = _picture(world, episode, scenarios[0].controller, title, trail.suffix)
-        write_bytes(trail, picture, force=force)
-        note(f"wrote {trail}")
+        write_out(trail, picture, force=force)
     if episode.verdict not in ARRIVALS:
         raise SystemExit(1)
 
@@ -219,6 +219,7 @@ def _simulated(
     """Run one robot, or all robots of a world with several."""
     from sim.episode import simulate
     from sim.fleet.episode import simulate_fleet
+    from sim.runners.renewal import survivors_found
 
     options = [one.options(world, steps) for one in scenarios]
     if world.others:
@@ -226,12 +227,21 @@ def _simulated(
         episode: Episode = simulate_fleet(world, names, options, record=record)
     else:
         episode = simulate(world, scenarios[0].controller, options[0], record=record)
-    note_survivors(one.controller for one in scenarios)
+    for sentence in survivors_found(one.controller for one in scenarios):
+        note(f"note: {sentence}")
     return episode
 
 
+def _acted(arbitration: Arbitration | None, episode: Episode) -> list[str]:
+    """Return the behaviour that acted in each step; empty without behaviours or a recording."""
+    from sim.controllers.behaviours.arbitration import acting
+
+    trace = episode.trace
+    return [] if arbitration is None or trace is None else acting(arbitration, trace)
+
+
 def _label(scenarios: list[Scenario]) -> str:
-    """Return the text that names all robots' controllers, as the command line takes it."""
+    """Return the text that names all robots' controllers, as on the command line."""
     labels = [one.label() for one in scenarios]
     if len(set(labels)) == 1:
         return labels[0]
@@ -271,7 +281,7 @@ def _is_reachable(world: World, episode: Episode) -> tuple[bool | None, str]:
     certificate is decided, as ``worldgen verify`` does, only if a robot did not arrive, because
     that can take as long as the run. A file keeps no confinement and no swap.
     """
-    from worldgen.commands.verify import verify_world
+    from worldgen.reach.verifying import verify_world
     from worldgen.world import Cut
 
     if world.certificate is not None:
@@ -339,7 +349,7 @@ def _picture(world: World, episode: Episode, controller: str, title: str, suffix
     world = replace(world, failure=None)
     trail = trails_of(episode, world)
     if isinstance(trail, render.Trail):
-        # A memory that cannot be read costs its own picture only.
+        # If a memory cannot be read, only its own picture is missing.
         try:
             memory = remembered_at_the_end(episode, CONTROLLERS.get(controller))
             trail = replace(trail, memory=memory)

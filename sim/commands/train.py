@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    write_bytes,
+    write_out,
+)
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -23,13 +32,16 @@ EXAMPLES = (
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("paths", nargs=-1, required=True, type=PATH)
 @click.option(
     "--controller",
     default="q-learner",
     show_default=True,
-    help="A controller that learns: q-learner, behaviours+by=learning:..., ./mine.py:Mine, or learned:FILE to "
-    "continue.",
+    help=(
+        "A learning controller: q-learner, behaviours+by=learning:..., ./mine.py:Mine, or "
+        "learned:FILE to "
+        "continue."
+    ),
 )
 @click.option("--episodes", default=200, show_default=True, help="Number of runs to learn from.")
 @click.option("--steps", default=2000, show_default=True, help="Budget of each run, in steps.")
@@ -42,13 +54,8 @@ EXAMPLES = (
 @click.option(
     "--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random choices."
 )
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Output file.")
-@click.option(
-    "--curve",
-    type=click.Path(path_type=Path),
-    metavar="OUT",
-    help="Draw the learning curve (.svg).",
-)
+@click.option("--out", required=True, type=PATH, help="Output file.")
+@click.option("--curve", type=PATH, metavar="OUT", help="Draw the learning curve (.svg).")
 @json_option
 @force_option
 def train(
@@ -75,14 +82,10 @@ def train(
     from sim.runners.training import train as train_in
     from sim.scenario import Scenario
     from worldgen.files.grid import read_world
-    from worldgen.files.whole import check_output
 
     # Refuse bad output and input before the work begins.
-    check_output(out, force)
-    if curve is not None:
-        check_output(curve, force)
-        if curve.suffix != ".svg":
-            raise click.UsageError(f"--curve {curve}: name an .svg file")
+    check_out("--out", out, force=force)
+    check_out("--curve", curve, ".svg", force=force)
     scenario = Scenario.parse(controller)
     found = CONTROLLERS.get(scenario.controller)
     learning_of(found, scenario.controller)
@@ -114,8 +117,7 @@ def train(
         _say(learned)
     note(f"wrote {out}")
     if curve is not None:
-        write_bytes(curve, curve_svg(learned.curve, scenario.label()).encode(), force=force)
-        note(f"wrote {curve}")
+        write_out(curve, curve_svg(learned.curve, scenario.label()).encode(), force=force)
 
 
 def _worlds_in(path: Path) -> list[Path]:

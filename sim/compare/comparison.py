@@ -48,7 +48,7 @@ __all__ = [
 
 MAX_SEEDS = 1_000_000
 PERCENTILES = (5, 25, 50, 75, 95)
-# Seconds. Times are rounded to this, so smaller differences mean nothing.
+# Seconds. Times are rounded to this, so smaller differences are meaningless.
 _SAME = 1e-9
 
 Progress = Callable[[str], None]
@@ -202,21 +202,16 @@ class Cell:
         ``None`` if none arrived.
         """
         arrived = self.arrivals
-        return (
-            arrived[max(math.ceil(len(arrived) * percent / 100), 1) - 1].time if arrived else None
-        )
+        place = max(math.ceil(len(arrived) * percent / 100), 1)
+        return arrived[place - 1].time if arrived else None
 
     def share_until(self, time: float) -> float:
         """Return the fraction of all runs that arrived no later than ``time``, s."""
-        return sum(run.verdict in ARRIVALS and run.time <= time + _SAME for run in self.runs) / len(
-            self.runs
-        )
+        return sum(run.time <= time + _SAME for run in self.arrivals) / len(self.runs)
 
     def share_before(self, time: float) -> float:
         """Return the fraction of all runs that arrived earlier than ``time``, s."""
-        return sum(run.verdict in ARRIVALS and run.time < time - _SAME for run in self.runs) / len(
-            self.runs
-        )
+        return sum(run.time < time - _SAME for run in self.arrivals) / len(self.runs)
 
 
 @dataclass(frozen=True)
@@ -314,14 +309,8 @@ def standing(times: Sequence[float]) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """
     first = min(times)
     last = max(times)
-    best = (
-        tuple(index for index, time in enumerate(times) if time == first)
-        if math.isfinite(first)
-        else ()
-    )
-    worst = (
-        tuple(index for index, time in enumerate(times) if time == last) if first != last else ()
-    )
+    best = tuple(index for index, time in enumerate(times) if time == first < math.inf)
+    worst = tuple(index for index, time in enumerate(times) if time == last != first)
     return best, worst
 
 
@@ -414,16 +403,9 @@ class _Column:
             first = trials[row] if trials else self._try(world, options[row])
             runs = self._over_seeds(world, options[row], first, seeds) if random else (first.run,)
             evidence = None if random else first.evidence
+            budget = options[row].steps
             cells.append(
-                Cell(
-                    world.name,
-                    self.label,
-                    self.scenario,
-                    options[row].steps,
-                    random,
-                    runs,
-                    evidence,
-                )
+                Cell(world.name, self.label, self.scenario, budget, random, runs, evidence)
             )
             if progress is not None:
                 progress(f"{self.label}: {row + 1} of {len(worlds)} worlds")
@@ -431,17 +413,15 @@ class _Column:
 
     def _options(self, world: NamedWorld, steps: int | None) -> RunOptions:
         options = self.scenario.options(world.world, steps)
+        if steps is not None:
+            return options
         least = math.ceil(world.least_time / options.time_step)
-        return (
-            options
-            if steps is not None
-            else replace(options, steps=min(max(options.steps, least), MAX_STEPS))
-        )
+        return replace(options, steps=min(max(options.steps, least), MAX_STEPS))
 
     def _over_seeds(
         self, world: NamedWorld, options: RunOptions, first: _TriedRun, seeds: int
     ) -> tuple[ComparedRun, ...]:
-        # The first run drew nothing, so it is the same with every other seed.
+        # The first run drew no random numbers, so it is the same with every other seed.
         own = range(options.seed + 1, options.seed + seeds)
         if not first.draws and not is_noisy(self.controller, self.scenario.run):
             return (first.run, *(replace(first.run, seed=seed) for seed in own))
@@ -477,18 +457,14 @@ class _Column:
             episode = simulate(world, self.controller, options)
             return _TriedRun(_compared(options, episode), episode.evidence, outcome.random_draws)
         time = round(outcome.steps * options.time_step, 9)
+        area = area_of(outcome.cells_visited, world)
         evidence = wall_evidence(outcome) if outcome.cause else None
-        return _TriedRun(
-            ComparedRun(
-                options.seed, verdict, outcome.steps, time, area_of(outcome.cells_visited, world)
-            ),
-            evidence,
-            outcome.random_draws,
-        )
+        run = ComparedRun(options.seed, verdict, outcome.steps, time, area)
+        return _TriedRun(run, evidence, outcome.random_draws)
 
 
 def _compared(options: RunOptions, episode: Episode) -> ComparedRun:
-    """Return what the table keeps of a run."""
+    """Return the part of a run that the table keeps."""
     return ComparedRun(
         options.seed, episode.verdict, episode.steps, episode.time, episode.area_covered
     )

@@ -48,8 +48,8 @@ class PublishedRow:
         time: Time of arrival, s; ``None`` if nothing arrived.
         motion: Motion model; empty if the table does not give one.
         time_step: Duration of a step, s; ``None`` if the table does not give one.
-        source: Where the figure comes from.
-        note: The table's note on it.
+        source: The source of the figure.
+        note: The note in the table.
         folder: Folder of the worlds that the table is about; empty for any.
     """
 
@@ -132,7 +132,7 @@ def read_figures(text: str, source: str, folder: str = "") -> tuple[PublishedRow
         if missing:
             raise FormatError(
                 "columns-missing",
-                "the first line names no column {column!r}, or names it twice",
+                "the first line does not name column {column!r} exactly once",
                 "it needs {columns!l}",
                 column=missing[0],
                 columns=list(_NEEDED),
@@ -194,7 +194,7 @@ def _figure(
     if verdict == Verdict.REACHED and time is None:
         raise FormatError(
             "time-missing",
-            "reached, but no time",
+            "the verdict is reached, but there is no time",
             "give seconds, or the verdict never",
             line=line,
             source=source,

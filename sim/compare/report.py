@@ -7,6 +7,7 @@ import io
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from sim.compare.comparison import PERCENTILES, Cell, Comparison, Total, standing
@@ -44,7 +45,7 @@ _WIDTH = 116
 
 
 def describe_outcome(cell: Cell, unit: str = "") -> str:
-    """Return what a controller did in a world, in a few words.
+    """Describe a controller's result in a world, in a few words.
 
     Examples: ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``.
 
@@ -58,11 +59,8 @@ def describe_outcome(cell: Cell, unit: str = "") -> str:
         if cell.time is not None:
             return f"{cell.time:.3f}{unit} {share}"
         failures = describe_detail(cell)
-        return (
-            f"never ({failures})"
-            if set(cell.verdicts) <= set(NEVER)
-            else f"none arrives ({failures})"
-        )
+        how = "never" if set(cell.verdicts) <= set(NEVER) else "none arrives"
+        return f"{how} ({failures})"
     if cell.time is not None:
         return f"{cell.time:.3f}{unit}"
     if cell.verdict in (Verdict.LOOP, *JOINT_LOOPS):
@@ -95,29 +93,21 @@ def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
     for index, cells in enumerate(comparison.cells):
         ranks = _ranks([cell.rank_time for cell in cells], comparison.labels) if several else []
         rows.append([comparison.worlds[index].name, *map(describe_outcome, cells), *ranks])
-        known = (
-            {}
-            if beside is None
-            else {c: own for (row, c), own in beside.figures.items() if row == index}
-        )
+        figures = {} if beside is None else beside.figures
+        known = {c: own for (row, c), own in figures.items() if row == index}
         if known:
-            rows.append(
-                [
-                    "  published",
-                    *_published_row(cells, known),
-                    *(_published_ranks(comparison, known)),
-                ]
-            )
+            published = _published_row(cells, known)
+            rows.append(["  published", *published, *_published_ranks(comparison, known)])
 
     # Explain the notation that the table uses.
     text = aligned(_by_the_point(rows, range(1, 1 + len(comparison.labels))))
     keys = ["Times in s."]
     if any(cell.random for row in comparison.cells for cell in row):
-        keys.append("(k/n): k of n seeds arrive, the time is their median.")
+        keys.append("(k/n): k of n seeds arrive; the time is their median.")
     if beside is not None and beside.figures:
         keys.append(
-            "In brackets after a published time: ours minus that; for random controllers, the "
-            "share of seeds no later."
+            "In brackets after a published time: our time minus the published one; for random "
+            "controllers, the share of seeds that are no later."
         )
     return text + "\n" + _wrapped(" ".join(keys))
 
@@ -176,23 +166,12 @@ def _totals_table(comparison: Comparison) -> str:
     totals = comparison.totals()
     # Arrivals and failures of every controller, and which was best if there are several.
     rows = [["total", *comparison.labels], ["arrived", *map(_arrived, totals)]]
-    rows.append(
-        [
-            "failed",
-            *(", ".join(f"{kind} {n}" for kind, n in t.failures.items()) or "-" for t in totals),
-        ]
-    )
+    failures = (", ".join(f"{kind} {n}" for kind, n in t.failures.items()) for t in totals)
+    rows.append(["failed", *(text or "-" for text in failures)])
     rows.append(["mean area, m2", *(f"{total.mean_area:.2f}" for total in totals)])
     if len(totals) > 1:
-        rows.append(
-            [
-                "best",
-                *(
-                    f"{t.wins}" + (f" + {t.shared_wins} shared" if t.shared_wins else "")
-                    for t in totals
-                ),
-            ]
-        )
+        shared = (f" + {t.shared_wins} shared" if t.shared_wins else "" for t in totals)
+        rows.append(["best", *(f"{t.wins}{more}" for t, more in zip(totals, shared, strict=True))])
         if comparison.common:
             rows.append(["mean time", *(f"{total.mean_time:.3f}" for total in totals)])
             rows.append(["median time", *(f"{total.median_time:.3f}" for total in totals)])
@@ -208,7 +187,10 @@ def _totals_table(comparison: Comparison) -> str:
                 "controller arrives."
             )
         else:
-            text += "\nNo mean or median times are given: in every world, some controller does not arrive."
+            text += (
+                "\nNo mean or median times are given: in every world, some controller does not "
+                "arrive."
+            )
     if any(total.random for total in totals):
         text += "\nIntervals: 95 %, Clopper and Pearson, over the seeds in these worlds."
     return text
@@ -224,7 +206,7 @@ def _arrived(total: Total) -> str:
 
 def _agreement_text(beside: Agreement) -> str:
     if not beside.figures:
-        return "No published figure is about one of these worlds and controllers."
+        return "There are no published figures for these worlds and controllers."
     parts = []
     if beside.rankings[1]:
         parts.append(f"same ranking in {beside.rankings[0]} of {beside.rankings[1]} worlds")
@@ -360,19 +342,8 @@ def _json_figure(cell: Cell, figure: PublishedRow) -> dict[str, Any]:
 
 
 def _json_total(total: Total) -> dict[str, Any]:
-    return {
-        "controller": total.label,
-        "random": total.random,
-        "runs": total.runs,
-        "reached": total.reached,
-        "interval": list(total.interval) if total.interval else None,
-        "failures": dict(total.failures),
-        "wins": total.wins,
-        "shared_wins": total.shared_wins,
-        "mean_time": total.mean_time,
-        "median_time": total.median_time,
-        "mean_area": total.mean_area,
-    }
+    figures = asdict(total)
+    return {"controller": figures.pop("label"), **figures}
 
 
 def _json_agreement(beside: Agreement) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from sim.controllers.variants import Variants
 from sim.kernels import layout
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Bools, Floats
 
 if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration
@@ -44,7 +45,6 @@ __all__ = [
     "wants_world",
 ]
 
-Floats: TypeAlias = npt.NDArray[np.float64]
 Act: TypeAlias = Callable[[Floats, Floats, Floats], None]
 Memory: TypeAlias = tuple[float, ...]
 
@@ -94,7 +94,9 @@ class Observation(NamedTuple):
         odometry_x: x according to the wheels, m.
         odometry_y: y according to the wheels, m.
         odometry_heading: Heading according to the wheels, rad.
-        beams: Distance to the nearest wall or robot along each range beam, m.
+        beams: Distance to the nearest wall or robot along each range beam, m, counter-clockwise
+            from straight ahead. Empty unless the controller's attribute ``beams`` or an option such
+            as ``+beams=36`` sets their number.
         neighbours: Other robots within range, the nearest first.
     """
 
@@ -135,7 +137,7 @@ NO_NEIGHBOURS: Floats = np.zeros((0, 0, layout.NEIGHBOUR_MESSAGE))
 class Observations(NamedTuple):
     """Observations of many robots: the fields of an :class:`Observation`, of shape (n,) each."""
 
-    bump: npt.NDArray[np.bool_]
+    bump: Bools
     bump_bearing: Floats
     signal: Floats
     signal_heading: Floats
@@ -218,13 +220,13 @@ class CompiledController:
         senses: Names of the fields of :class:`Observation` that it reads; the others may be nan. By
             default it gets all but ``time``, and a step takes up to twice as long. A controller
             that reads ``time`` never repeats a state, so its loops cannot be proved.
-        needs: Options of the robot that it requires, such as ``RobotOptions(beams=36)``. A run that
-            sets them differently takes precedence.
+        needs: Options of the robot that it requires, such as ``RobotOptions(beams=36)``. The
+            settings of a run take precedence.
         slow: True if a step takes tens of microseconds, like one in Python; a campaign then does
             less work in each unit.
         memory_fields: Numbers of the memory that have a name, for pages that show a run.
-        memory_map: Returns what the memory (m,) represents in the world, also for pages; a run
-            never calls it.
+        memory_map: Returns what the memory (m,) represents in the world, for pictures and pages; a
+            run never calls it.
         memory_map_on: Indices of the numbers that the map depends on; empty means all of them.
         arbitration: How it arbitrates among behaviours, if it does; for traces and charts.
         learning: The part of its memory that it learns, if any, for ``worldgen train``.
@@ -304,8 +306,8 @@ class PythonController(Protocol):
     """A controller as a Python class.
 
     Make it a frozen dataclass and keep all its state in ``memory``, a tuple of numbers. Loops are
-    proved only for a controller that does so; one that changes its own attributes gets at most
-    ``stalled`` or ``timeout``.
+    proved only for a controller that does so; a controller that changes its own attributes gets at
+    most ``stalled`` or ``timeout``.
 
     A controller that plans first defines ``reset(self, world)`` and receives the
     :class:`~worldgen.world.World`, without certificate and provenance. The optional attributes
@@ -351,7 +353,6 @@ class VectorController(Protocol):
 
 
 Controller: TypeAlias = CompiledController | PythonController | VectorController
-
 
 # Senses that the core computes only on request, because they cost time.
 _COSTLY_SENSES: dict[str, int] = {

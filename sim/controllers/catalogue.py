@@ -28,7 +28,7 @@ from sim.controllers.programs.process import ProcessController, is_process_name
 from sim.controllers.shared.library import library_controller
 from sim.controllers.shared.object_file import is_library_name, library_file
 from sim.controllers.taught import with_numbers
-from sim.controllers.variants import Variants, no_options
+from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
@@ -94,7 +94,7 @@ class ControllerRegistry(Registry[Controller]):
     def option_names(self, name: str) -> tuple[str, ...]:
         """Return the options of its own that a controller's name can carry.
 
-        Asking runs no code of a user's: such a controller can only be given what it learned.
+        This runs no user code: such a controller can only be given what it learned.
         """
         if name not in self.entry_points():
             return (LEARNED,)
@@ -107,8 +107,8 @@ class ControllerRegistry(Registry[Controller]):
         """Return a controller with its own options and with the numbers that it learned.
 
         Raises:
-            InvalidParameter: If an option is unknown or out of range, or the file holds something
-                else than what this controller learned.
+            InvalidParameter: If an option is unknown or out of range, or the file does not hold
+                what this controller learned.
         """
         has_learned = LEARNED in words
         path = words.pop(LEARNED, None)
@@ -117,7 +117,14 @@ class ControllerRegistry(Registry[Controller]):
             variants: Variants | None = getattr(found, "variants", None)
             unknown = [one for one in words if variants is None or one not in variants.names()]
             if variants is None or unknown:
-                raise InvalidParameter.of(no_options(base, unknown[0]))
+                raise InvalidParameter(
+                    "unknown-name",
+                    "controller {controller!r} has no option {option!r} of its own",
+                    "leave it out; options of a run belong in RunOptions, and Scenario.parse() "
+                    "reads both",
+                    controller=base,
+                    option=unknown[0],
+                )
             found = variants.named(words, base, name)
         if not has_learned:
             return found
@@ -154,7 +161,8 @@ class ControllerRegistry(Registry[Controller]):
         if any(":" in part for part in parts):
             raise InvalidParameter(
                 "learned-names-code",
-                "{name} holds numbers for {controller!r}, which is code, and such a file runs no code",
+                "{name} holds numbers for {controller!r}, which is code, and such a file cannot "
+                "run code",
                 "name the code yourself: {controller}+learned={file}",
                 file=name.partition(":")[2],
                 name=name,
@@ -211,7 +219,7 @@ def _program_hint(name: str) -> Message | None:
             command=command,
         )
 
-    # A colon after a path that is not Python reads like ./file.py:name gone wrong.
+    # A colon after a path that is not Python looks like a mistyped ./file.py:name.
     if "/" in place and not place.endswith(".py"):
         return Message(
             "not-python",
@@ -295,7 +303,7 @@ def in_plain_place(name: str, *, resolve: bool = False) -> str:
 
     Args:
         name: The name, with or without options; names of other kinds are returned unchanged.
-        resolve: True to give the file's full path, so that the name is the same in all folders.
+        resolve: True to use the file's full path, so that the name is the same in all folders.
     """
     found = _IN_A_FILE.fullmatch(name)
     if found is None:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.controllers.controller_error import ControllerError
+from sim.controllers.controller_error import ControllerError, rule_of
 from sim.evidence import Evidence, FaultEvidence
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, Message
@@ -70,8 +70,8 @@ def no_command(answer: object, method: str = "act") -> ContractBroken:
 
 
 def _broken(method: str, what: str, answer: object) -> ContractBroken:
-    rule = f"{method}_{what}".replace("_", "-").replace(" ", "-")
-    return ContractBroken(rule, f"{method} {what}", answer, _RETURN.format(method))
+    error = f"{method} {what}"
+    return ContractBroken(rule_of(error), error, answer, _RETURN.format(method))
 
 
 def state_survives_reset(controller: str, places: Iterable[str]) -> Message:

@@ -9,7 +9,7 @@ from sim.evidence import fault_evidence
 from sim.verdict import Verdict
 from worldgen.world import Value
 
-__all__ = ["NO_ANSWER", "ControllerError", "how_it_ended"]
+__all__ = ["NO_ANSWER", "ControllerError", "how_it_ended", "rule_of"]
 
 NO_ANSWER = "no answer"
 """The error of a controller that hangs."""
@@ -34,6 +34,11 @@ class ControllerError(Exception):
         self.verdict = verdict
         self.error = error
         self.evidence = fault_evidence({**(facts or {}), "error": error})
+
+
+def rule_of(error: str) -> str:
+    """Return the name of the rule that an answer breaks: the error in lower case with dashes."""
+    return error.lower().replace("_", "-").replace(" ", "-")
 
 
 def how_it_ended(code: int) -> tuple[str, dict[str, Value]]:

@@ -9,26 +9,27 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.controllers.controller_error import ControllerError
+from sim.kernels.layout import OBS_SIZE, place
 from sim.verdict import Verdict
+from worldgen.support.arrays import Floats
 from worldgen.world import Value
 
-__all__ = ["CoreAct", "controller_error_of", "default_of", "memory_at_reset", "place", "size_of"]
-
-Floats = npt.NDArray[np.float64]
-
-ffi: Any = _ffi
-lib: Any = _lib
-
-# Numbers of an observation before its beams.
-SENSES = 17
+__all__ = [
+    "CoreAct",
+    "controller_error_of",
+    "default_of",
+    "fields_of",
+    "memory_at_reset",
+    "place",
+    "size_of",
+]
 
 # Bytes of a number.
 _NUMBER = 8
@@ -66,11 +67,10 @@ class CoreAct:
             ControllerError: If the controller reports that it cannot continue.
         """
         # The struct holds the numbers in the array's order, so one copy of bytes fills it.
-        beams = np.ascontiguousarray(observation[SENSES:], np.float64)
+        beams = np.ascontiguousarray(observation[OBS_SIZE:], np.float64)
         seen = ffi.new("WgObservation *")
-        ffi.buffer(seen, SENSES * _NUMBER)[:] = np.ascontiguousarray(
-            observation[:SENSES], np.float64
-        ).tobytes()
+        plain = np.ascontiguousarray(observation[:OBS_SIZE], np.float64)
+        ffi.buffer(seen, OBS_SIZE * _NUMBER)[:] = plain.tobytes()
         seen.beams = ffi.from_buffer("double[]", beams) if beams.size else ffi.NULL
         seen.beam_count = beams.size
         asked = ffi.new("WgCommand *")
@@ -103,9 +103,10 @@ def controller_error_of(error: str) -> ControllerError:
     return ControllerError(Verdict.CRASH, error, facts | ({"message": message} if colon else {}))
 
 
-def place(struct: str, *fields: str | int) -> int:
-    """Return the index in a memory of a field of its struct; several names descend into it."""
-    return int(ffi.offsetof(struct, *fields)) // _NUMBER
+def fields_of(struct: str) -> Any:
+    """Return the indices in a memory of all fields of its struct, as attributes."""
+    names = (name for name, _ in ffi.typeof(struct).fields)
+    return SimpleNamespace(**{name: place(struct, name) for name in names})
 
 
 def size_of(struct: str) -> int:

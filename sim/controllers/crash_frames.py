@@ -53,7 +53,7 @@ def crash_facts(error: BaseException, controller: object) -> dict[str, Value]:
     act = getattr(controller, "act", None) or getattr(controller, "act_many", None)
     own_file = getattr(getattr(act, "__code__", None), "co_filename", "")
 
-    # Source is read only for frames that are kept, so a deep recursion costs little.
+    # Source is read only for frames that are kept, so that a deep recursion costs little.
     calls = list(_calls(error))
     lines = [call.tb_lineno for call in calls if call.tb_frame.f_code.co_filename == own_file]
     of_the_user = [

@@ -40,7 +40,7 @@ def compiled_act(act: Act) -> Any:
         raise InvalidParameter(
             "does-not-compile",
             "controller function {function} does not compile: {reason}",
-            "write it with numbers and arrays only, or bring it as a Python class",
+            "write it with numbers and arrays only, or write it as a Python class",
             function=_name(act),
             reason=_reason(error),
         ) from error

@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import functools
 import json
-import math
 import stat
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
-import numpy as np
-import numpy.typing as npt
+import msgspec
 
 from worldgen.errors import InvalidParameter
+from worldgen.files.json_file import converted
 from worldgen.files.whole import expanded
+from worldgen.support.arrays import Floats
 
 __all__ = [
     "LEARNED",
@@ -32,13 +32,9 @@ __all__ = [
     "read_learned",
 ]
 
-Floats = npt.NDArray[np.float64]
-
 LEARNED = "learned"
 """The option that gives a controller the numbers of such a file: ``mine.py:Mine+learned=FILE``."""
 _PREFIX = f"{LEARNED}:"
-_FORMAT = "worldgen-learned"
-_VERSION = 1
 
 # Limit on a file's size in bytes, far above the size of the largest memory.
 _MOST_BYTES = 1 << 26
@@ -100,6 +96,16 @@ class Learned(NamedTuple):
     curve: tuple[Episodes, ...]
 
 
+class _LearnedFile(msgspec.Struct):
+    """The form of such a file. A float64 distinguishes all whole numbers below 2**53."""
+
+    format: Literal["worldgen-learned"]
+    version: Literal[1]
+    controller: str
+    numbers: tuple[Annotated[float, msgspec.Meta(gt=-(2.0**53), lt=2.0**53)], ...]
+    curve: tuple[Episodes, ...]
+
+
 def is_learned_name(name: str) -> bool:
     """Return True if a controller's name refers to a file of learned numbers."""
     return name.startswith(_PREFIX)
@@ -114,8 +120,8 @@ def learned_text(learned: Learned) -> str:
     """Return the text of a file; the same for the same numbers."""
     numbers = [int(one) if one == int(one) else one for one in learned.numbers]
     head = {
-        "format": _FORMAT,
-        "version": _VERSION,
+        "format": "worldgen-learned",
+        "version": 1,
         "controller": learned.controller,
         "curve": [list(point) for point in learned.curve],
         "numbers": numbers,
@@ -151,37 +157,14 @@ def read_learned(path: Path) -> Learned:
 @functools.lru_cache(maxsize=16)
 def _read(path: Path, _modified: int, _size: int) -> Learned:
     """Read a file again only if it has changed; a campaign requests its controller in each run."""
-    # First check that the file is ours and its version is known.
     try:
-        read: Any = json.loads(path.read_text("utf-8"))
+        found = converted(json.loads(path.read_text("utf-8")), _LearnedFile)
     except (OSError, ValueError, RecursionError) as error:
-        raise _not_learned(path, "it is not JSON") from error
-    if not isinstance(read, dict) or read.get("format") != _FORMAT:
-        raise _not_learned(path, f"it has no format {_FORMAT!r}")
-    if read.get("version") != _VERSION:
-        raise _not_learned(path, f"its version is not {_VERSION}")
-    # Then check each part, because a file may have been edited by hand.
-    controller = read.get("controller")
-    numbers = read.get("numbers")
-    curve = read.get("curve")
-    if not isinstance(controller, str) or is_learned_name(controller):
+        raise _not_learned(path, str(error)) from error
+    # Such a file names what learned it, not another file.
+    if is_learned_name(found.controller):
         raise _not_learned(path, "it names no controller")
-    if not isinstance(numbers, list) or not all(map(_is_number, numbers)):
-        raise _not_learned(path, "its numbers are not a list of finite numbers")
-    points: list[Any] = curve if isinstance(curve, list) else [None]
-    for point in points:
-        if not isinstance(point, list) or len(point) != len(Episodes._fields):
-            raise _not_learned(path, "its curve is not a list of points")
-        if not all(isinstance(one, int) for one in point):
-            raise _not_learned(path, "its curve is not a list of whole numbers")
-    return Learned(
-        controller, tuple(map(float, numbers)), tuple(Episodes(*point) for point in points)
-    )
-
-
-def _is_number(value: object) -> bool:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and abs(value) < 2.0**53 and math.isfinite(value)  # type: ignore[arg-type]
+    return Learned(found.controller, found.numbers, found.curve)
 
 
 def _not_learned(path: Path, reason: str) -> InvalidParameter:

@@ -8,16 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats
 
 __all__ = ["MemoryField", "MemoryMap", "check_fields"]
-
-Floats = npt.NDArray[np.float64]
 
 
 class MemoryField(NamedTuple):
@@ -37,18 +36,6 @@ class MemoryField(NamedTuple):
     least: int = 0
 
 
-def _none(columns: int = 4) -> Floats:
-    return np.zeros((0, columns))
-
-
-def _points() -> Floats:
-    return _none(2)
-
-
-def _degrees() -> Floats:
-    return _none(5)
-
-
 @dataclass(frozen=True, eq=False)
 class MemoryMap:
     """The part of the world that a memory represents; lengths in m, in the world's frame.
@@ -65,13 +52,13 @@ class MemoryMap:
             to be, from 0 (bad) to 1 (good).
     """
 
-    blocked: Floats = field(default_factory=_none)
-    cells: Floats = field(default_factory=_none)
-    plan: Floats = field(default_factory=_points)
+    blocked: Floats = field(default_factory=partial(np.zeros, (0, 4)))
+    cells: Floats = field(default_factory=partial(np.zeros, (0, 4)))
+    plan: Floats = field(default_factory=partial(np.zeros, (0, 2)))
     places: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    nodes: Floats = field(default_factory=_points)
-    edges: Floats = field(default_factory=_none)
-    degrees: Floats = field(default_factory=_degrees)
+    nodes: Floats = field(default_factory=partial(np.zeros, (0, 2)))
+    edges: Floats = field(default_factory=partial(np.zeros, (0, 4)))
+    degrees: Floats = field(default_factory=partial(np.zeros, (0, 5)))
 
 
 def check_fields(name: str, fields: Any) -> None:

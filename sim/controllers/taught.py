@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -47,7 +46,7 @@ def learning_of(controller: Controller, name: str) -> Learning:
         raise InvalidParameter(
             "wrong-declaration",
             "controller {name!r} has learning={learning!r} and {size} numbers of memory",
-            "declare Learning(first, count) with numbers of its memory",
+            "declare Learning(first, count) within its memory",
             name=name,
             learning=learning,
             size=size,
@@ -67,7 +66,8 @@ def memory_at_reset(controller: Controller, name: str) -> tuple[float, ...]:
     if wants_world(controller):
         raise InvalidParameter(
             "does-not-learn",
-            "controller {name!r} plans first, so it does not start from what it learned",
+            "controller {name!r} plans with the world first, so it cannot start from learned "
+            "numbers",
             "write reset(self) without a world",
             name=name,
         )
@@ -160,15 +160,9 @@ def with_numbers(controller: Controller, numbers: tuple[float, ...], name: str) 
             "train it again",
             name=name,
         )
-    return restarted(controller, _put(controller, learning, numbers, name), name)
-
-
-def _put(
-    controller: Controller, learning: Learning, numbers: Iterable[float], name: str
-) -> tuple[float, ...]:
     memory = list(memory_at_reset(controller, name))
     memory[learning.places] = numbers
-    return tuple(memory)
+    return restarted(controller, tuple(memory), name)
 
 
 def with_exploration(controller: Controller, thousandths: int, name: str) -> Controller:

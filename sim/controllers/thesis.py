@@ -19,14 +19,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.behaviours.arbitration import Arbitration, PartFacts, in_words
-from sim.controllers.behaviours.library import TURN_WORDS, TURNS, collide, drive, seek
+from sim.controllers.behaviours.library import IDLE, TURN_WORDS, TURNS, collide, drive, seek
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.memory_view import MemoryField
 from sim.thesis.options import ThesisOptions
+from worldgen.support.arrays import Floats, Ints
 
 __all__ = ["RANDOM", "thesis_arbitration", "turn_left", "turn_random", "turn_right"]
 
@@ -38,21 +38,13 @@ RANDOM = 3
 # The value of `behaviour` while no behaviour is in control.
 _IDLE = -1
 _BEHAVIOUR = place("WgShared", "behaviour")
-_AT_RESET = memory_at_reset(
-    size_of("WgShared"),
-    {
-        _BEHAVIOUR: _IDLE,
-        place("WgShared", "target"): -1.0,
-        place("WgShared", "speed"): 1.0,
-        place("WgShared", "old_speed"): 1.0,
-    },
-)
+_AT_RESET = memory_at_reset(size_of("WgShared"), IDLE)
 _FIELDS = (MemoryField("ticks left", place("WgShared", "counter")),)
 _PARTS = (collide, seek, drive)
 _SEEK = _PARTS.index(seek)
 
 
-def _acted(memories: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+def _acted(memories: Floats) -> Ints:
     """Return the behaviour that acted in each step; see ``Arbitration``."""
     behaviour = memories[:, _BEHAVIOUR].astype(np.int64)
     before = behaviour[:-1]

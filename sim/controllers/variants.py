@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from worldgen.errors import Message
 from worldgen.parameters import parameters_of_fields, parse_options
 
 if TYPE_CHECKING:
     from sim.controllers.base import CompiledController
 
-__all__ = ["Variants", "no_options"]
+__all__ = ["Variants"]
 
 
 class Variants(NamedTuple):
@@ -42,14 +41,3 @@ class Variants(NamedTuple):
         """
         values = parse_options(words, parameters_of_fields(self.options), f"controller {base}")
         return self.make(self.options(**values), name)
-
-
-def no_options(controller: str, option: str) -> Message:
-    """Return the message that a controller has no such option of its own."""
-    return Message(
-        "unknown-name",
-        "controller {controller!r} has no option {option!r} of its own",
-        "leave it out; options of a run belong in RunOptions, and Scenario.parse() reads both",
-        controller=controller,
-        option=option,
-    )

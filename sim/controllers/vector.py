@@ -19,10 +19,9 @@ from sim.controllers.contract import ContractBroken, no_command, no_memory
 from sim.kernels import layout
 from sim.runners.controller_time import timed
 from sim.runners.stopping import breakable
+from worldgen.support.arrays import Floats
 
 __all__ = ["Asker", "OneOfMany"]
-
-Floats = npt.NDArray[np.float64]
 
 
 class Asker:
@@ -87,20 +86,19 @@ class Asker:
             if np.shape(value) not in ((), (count,)):
                 raise ContractBroken(
                     f"{name.replace('_', '-')}-is-of-shape-for-robots",
-                    f"{name} is of shape {np.shape(value)} for {count} robots",
+                    f"{name} has shape {np.shape(value)}, but there are {count} robots",
                     value,
                     "give one number, or one for each robot",
                 )
         if np.shape(kept) != after.shape:
             error = (
-                f"the memory came back in shape {np.shape(kept)}, but was given in shape "
-                f"{after.shape}"
+                f"the returned memory has shape {np.shape(kept)}, but its shape was {after.shape}"
             )
             raise ContractBroken(
                 "the-memory-came-back-in-shape-but-was-given-in-shape",
                 error,
                 kept,
-                "return it in the shape that was given: one row per robot",
+                "keep its shape: one row per robot",
             )
 
         # Copy the answer into the core's arrays.

@@ -17,8 +17,8 @@ enum { WG_MOST_CORNERS = 4 };
 
 // Return values of wg_episode_run and wg_episode_step.
 enum {
-    WG_GOES_ON = 0,  // the steps are done, and nothing is decided
-    WG_OVER = 1,     // WgReport.ending gives the reason; also when the budget is spent
+    WG_GOES_ON = 0,  // the steps are done, without a verdict
+    WG_OVER = 1,     // WgReport.ending gives the reason; this includes a spent budget
     WG_ACTS = 2,     // the controller must act: only from wg_episode_step
 };
 
@@ -57,7 +57,7 @@ typedef struct WgRobot {
     int64_t corners;     // number of corners
     WgNormal contact;    // of the last step
     int64_t touched;     // 1 if the step before touched a wall
-    int64_t next_event;  // index of the first event that is still to come
+    int64_t next_event;  // index of the next event
     int64_t next_push;   // the same, of the pushes at times
     WgReport report;
 } WgRobot;
@@ -82,7 +82,7 @@ typedef struct WgSearch {
     uint64_t *log;     // (log_size,) fingerprint of the state after each step
     int64_t log_size;
     uint64_t *prints;  // fingerprint of each block of the state; then their sum
-    uint64_t *known;   // (words,) the state whose fingerprint was taken last; while a loop is proved, that of its entry
+    uint64_t *known;   // (words,) last state taken into prints; in the proof, the loop's first
     int64_t words;     // of a complete state
     int64_t next;      // the step whose state is looked up next
 } WgSearch;
@@ -112,8 +112,8 @@ typedef struct WgEpisode {
 } WgEpisode;
 
 // Creates an episode. Sizes are taken from the arguments: the controller's memory, settings->beams,
-// the most events of a step. `log_steps` is the longest run in which a recurrence is searched; 0
-// for none.
+// the most events of a step. `log_steps` is the longest run in which a recurrence is searched for;
+// 0 for none.
 WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const WgController *controller,
                         int64_t log_steps, WgEpisode **made);
 

@@ -43,7 +43,7 @@ typedef struct WgFound {
     int64_t iy;
 } WgFound;
 
-// How far a move has come.
+// The progress of a move.
 typedef struct WgMoved {
     int64_t count;  // corners of the path then
     WgNormal contact;
@@ -82,9 +82,9 @@ double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy
 
 // Moves a disc, stopping at walls and sliding along them.
 //
-// way:            p is a clear pose; q is where the move leads if nothing is in its way.
-// begin, end:     when the move begins and ends, in shares of the step.
-// wall_friction:  share of a slide that the wall takes, 0 to 1.
+// way:            p is a clear pose; q is where the move leads if there is no obstacle.
+// begin, end: when the move begins and ends, as fractions of the step. wall_friction: fraction of a
+// slide that is lost to the wall, 0 to 1.
 // chain:          the clear lattice points of the path after its start follow from `count` on, WG_MOST_CORNERS at most.
 WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, double end, double wall_friction,
                       WgCorner *chain, int64_t count);

@@ -136,11 +136,11 @@ typedef struct WgArena {
     const int64_t *spread;  // (beams,) wg_beam_spread
     const uint16_t *runs;   // (height + 2, width + 2, 4) wg_free_runs
 
-    const WgOthers *others;  // the robots that range beams may meet; NULL for a robot alone
+    const WgOthers *others;  // the robots that range beams may hit; NULL for a single robot
 } WgArena;
 
 // The settings of an episode, and the robot's dynamics and sensors. A limit that is off is
-// infinity.
+// infinite.
 typedef struct WgSettings {
     // Start and target, lattice and heading units.
     int64_t start_x;
@@ -200,7 +200,7 @@ typedef struct WgSettings {
     double turn_limit;      // rad/s
     double gain;            // largest gain of speed in a step, units of speed
     double loss;            // largest loss, same
-    double wall_friction;   // share of a slide that a wall takes
+    double wall_friction;   // share of a slide that is lost to a wall
     double slip;            // largest share of a step that is lost to slip
     double odometry_noise;  // largest share by which a measured distance or turn is wrong
 
@@ -208,7 +208,7 @@ typedef struct WgSettings {
     double sensor_range;  // lattice units
     double sensor_field;  // half the angle that the signal sensor looks into, heading units
     double sensor_noise;  // largest share by which a reading is wrong
-    double smoke;         // share of the signal that a cell in smoke takes
+    double smoke;         // share of the signal that a cell in smoke absorbs
     double neighbour_range;  // lattice units, from centre to centre; 0: no other robot is sensed
     double beam_range;    // lattice units
     double beam_field;    // angle between the first and the last beam, heading units; a whole turn: evenly all round
@@ -233,8 +233,8 @@ typedef struct WgReport {
     int64_t collisions;
     int64_t last_new_cell;  // the last step that entered a cell for the first time
     int64_t points;         // of the path after the start
-    int64_t cells_visited;  // those that the centre has been in, the start's included
-    int64_t cells_left;     // those that a coverage task still wants
+    int64_t cells_visited;  // cells that the centre has been in, including the start's
+    int64_t cells_left;     // cells that a coverage task still requires
     uint64_t digest;        // rolling FNV-1a hash of every state
     int64_t hit_step;       // of WG_TUNNEL and WG_BURNED; -1
     int64_t hit_ix;

@@ -6,14 +6,12 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import Controller
 from sim.drawing.wall_penetrations import penetrated_cells
 from sim.episode import Episode
 from sim.evidence import JointLoopEvidence, LoopEvidence, WallEvidence
 from sim.fleet.episode import FleetEpisode
-from sim.fleet.run import world_of_robot
 from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
 from sim.options.run import COVER
 from sim.trace import Trace
@@ -23,6 +21,7 @@ from worldgen.plugins.registry import user_code
 from worldgen.reach import reachable_cells
 from worldgen.render import Drive, EventMark, Trail
 from worldgen.render.overlay import Disturbances, MarkKind, Remembered, Shove
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 __all__ = [
@@ -37,7 +36,7 @@ __all__ = [
 # Limit on the marks of bumps; more of them would hide the picture.
 _MOST_BUMPS = 400
 
-# Strength of the tint of a cell that is taken to be occupied.
+# Strength of the tint of a cell that the robot considers occupied.
 _OCCUPIED = 0.6
 
 # Most marks of pushes.
@@ -65,7 +64,7 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
     if isinstance(evidence, LoopEvidence | JointLoopEvidence) and evidence.entry < trace.steps:
         loop_from = int(np.searchsorted(trace.path_step, evidence.entry, side="right")) - 1
 
-    # Mark where bumps begin, where the robot went into a wall, and where a run without a loop ends.
+    # Mark where bumps begin, where the robot enters a wall, and where a run without a loop ends.
     onsets = np.flatnonzero(trace.bump[1:] & ~trace.bump[:-1]) + 1
     marks = [EventMark(float(trace.x[k]), float(trace.y[k]), "bump") for k in onsets[:_MOST_BUMPS]]
     if isinstance(evidence, WallEvidence) and 0 <= evidence.step <= trace.steps:
@@ -86,7 +85,7 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
 
 
 def remembered_at_the_end(episode: Episode, controller: Controller) -> Remembered | None:
-    """Return what a controller's memory holds at the end of a recorded run.
+    """Return the contents of a controller's memory at the end of a recorded run.
 
     Args:
         episode: The run.
@@ -106,7 +105,7 @@ def remembered_at_the_end(episode: Episode, controller: Controller) -> Remembere
         shown = read(trace.memory(trace.steps))
         cells = np.asarray(shown.cells, np.float64).reshape(-1, 4)
         degrees = np.array(shown.degrees, np.float64).reshape(-1, 5)
-        # Occupied cells look like those in between; of the others the worst are the strongest.
+        # Occupied cells look like medium ones; the worse the other cells, the stronger their tint.
         degrees[:, 4] = 0.05 + 0.95 * (1.0 - degrees[:, 4])
         occupied = np.column_stack((cells, np.full(len(cells), _OCCUPIED)))
         return Remembered(
@@ -125,7 +124,7 @@ def trails_of(episode: Episode, world: World) -> Trail | list[Trail] | None:
         return trail_of(episode, world)
     found: list[Trail] = []
     for number, one in enumerate(episode.robots):
-        trail = trail_of(one, world_of_robot(world, number))
+        trail = trail_of(one, world.alone(number + 1))
         if trail is not None:
             found.append(replace(trail, blocked_by=episode.blockers(number + 1)))
     return found
@@ -136,12 +135,12 @@ def drives_of(episode: Episode, world: World) -> list[Drive]:
     if not isinstance(episode, FleetEpisode):
         return [drive_of(episode, world)]
     return [
-        drive_of(one, world_of_robot(world, number), f"robot {number + 1}")
+        drive_of(one, world.alone(number + 1), f"robot {number + 1}")
         for number, one in enumerate(episode.robots)
     ]
 
 
-def _missed(trace: Trace, world: World | None) -> npt.NDArray[np.bool_] | None:
+def _missed(trace: Trace, world: World | None) -> Bools | None:
     """Return the cells of a coverage task that the robot missed."""
     if trace.task != COVER or world is None:
         return None
@@ -173,28 +172,22 @@ def disturbances_in(trace: Trace) -> Disturbances:
         x = float(trace.path_x[first + best])
         y = float(trace.path_y[first + best])
         pushes.append(Shove(x, y, float(dx[best]), float(dy[best])))
+    places = (Shove(one.x, one.y, one.dx, one.dy) for one in pushing_places_of(robot))
     return Disturbances(
         pushes=tuple(pushes),
-        places=tuple(
-            Shove(place.x, place.y, place.dx, place.dy) for place in pushing_places_of(robot)
-        ),
+        places=tuple(places),
         decoys=tuple((decoy.x, decoy.y) for decoy in decoys_of(robot)),
         drift_heading=robot.drift_heading if robot.drift > 0.0 else None,
     )
 
 
 def drive_of(episode: Episode, world: World, name: str = "") -> Drive:
-    """Return what the robot did and when; without a recording, it stays at its start."""
+    """Return the robot's actions with their times; without a recording, it stays at its start."""
     trace = episode.trace
     trail = trail_of(episode, world)
     if trace is None or trail is None:
         start = world.start
-        return Drive(
-            name,
-            Trail(np.array([start.x]), np.array([start.y])),
-            np.zeros(1),
-            np.array([start.heading]),
-            1.0,
-        )
+        trail = Trail(np.array([start.x]), np.array([start.y]))
+        return Drive(name, trail, np.zeros(1), np.array([start.heading]), 1.0)
     times = np.maximum(trace.path_step - 1 + trace.path_share, 0.0) * trace.time_step
     return Drive(name, trail, times, trace.heading, trace.time_step)

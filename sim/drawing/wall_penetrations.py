@@ -9,19 +9,16 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.episode import Episode
 from sim.evidence import WallEvidence
 from sim.trace import Trace
 from worldgen.render import WallPenetration
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.timeline import CellState
 from worldgen.world import World
 
 __all__ = ["penetrated_cells"]
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 # Cells. No motion model reports a shallower cut of the disc.
 _TOLERANCE = 0.1
@@ -55,15 +52,11 @@ def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
     if isinstance(evidence, WallEvidence):
         named = evidence.cell
         first[named] = min(evidence.step, trace.steps)
-    return [
-        WallPenetration(
-            ix,
-            iy,
-            step * trace.time_step,
-            _broken_in(trace, world, step, ix, iy) if (ix, iy) == named else None,
-        )
-        for (ix, iy), step in sorted(first.items(), key=lambda item: (item[1], item[0]))
-    ]
+    found = []
+    for cell, step in sorted(first.items(), key=lambda item: (item[1], item[0])):
+        place = _broken_in(trace, world, step, *cell) if cell == named else None
+        found.append(WallPenetration(*cell, step * trace.time_step, place))
+    return found
 
 
 def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
@@ -74,7 +67,7 @@ def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
     x = trace.path_x / side
     y = trace.path_y / side
 
-    # Between two events the cells stay the same, so those stretches of the path go together.
+    # Between two events the cells stay the same, so handle each such stretch of the path together.
     changes = np.searchsorted(times, [event.time for event in world.timeline], side="left")
     bounds = np.unique(np.concatenate(([0], changes, [len(steps)])))
     for begin, end in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
@@ -89,7 +82,7 @@ def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
 
 
 def _discs(
-    solid: npt.NDArray[np.bool_], steps: Ints, x: Floats, y: Floats, radius: float
+    solid: Bools, steps: Ints, x: Floats, y: Floats, radius: float
 ) -> Iterator[tuple[int, int, int]]:
     """Yield walls that the disc cuts into beyond the tolerance, or that its centre is in."""
     reach = 0 if radius > _FURTHEST else math.ceil(radius)
@@ -104,9 +97,7 @@ def _discs(
             yield from _firsts(steps[near], ix[near], iy[near])
 
 
-def _centres(
-    solid: npt.NDArray[np.bool_], steps: Ints, x: Floats, y: Floats
-) -> Iterator[tuple[int, int, int]]:
+def _centres(solid: Bools, steps: Ints, x: Floats, y: Floats) -> Iterator[tuple[int, int, int]]:
     """Yield walls that the centre passes through between two points of its path."""
     lengths = np.hypot(np.diff(x), np.diff(y))
     for k in np.flatnonzero(lengths > _FINENESS).tolist():
@@ -117,9 +108,9 @@ def _centres(
         yield from _firsts(np.full(int(hit.sum()), steps[k + 1]), ix[hit], iy[hit])
 
 
-def _is_solid(solid: npt.NDArray[np.bool_], ix: Ints, iy: Ints) -> npt.NDArray[np.bool_]:
+def _is_solid(solid: Bools, ix: Ints, iy: Ints) -> Bools:
     """Return where cells of the grid, or of the solid border around it, are walls."""
-    found: npt.NDArray[np.bool_] = solid[
+    found: Bools = solid[
         np.clip(iy + 1, 0, solid.shape[0] - 1), np.clip(ix + 1, 0, solid.shape[1] - 1)
     ]
     return found

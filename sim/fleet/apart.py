@@ -1,4 +1,4 @@
-"""Find robots that repeat themselves, each with a period of its own, and never meet.
+"""Find robots that repeat themselves, each with its own period, and never meet.
 
 The joint state of such robots returns only after the least common multiple of their periods, which
 soon exceeds any budget: two loops of 515 and 689 steps take 354,835 steps. But if a robot is never
@@ -22,7 +22,7 @@ from sim.verdict import Verdict
 
 __all__ = ["Loops", "separate_loops"]
 
-# Places of one robot that are compared with all of another one's at a time.
+# Number of places of one robot to compare with all places of another at a time.
 _PART = 256
 
 
@@ -32,8 +32,8 @@ class Loops:
 
     Args:
         entry: Step after which all of them are in their loops.
-        periods: Each waiting robot's period, steps, by its index. Robots that are ever near each
-            other have the same.
+        periods: Each waiting robot's period, steps, by its index. Robots that come near each other
+            have the same period.
         are_shown: Whether the recording shows that, so that the loops are proved. If not, robots
             with different periods come near each other, and only driving the joint period decides.
     """
@@ -58,9 +58,9 @@ def separate_loops(
     """Return the loops in which the robots of a recorded run end.
 
     Args:
-        members: Each robot's outcome, recorded; those that have parked are left out.
+        members: Each robot's recorded outcome, except for robots that have parked.
         reaches: Distance, m, beyond which two robots have no effect on each other, by their
-            indices, the lesser first.
+            indices, the smaller first.
         quiet: Step of the world's last change; states before it prove nothing.
         repeats: How many periods the recording must show: 1, or 2 if a controller may hide memory.
 
@@ -82,7 +82,7 @@ def separate_loops(
         if any(len(labels[number]) - 1 < entry + repeats * periods[number] for number in traces):
             return Loops(entry, periods, are_shown=False)
 
-        # Robots that are ever near each other repeat themselves together, or not at all.
+        # Robots that come near each other at any time repeat themselves together, or not at all.
         different = [(one, other) for one, other in pairs if periods[one] != periods[other]]
         near = [
             pair
@@ -106,7 +106,7 @@ def _labels(trace: Trace) -> npt.NDArray[np.int64]:
 
 
 def _period(labels: npt.NDArray[np.int64], repeats: int) -> int:
-    """Return the least period that fills the end of a run so many times; 0 if there is none."""
+    """Return the least period that fills the end of a run this many times; 0 if there is none."""
     last = len(labels) - 1
     for step in np.flatnonzero(labels[:-1] == labels[-1])[::-1].tolist():
         period: int = last - step
@@ -131,7 +131,7 @@ def _come_near(one: Trace, other: Trace, entry: int, reach: float) -> bool:
     """
     first = np.unique(np.stack([one.x[entry:], one.y[entry:]], axis=1), axis=0)
     second = np.unique(np.stack([other.x[entry:], other.y[entry:]], axis=1), axis=0)
-    # Most robots that are apart are so by the boxes around their paths.
+    # For most robots that are apart, the boxes around their paths show it.
     gaps = np.maximum(
         first.min(axis=0) - second.max(axis=0), second.min(axis=0) - first.max(axis=0)
     )

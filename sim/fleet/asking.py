@@ -49,7 +49,7 @@ def own_controllers(controllers: Sequence[Controller]) -> list[Controller]:
     A program is started once for each robot. A vector controller acts for all of its robots in one
     call, so it is not copied.
     """
-    # A controller that is there twice needs a copy, unless it keeps no state.
+    # A controller that is used twice needs a copy, unless it has no state.
     taken: set[int] = set()
     own: list[Controller] = []
     for controller in controllers:
@@ -77,7 +77,7 @@ def _copy_of(controller: Any) -> Any:
 
 
 class FleetAskers:
-    """Asks the controllers of a fleet that are not in the core, until the run is over.
+    """Calls the controllers of a fleet that are not in the core, until the run is over.
 
     Args:
         controllers: (n,) each robot's controller.
@@ -154,7 +154,7 @@ class FleetAskers:
                     raise
                 except BaseException as error:  # noqa: BLE001 - anything may be raised
                     self.faults[one.number] = crash_of(error, one.controller)
-        # Ask the others in groups.
+        # Call the others in groups.
         for group in groups:
             waiting = [number for number in group.numbers if fleet.members[number].c.waits]
             if not waiting:
@@ -229,7 +229,7 @@ class _One:
 
     @breakable
     def ask(self) -> None:
-        """Let it act, and hand its answer to the core."""
+        """Let it act, and pass its answer to the core."""
         workspace = self._workspace
         seen = Observation.of(workspace.observation)
         if self.member.c.workspace.neighbour_room:
@@ -286,7 +286,7 @@ class _Many:
         self._asker = Asker(controller, self._seen, self._kept, self._command)
 
     def ask(self, waiting: list[int]) -> None:
-        """Let it act for some of its robots, and hand its answers to the core."""
+        """Let it act for some of its robots, and pass its answers to the core."""
         for row, number in enumerate(waiting):
             self._seen[row] = self._workspaces[number].observation
             self._kept[row] = self._workspaces[number].memory
@@ -301,7 +301,7 @@ class _Many:
         if sends and (message.ndim != 2 or len(message) != len(waiting)):
             raise ContractBroken(
                 "message-is-of-shape-for-robots",
-                f"message is of shape {message.shape} for {len(waiting)} robots",
+                f"message has shape {message.shape}, but there are {len(waiting)} robots",
                 message,
                 "give a row of numbers for each robot",
             )

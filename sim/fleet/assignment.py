@@ -71,7 +71,7 @@ def _numbered_parts(text: str) -> dict[int, str]:
 def _unnumbered(part: str) -> InvalidParameter:
     return InvalidParameter(
         "controller-unnumbered",
-        "{part} names no robot and its controller",
+        "{part} does not name a robot and its controller",
         "write 1=bug2,2=vfh, or one controller for all robots",
         part=quote(part),
     )

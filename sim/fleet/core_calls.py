@@ -68,7 +68,7 @@ class CoreFleet:
     """A fleet of the core, at its start.
 
     Args:
-        runs: One run for each robot, in worlds that differ in nothing but the robot.
+        runs: One run for each robot, in worlds that differ only in the robot.
         drivers: (n,) each robot's controller, in the form in which the core calls it.
         steps: Budget.
         find_loop: ``WG_NO_LOOP``, ``WG_SEEK_LOOP`` or ``WG_PROVE_LOOP``.

@@ -42,8 +42,8 @@ class FleetEpisode(Episode):
     :class:`Episode`.
 
     Args:
-        robots: Each robot's episode, in order. One that has not arrived has the run's verdict, if
-            that is about it, or else ``stalled`` or ``timeout``.
+        robots: Each robot's episode, in order. A robot that has not arrived has the run's verdict,
+            if that is about this robot, or else ``stalled`` or ``timeout``.
         random_draws: Random numbers that all robots used.
     """
 
@@ -106,7 +106,7 @@ def fleet_traces(
     options: RunOptions | Sequence[RunOptions],
     steps: int,
 ) -> tuple[Trace | None, ...]:
-    """Record each robot for so many steps, even if the joint state recurs before.
+    """Record each robot for this many steps, even if the joint state recurs earlier.
 
     A check of a joint loop needs this, because the run that found it ended after one period.
 
@@ -136,13 +136,13 @@ def _prepared(
 
 
 def _check_options(options: Sequence[RunOptions]) -> None:
-    """Refuse what is for one robot only, and robots under different motion models."""
+    """Refuse options for a single robot, and robots under different motion models."""
     for one in options:
         if MOTIONS.get(one.motion).kernel == THESIS:
             raise InvalidParameter(
                 "motion-for-one-robot",
                 "motion {motion!r} runs one robot, and the world has several",
-                "take --motion swept or endpoint",
+                "use --motion swept or endpoint",
                 at_terminal=True,
                 motion=one.motion,
             )
@@ -150,7 +150,7 @@ def _check_options(options: Sequence[RunOptions]) -> None:
             raise InvalidParameter(
                 "option-for-one-robot",
                 "task={task} is for worlds with one robot, and this one has {robots}",
-                "leave it out, or run one robot in a world of its own",
+                "omit it, or use a world with one robot",
                 task=str(one.task),
                 robots=len(options),
             )
@@ -158,7 +158,7 @@ def _check_options(options: Sequence[RunOptions]) -> None:
             raise InvalidParameter(
                 "option-for-one-robot",
                 "{option} is for worlds with one robot, and this one has {robots}",
-                "leave it out; drift and decoys disturb several robots, too",
+                "omit it; drift and decoys also work with several robots",
                 option="pushes" if one.robot.pushes else "push_places",
                 robots=len(options),
             )
@@ -167,7 +167,7 @@ def _check_options(options: Sequence[RunOptions]) -> None:
                 "robots-move-differently",
                 "the robots have motion {one} with steps of {first:g} s and motion {other} with "
                 "steps of {second:g} s",
-                "give all of them the same",
+                "give them all the same motion model and time step",
                 one=options[0].motion,
                 first=options[0].time_step,
                 other=one.motion,
@@ -298,7 +298,7 @@ def _decided(world: World, options: RunOptions, outcome: FleetOutcome) -> FleetE
 
 
 def _verdict(outcome: FleetOutcome) -> tuple[Verdict, int]:
-    """Return how a run ended that no proof ended, and the index of the robot that ended it."""
+    """Return how a run without a proof ended, and the index of the robot that ended it."""
     if outcome.robot >= 0:
         return Verdict(outcome.ending), outcome.robot
     cuts = [

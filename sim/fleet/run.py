@@ -29,21 +29,21 @@ from sim.runners.long_runs import MOST_HELD
 from sim.runners.python_loop import begun_anew, crash_of, plans
 from sim.runners.renewal import has_shared_state_changed
 from sim.runners.stopping import OutOfTime
-from sim.trace import Words
 from sim.verdict import Verdict
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import clear_distance_sq, metres_to_lattice, radius_in_cells
+from worldgen.random_streams import GAMMA, mix64
+from worldgen.support.arrays import Words
 from worldgen.world import World
 
-__all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed", "world_of_robot"]
+__all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed"]
 
 Ints = npt.NDArray[np.int64]
 Recordings = list[tuple[Ints, Ints]]
 
-# Most steps, of all robots, that are driven beyond the budget to prove a joint loop.
+# Limit on the steps, over all robots, that are driven beyond the budget to prove a joint loop.
 _MOST_DRIVEN = 500_000
-
-_MASK = (1 << 64) - 1
 
 
 @dataclass(frozen=True)
@@ -51,13 +51,13 @@ class FleetOutcome:
     """The core's claims about a run of several robots.
 
     Args:
-        ending: ``limit``, ``reached`` if all robots have, ``loop`` if the joint state came back, or
-            an ending that one robot brought about.
+        ending: ``limit``, ``reached`` if all robots have, ``loop`` if the joint state recurred, or
+            an ending that one robot caused.
         steps: Steps simulated.
         period: Length of the recurrence, steps; for ``loop``.
         entry: Step where it begins, for ``loop``; else -1.
         robot: Index of the robot that ended the run; -1 if none did.
-        other: Of a collision, the index of the other robot; else -1.
+        other: For a collision, the index of the other robot; else -1.
         members: Each robot's own outcome; one that has parked ends as ``reached``.
         complete: Whether the recorded states alone decide the future.
     """
@@ -114,7 +114,7 @@ class FleetRun:
         self.controllers = own_controllers(controllers)
         self.runs = [
             LatticeRun(
-                world_of_robot(world, number),
+                world.alone(number + 1),
                 controller,
                 replace(one, seed=robot_seed(world, number, one.seed)),
             )
@@ -308,7 +308,7 @@ class FleetRun:
             steps: Budget.
             find_loop: WgFleetSettings.find_loop.
             entry: WgFleetSettings.loop_entry.
-            sizes: To record the run: the outcomes of the same run, which say how long it is.
+            sizes: To record the run: the outcomes of the same run, which give its length.
             like: The same run, whose ending the recorded one keeps.
         """
         for run in self.runs:
@@ -377,7 +377,7 @@ class FleetRun:
         return memories, faults
 
     def _channels(self) -> list[int]:
-        """Return how many numbers each robot's run lets it send."""
+        """Return how many numbers each robot can send."""
         return [run.options.robot.message for run in self.runs]
 
     def _drivers(self, memories: Sequence[Any]) -> list[Driver]:
@@ -460,22 +460,6 @@ def _proof_of(outcome: FleetOutcome, fleet: CoreFleet, entry: int) -> JointProof
     )
 
 
-def world_of_robot(world: World, number: int) -> World:
-    """Return a world as if one of its robots were alone there, without proof or provenance."""
-    robot = world.robots[number]
-    return replace(
-        world,
-        start=robot.start,
-        target=robot.target,
-        robot_radius=robot.radius,
-        robot_speed=robot.speed,
-        certificate=None,
-        provenance=None,
-        failure=None,
-        others=(),
-    )
-
-
 def robot_seed(world: World, number: int, seed: int) -> int:
     """Return the seed of one robot's random numbers.
 
@@ -485,13 +469,8 @@ def robot_seed(world: World, number: int, seed: int) -> int:
     start = world.robots[number].start
     mixed = seed
     for place in (start.x, start.y):
-        mixed ^= metres_to_lattice(place, world.cell_size) & _MASK
-        # One round of SplitMix64: Steele, Lea and Flood, "Fast splittable pseudorandom number
-        # generators" (2014).
-        mixed = (mixed + 0x9E3779B97F4A7C15) & _MASK
-        mixed = ((mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9) & _MASK
-        mixed = ((mixed ^ (mixed >> 27)) * 0x94D049BB133111EB) & _MASK
-        mixed ^= mixed >> 31
+        mixed ^= metres_to_lattice(place, world.cell_size) & MASK64
+        mixed = mix64((mixed + GAMMA) & MASK64)
     return mixed
 
 
@@ -499,7 +478,8 @@ def _robots_overlap(one: int, other: int) -> InvalidWorld:
     """Return the error for two robots, given by their indices, that have no clear lattice points."""
     return InvalidWorld(
         "robots-overlap",
-        "robots {one} and {other} overlap at the start, where walls keep them from the nearest points "
+        "robots {one} and {other} overlap at the start, where walls keep them from the nearest "
+        "points "
         "of the pose lattice",
         "move one of them by a hundredth of a cell",
         one=one + 1,

@@ -1,8 +1,9 @@
 // Behaviours and the arbiter that composes them, for controllers written in C or C++.
 //
-// A behaviour says when it applies (its trigger) and what it then does (its action). A composition lists parts: a
-// behaviour each, with a priority, a duration, and whether it can be interrupted. wg_arbitrate lets one of them act.
-// See worldgen_controller.h for how a library offers a controller:
+// A behaviour defines when it applies (its trigger) and what it then does (its action). A
+// composition lists parts: a behaviour each, with a priority, a duration, and whether it can be
+// interrupted. wg_arbitrate lets one of them act. See worldgen_controller.h for how a library
+// offers a controller:
 //
 //     static void mine(const WgObservation *seen, double *memory, WgCommand *command)
 //     {
@@ -38,12 +39,12 @@ static const double WG_NO_BEHAVIOUR = -1.0;
 typedef struct WgShared {
     double behaviour;  // in charge: its index among the parts, or WG_NO_BEHAVIOUR
     double counter;    // steps left before it is done
-    double target;     // heading units: the heading that the robot turns to; -1: none
+    double target;     // heading units: the heading that the robot turns to; -1 if there is none
     double speed;      // share of the top speed
     double old_speed;  // same, before a collision
 } WgShared;
 
-// What a behaviour is called with.
+// The arguments of a behaviour.
 typedef struct WgSituation {
     const WgObservation *seen;
     const double *options;  // of the part
@@ -54,25 +55,25 @@ typedef struct WgSituation {
 
 typedef struct WgBehaviour {
     const char *name;
-    int64_t (*trigger)(const WgSituation *now);  // 1 if it applies; changes nothing
+    int64_t (*trigger)(const WgSituation *now);  // 1 if it applies; must not change anything
     int64_t (*action)(const WgSituation *now);   // commands one step; 1 if the behaviour is done
     void (*watch)(const WgSituation *now);       // called in each step before the triggers; may be NULL
     void (*begin)(const WgSituation *now);       // called when it takes control; may be NULL
     int64_t keeps_time;  // 1: its action counts `counter` down itself, such as one that turns before it drives
-    int64_t restarts;    // 1: where it can be interrupted, a new trigger begins it again
+    int64_t restarts;    // 1: if it can be interrupted, a new trigger restarts it
     int64_t state_size;  // size of its own memory, in numbers
 } WgBehaviour;
 
 typedef struct WgPart {
     const WgBehaviour *does;
-    double priority;       // of those that apply, the part with the highest acts; of equals the first
-    double duration;       // steps; without keeps_time a part acts for so many, at least one
+    double priority;       // of the parts that apply, the highest acts; ties go to the first
+    double duration;       // steps; without keeps_time a part acts for this many, at least one
     double interruptible;  // 0: it keeps control until it is done
     const double *options;
     double *state;
 } WgPart;
 
-// What a part is called with.
+// The arguments of a part.
 static inline WgSituation wg_situation(const WgPart *part, WgShared *shared, const WgObservation *seen,
                                        WgCommand *command)
 {
@@ -80,7 +81,7 @@ static inline WgSituation wg_situation(const WgPart *part, WgShared *shared, con
     return now;
 }
 
-// Lets all parts that watch look at a step.
+// Shows a step to all parts that watch.
 static inline void wg_watch(const WgPart *parts, int64_t count, WgShared *shared, const WgObservation *seen,
                             WgCommand *command)
 {
@@ -111,10 +112,11 @@ static inline int64_t wg_act_part(const WgPart *part, int64_t begins, WgShared *
     return done;
 }
 
-// Lets one part act by priority and returns its index. If none applies, the robot stands still and the result is -1.
+// Lets one part act by priority and returns its index. If none applies, the robot stops and the
+// result is -1.
 //
-// The part in charge keeps control until it is done. If it can be interrupted, a part of higher priority that applies
-// takes over, and if it restarts, its own trigger begins it again.
+// The part in charge keeps control until it is done. If it can be interrupted, a part of higher
+// priority that applies takes over, and its own trigger restarts it if it allows that.
 static inline int64_t wg_arbitrate(const WgPart *parts, int64_t count, WgShared *shared, const WgObservation *seen,
                                    WgCommand *command)
 {
@@ -123,7 +125,7 @@ static inline int64_t wg_arbitrate(const WgPart *parts, int64_t count, WgShared 
     int64_t begins = 0;
     wg_watch(parts, count, shared, seen, command);
 
-    // The part in control. A trigger is only asked where its answer can matter.
+    // The part in control. A trigger is only called if its answer can make a difference.
     if (active < 0 || parts[active].interruptible != 0.0) {
         chosen = -1;
         for (int64_t k = 0; k < count; k++) {

@@ -104,7 +104,7 @@ typedef struct WgControllerInfo {
     double beam_range;    // m: range of beams that it needs; 0: the simulator's default
     double start_speed;   // m/s: speed in the first step, before it has observed anything
     double neighbour_range;  // m: range within which it needs to sense other robots; 0: not at all
-    int64_t message;         // numbers of the messages that it needs to send, at most WG_MOST_MESSAGE
+    int64_t message;         // numbers in each message that it sends, at most WG_MOST_MESSAGE
 } WgControllerInfo;
 
 #ifdef __cplusplus

@@ -35,11 +35,10 @@ class OptionSet:
 
     def changed(self) -> dict[str, Value]:
         """Return the options that differ from their defaults, in order of declaration."""
-        values = {one.name: getattr(self, one.name) for one in self.declared()}
         return {
-            one.name: list(values[one.name]) if isinstance(one.default, tuple) else values[one.name]
+            one.name: list(value) if isinstance(value, tuple) else value
             for one in self.declared()
-            if values[one.name] != one.default
+            if (value := getattr(self, one.name)) != one.default
         }
 
     @classmethod
@@ -56,6 +55,11 @@ class OptionSet:
         return tuple(one.name for one in cls.declared())
 
     @classmethod
+    def words(cls) -> frozenset[str]:
+        """Return the options' names, and the names that switch on several."""
+        return frozenset((*cls.names(), *cls.TOGETHER))
+
+    @classmethod
     def of(cls, values: Mapping[str, Value]) -> Self:
         """Return options from names and values.
 
@@ -63,12 +67,8 @@ class OptionSet:
             InvalidParameter: If a name is unknown, or a value has the wrong type or is out of
                 range.
         """
-        return cls(
-            **{
-                find_parameter(name, cls.declared(), cls.OWNER).name: value
-                for name, value in values.items()
-            }
-        )
+        found = {name: find_parameter(name, cls.declared(), cls.OWNER).name for name in values}
+        return cls(**{found[name]: value for name, value in values.items()})
 
     @classmethod
     def parse(cls, name: str, text: str | None, also: tuple[str, ...] = ()) -> dict[str, Value]:

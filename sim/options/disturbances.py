@@ -47,10 +47,12 @@ class Doubt(StrEnum):
 
 _DOUBTS = {
     Doubt.NO_WITNESS: "no witness shows a path to the target",
-    Doubt.CHANGING_WORLD: "the world changes, and the witness's times allow for no disturbance",
+    Doubt.CHANGING_WORLD: (
+        "the world changes, and the witness's timing leaves no slack for disturbances"
+    ),
     Doubt.FAST_DRIFT: "the drift is as fast as the robot",
-    Doubt.SLOW_REACTION: "a robot that cannot turn or brake at once may drift off the witness",
-    Doubt.PUSHED_AGAIN: "a place may push the robot again after the robot has left the witness",
+    Doubt.SLOW_REACTION: "a robot that cannot turn or brake immediately may drift off the witness",
+    Doubt.PUSHED_AGAIN: "a place may push the robot again after it has left the witness",
     Doubt.PUSHED_ON_THE_WITNESS: "the witness leads through a place that pushes the robot",
 }
 
@@ -156,7 +158,7 @@ def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> Doubt | Non
         world: The world, with its certificate.
         robot: Options of the robot in the run.
     """
-    # Without a static world and a witness nothing is certain.
+    # Without a static world and a witness, nothing is certain.
     if not robot.moved:
         return None
     if not isinstance(world.certificate, Witness):

@@ -43,7 +43,7 @@ class RobotOptions(OptionSet):
         turn_limit: Greatest turn rate; 0 means no limit.
         acceleration: Greatest gain of speed, m/s2; 0 means no limit.
         friction: Greatest loss of speed, by brakes or floor friction, m/s2; 0 means no limit.
-        wall_friction: Share of a slide along a wall that friction takes, 0 to 1.
+        wall_friction: Share of a slide along a wall that is lost to friction, 0 to 1.
         slip: Largest share of a step's path that is lost to slip, 0 to 1, drawn for each step.
         odometry_noise: Largest share by which a measured distance or turn is wrong, 0 to 1, drawn
             for each step.
@@ -53,8 +53,8 @@ class RobotOptions(OptionSet):
         sensor_noise: Largest share by which a signal strength is wrong, 0 to 1, drawn for each cell
             and step.
         signal: Effect of walls on the signal's straight line from the target: none (``open``),
-            halve it for each wall cell (``weakened``), or end it (``blocked``).
-        smoke: Share of the signal taken by each cell of that line in smoke, 0 to 1.
+            halve it for each wall cell (``weakened``), or block it (``blocked``).
+        smoke: Share of the signal that each cell in smoke on that line absorbs, 0 to 1.
         smoke_reach: Number of cells that smoke fills around each burning cell, 0 to 10, corners
             included.
         beams: Number of range beams, 0 to 1000.
@@ -143,7 +143,7 @@ class RobotOptions(OptionSet):
             raise InvalidParameter(
                 "below-minimum",
                 "{name}: strength {value:g} is below {low:g}",
-                "give how many times as strong as the target's signal it is",
+                "give its strength as a multiple of the target's signal",
                 name="decoys",
                 value=min(self.decoys[2::3]),
                 low=0,
@@ -154,7 +154,7 @@ class RobotOptions(OptionSet):
         if len(numbers) % size:
             raise InvalidParameter(
                 "wrong-length",
-                "{name} has {count} numbers, and each needs {size}: {each}",
+                "{name} has {count} numbers, but each entry needs {size}: {each}",
                 "write {name}={example}",
                 name=name,
                 count=len(numbers),
@@ -180,13 +180,6 @@ class RobotOptions(OptionSet):
     @property
     def plain_sensor(self) -> bool:
         """True if the signal sensor has no limits beyond the thesis's."""
-        limits = (
-            self.sensor_cells,
-            self.sensor_range,
-            self.sensor_field,
-            self.sensor_noise,
-            self.signal,
-            self.smoke,
-            self.decoys,
-        )
-        return limits == (1, 0.0, 0.0, 0.0, "open", 0.0, ())
+        sensor = ("sensor_cells", "sensor_range", "sensor_field", "sensor_noise")
+        names = (*sensor, "signal", "smoke", "decoys")
+        return all(getattr(self, name) == getattr(RobotOptions, name) for name in names)

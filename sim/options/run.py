@@ -11,16 +11,17 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.motion import MOTIONS, THESIS, Motion
 from sim.options.disturbances import delay_of
 from sim.options.robot import RobotOptions
 from sim.thesis.options import ThesisOptions
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
 from worldgen.parameters import parameters_of_fields
 from worldgen.reach.still.cells import reachable_cells
+from worldgen.support.arrays import Words
 from worldgen.support.bounds import Bounds, check_choice
 from worldgen.support.plain_text import quote
 from worldgen.world import JointWitness, Pose, Value, Witness, World
@@ -61,7 +62,7 @@ DEFAULT_TIME_STEP = 0.015
 # Least and largest time step, s.
 TIME_STEPS = (0.001, 10.0)
 MAX_STEPS = 100_000_000
-# Most steps; a recorded one takes about 300 bytes.
+# Maximum number of steps; a recorded one takes about 300 bytes.
 MAX_RECORDED = 4_000_000
 # A run may take this many times the witness's time before it counts as stalled or timed out.
 BUDGET_FACTOR = 50
@@ -73,13 +74,12 @@ _COVER_FACTOR = 10
 _MOST_OF_A_DRIFT = 10
 # Cells: the tolerated overlap if the model should have none.
 _ROUNDING = 1e-6
-# Cells: larger steps would come near the end of 64-bit lattice arithmetic.
+# Cells: larger steps would come near the limits of 64-bit lattice arithmetic.
 _LONGEST_STEP = 1_000
 # Least budget, steps, however short the witness.
 FEWEST_STEPS = 4_000
 _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
-_MAX_SEED = 2**64 - 1
 
 
 @dataclass(frozen=True)
@@ -123,8 +123,8 @@ class RunOptions:
         if self.task != TARGET and switch_class(self.motion) is ThesisOptions:
             raise InvalidParameter(
                 "option-without-effect",
-                "option {option!r} means nothing to motion {motion!r}",
-                "take --motion {where}, or leave it out",
+                "option {option!r} has no effect under motion {motion!r}",
+                "use --motion {where}, or omit it",
                 at_terminal=True,
                 option="task",
                 motion=self.motion,
@@ -132,7 +132,7 @@ class RunOptions:
             )
         object.__setattr__(self, "time_step", TIME_STEP.accept(self.time_step, "run"))
         object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
-        object.__setattr__(self, "seed", whole("seed", self.seed, 0, _MAX_SEED))
+        object.__setattr__(self, "seed", whole("seed", self.seed, 0, MASK64))
 
     def motion_model(self) -> Motion:
         """Return the motion model, with the tolerance that these options leave it.
@@ -197,8 +197,8 @@ def option_without_effect(motion: str, name: str) -> InvalidParameter:
     """Return the error for an option of another motion model."""
     return InvalidParameter(
         "option-without-effect",
-        "option {option!r} means nothing to motion {motion!r}",
-        "take --motion {where}, or leave it out",
+        "option {option!r} has no effect under motion {motion!r}",
+        "use --motion {where}, or omit it",
         at_terminal=True,
         option=name,
         motion=motion,
@@ -262,8 +262,8 @@ def step_budget(world: World, run: RunOptions) -> int:
     """Return the steps that a run gets.
 
     They are ``BUDGET_FACTOR`` times the witness's time, at least 4,000; 20,000 without a witness.
-    To cover a world, the witness's time is replaced by that of driving from each cell to the next
-    and back. Time lost to pushes and drift is added first.
+    To cover a world, the time to drive from each cell to the next and back replaces the witness's
+    time. Time lost to pushes and drift is added first.
 
     Args:
         world: The world, with its certificate.
@@ -272,7 +272,7 @@ def step_budget(world: World, run: RunOptions) -> int:
     Raises:
         InvalidWorld: If a world that changes is to be covered.
     """
-    # Covering an area takes the time of driving through every cell, not that of the witness.
+    # The time to cover an area is that of driving through every cell, not the witness's.
     if run.task == COVER:
         cells = int(np.count_nonzero(reachable_cells(world)))
         duration = 2 * cells * exact(world.cell_size) / exact(world.robot_speed)
@@ -322,7 +322,7 @@ def options_from(
         raise InvalidParameter(
             "wrong-type",
             "{options!r} is not RunOptions",
-            "give these, or single settings: steps=3000, seed=3",
+            "give this object, or single settings: steps=3000, seed=3",
             options=options,
         )
     if settings:
@@ -340,11 +340,8 @@ def check_world(world: object) -> World:
     """
     if isinstance(world, World):
         return world
-    way = (
-        "read it: worldgen.read_world({path!r})"
-        if isinstance(world, str | Path)
-        else "give a World"
-    )
+    is_path = isinstance(world, str | Path)
+    way = "read it: worldgen.read_world({path!r})" if is_path else "give a World"
     raise InvalidParameter(
         "wrong-type", "{world} is not a world", way, world=quote(world), path=str(world)
     )
@@ -390,14 +387,14 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
     return poses
 
 
-def seeds_of(seeds: object) -> npt.NDArray[np.uint64]:
+def seeds_of(seeds: object) -> Words:
     """Return the given seeds, or those from 0 if a count is given.
 
     Raises:
         InvalidParameter: If a seed, or their number, isn't a whole number or is out of range.
     """
     if isinstance(seeds, Iterable) and not isinstance(seeds, str):
-        return np.array([whole("seed", seed, 0, _MAX_SEED) for seed in seeds], np.uint64)
+        return np.array([whole("seed", seed, 0, MASK64) for seed in seeds], np.uint64)
     return np.arange(whole("seeds", seeds, 0, _MOST_SEEDS), dtype=np.uint64)
 
 

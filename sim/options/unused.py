@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import CompiledController, robot_for
 from sim.controllers.thesis import RANDOM
@@ -10,7 +12,7 @@ from sim.options.run import switch_class
 from sim.scenario import Scenario
 from sim.thesis.options import ThesisOptions
 
-__all__ = ["coarse_forces", "random_run", "unused_options"]
+__all__ = ["coarse_forces", "ineffective", "random_run", "unused_options"]
 
 _SIGNAL = ("signal", "signal_heading")
 _SENSOR = (
@@ -45,6 +47,24 @@ _SHAPES = (
 )
 
 
+def ineffective(scenarios: Iterable[Scenario], *, seeds: Sequence[str] = ()) -> list[str]:
+    """Return a sentence for each option that has no effect on these runs, or less than expected.
+
+    Args:
+        scenarios: The scenarios that are run.
+        seeds: Names of the options for seeds that were given; the first is reported as idle if no
+            run draws numbers.
+    """
+    runs = tuple(scenarios)
+    sentences = [
+        one for scenario in runs for one in (*unused_options(scenario), *coarse_forces(scenario))
+    ]
+    if seeds and not any(map(random_run, runs)):
+        these = "this run" if len(runs) == 1 else "these runs"
+        sentences.append(f"--{seeds[0]} has no effect: nothing in {these} is random")
+    return list(dict.fromkeys(sentences))
+
+
 def unused_options(scenario: Scenario) -> list[str]:
     """Return a sentence for each option that is set and cannot change any run of the scenario.
 
@@ -58,10 +78,11 @@ def unused_options(scenario: Scenario) -> list[str]:
         return _unused_in_the_thesis(controller, scenario)
     senses = getattr(controller, "senses", None)
     changed = scenario.run.robot.changed()
-    # The controller itself may switch on what an option shapes.
+    # The controller itself may switch on the feature that an option adjusts.
     robot = robot_for(controller, scenario.run.robot)
     sentences = []
-    # An option has no effect if the one it shapes is off, or if nobody reads what it changes.
+    # An option has no effect if the feature that it adjusts is off, or if nobody reads what it
+    # changes.
     for name in changed:
         needed = _READ_BY.get(name, ())
         shaped = _SHAPES.get(name)
@@ -88,7 +109,8 @@ def coarse_forces(scenario: Scenario) -> list[str]:
     options = ", ".join(f"+{name}" for name in forces)
     return [
         f"{options}: {scenario.run.motion} moves by whole pixels (a tenth of a cell) and drops the "
-        "rest of each tick's motion, so a robot that moves less than a pixel per tick stands still: "
+        "rest of each tick's motion, so a robot that moves less than a pixel per tick stands "
+        "still: "
         "with cells of 0.1 m and ticks of 15 ms, one below 0.67 m/s"
     ]
 
@@ -96,7 +118,7 @@ def coarse_forces(scenario: Scenario) -> list[str]:
 def random_run(scenario: Scenario) -> bool:
     """Return True if a seed can change a run of the scenario.
 
-    For a Python class or a program that is unknown.
+    For a Python class or a program, this is unknown.
     """
     controller = CONTROLLERS.get(scenario.controller)
     return (

@@ -1,7 +1,7 @@
 """Measure how much of this process's time goes into controllers' own code.
 
-That covers classes that act, and programs that are waited for. A compiled controller runs inside
-the core, where it cannot be measured.
+That includes the calls of classes, and the time spent waiting for programs. A compiled controller
+runs inside the core, where it cannot be measured.
 """
 
 from __future__ import annotations

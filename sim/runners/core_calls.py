@@ -19,7 +19,16 @@ from sim.controllers.controller_error import ControllerError
 from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.flat_act import flat_address
 from sim.controllers.shared import guarded
-from sim.controllers.shared.guarded import PRIVATE, ControllerDied, CoreMemory, before_start, call
+from sim.controllers.shared.guarded import (
+    PRIVATE,
+    CallResult,
+    ControllerDied,
+    CoreMemory,
+    before_start,
+    call,
+)
+from sim.kernels.layout import OBS_SIZE
+from worldgen.support.arrays import Bytes, Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
 __all__ = [
@@ -40,13 +49,7 @@ __all__ = [
     "ray_table",
 ]
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
-Cells = npt.NDArray[np.uint8]
 Table = npt.NDArray[np.int32]
-
-# Numbers of an observation before its beams.
-SENSES = 17
 
 # Words of a state before the controller's memory.
 STATE_WORDS = 5
@@ -95,7 +98,7 @@ def headings() -> Ints:
     return table
 
 
-def near_masks(cells: Cells) -> Table:
+def near_masks(cells: Bytes) -> Table:
     """Return (height, width) int32, masks of the cells around each cell that are not free."""
     near = np.zeros(cells.shape, np.int32)
     lib.wg_near_masks(grid_of(cells), writable(ffi, near, np.int32))
@@ -127,7 +130,7 @@ class BeamTables(NamedTuple):
     spread: Ints
 
 
-def beam_tables(cells: Cells, settings: Any, memory: CoreMemory = PRIVATE) -> BeamTables | None:
+def beam_tables(cells: Bytes, settings: Any, memory: CoreMemory = PRIVATE) -> BeamTables | None:
     """Return the tables for beams, or None if it has no beams or the grid is too large.
 
     Args:
@@ -145,7 +148,7 @@ def beam_tables(cells: Cells, settings: Any, memory: CoreMemory = PRIVATE) -> Be
     return BeamTables(runs, spread)
 
 
-def grid_of(cells: Cells) -> Any:
+def grid_of(cells: Bytes) -> Any:
     """Return the WgGrid of some cells, which must outlive it."""
     return ffi.new("WgGrid *", (pointer(ffi, cells, np.uint8), cells.shape[1], cells.shape[0]))[0]
 
@@ -194,13 +197,13 @@ class CoreArena:
 
     def __init__(
         self,
-        cells: Cells,
+        cells: Bytes,
         near: Table,
         clearance: Table,
         events: Ints,
-        visited: Cells,
+        visited: Bytes,
         beams: BeamTables | None = None,
-        wanted: Cells | None = None,
+        wanted: Bytes | None = None,
         memory: CoreMemory = PRIVATE,
     ) -> None:
         self.cells = cells = memory.own(cells)
@@ -280,7 +283,7 @@ class Workspace:
     def __init__(self, episode: Any) -> None:
         c = episode.c
         size = int(c.controller.memory_size)
-        numbers = SENSES + int(c.workspace.observation.beam_count)
+        numbers = OBS_SIZE + int(c.workspace.observation.beam_count)
         self.observation: Floats = np.frombuffer(_buffer(episode, c.workspace.flat, numbers))
         self.memory = (
             np.frombuffer(_buffer(episode, c.robot.body.memory, size)) if size else np.zeros(0)
@@ -404,18 +407,36 @@ class CoreEpisode(EpisodeHandle):
         """First step of the loop with which the run ended; -1 if it ended otherwise."""
         return int(lib.wg_episode_entry(self.c))
 
-    def known_words(self) -> npt.NDArray[np.uint64]:
+    def known_words(self) -> Words:
         """Return (words,) the state at the entry of a loop that was proved."""
         return np.frombuffer(ffi.buffer(self.c.search.known, 8 * self.words), np.uint64).copy()
 
+    def call(
+        self, name: str, objects: Sequence[Any], number: int, progress: Sequence[Any] = ()
+    ) -> CallResult:
+        """Make a call of the core about this episode, in the other process if that runs it.
+
+        Args:
+            name: ``wg_call_run`` or another function of that type.
+            objects: Its pointer arguments.
+            number: The number that it takes.
+            progress: Structs that change as the work progresses, besides this episode's report.
+
+        Raises:
+            ControllerDied: If the other process ended, or a step did not return.
+        """
+        if self.guarded:
+            work = ffi.addressof(lib, name)
+            report = ffi.addressof(self.report)
+            return call(work, self.guarded, objects, number, report=report, progress=progress)
+        arguments = [ffi.cast("void *", one) for one in objects]
+        asked = ffi.new("WgCall *", {"objects": arguments, "number": number})
+        return CallResult(int(getattr(lib, name)(asked)), "")
+
     def run(self, steps: int) -> bool:
         """Run at most this many steps; return True if the episode is not over."""
-        if not self.guarded:
-            return bool(lib.wg_episode_run(self.c, steps) == lib.WG_GOES_ON)
-        work = ffi.addressof(lib, "wg_call_run")
-        report = ffi.addressof(self.report)
         try:
-            answer = call(work, self.guarded, (self.c,), steps, report=report)
+            answer = self.call("wg_call_run", (self.c,), steps)
         except ControllerDied as death:
             self._fail(death)
             return False

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController
-from sim.controllers.shared.guarded import ControllerDied, call
+from sim.controllers.shared.guarded import ControllerDied
 from sim.options.run import RunOptions
 from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, copy_of, grid_of
 from sim.runners.lattice import LatticeRun
 from sim.runners.packing import disc_numbers, target_sq
 from sim.verdict import Verdict
 from worldgen.lattice import metres_to_lattice
+from worldgen.support.arrays import Ints
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import CellState
 from worldgen.world import World
@@ -33,8 +33,6 @@ _STEPS_AT_ONCE = 200_000
 _IX = 2
 _IY = 3
 
-Ints = npt.NDArray[np.int64]
-
 
 class EditKind(IntEnum):
     """The effect of an edit on the grid; the numbers of the :class:`CellEdit` follow each name.
@@ -43,8 +41,8 @@ class EditKind(IntEnum):
         FREE_BOX: Free the solid cells in a box: ix, iy, width, height.
         FREE_RUN: Free some of the solid cells, counted row by row: first, count.
         FREE_RIM: Free the outermost cells.
-        DROP_ROWS: Remove rows and move those above down: first, count.
-        DROP_COLUMNS: Remove columns and move those to the right left: first, count.
+        DROP_ROWS: Remove rows and move those above down: first row, count.
+        DROP_COLUMNS: Remove columns and move those on the right to the left: first column, count.
     """
 
     FREE_BOX = lib.WG_FREE_BOX
@@ -161,7 +159,7 @@ class EditedRuns:
         settings = copy_of(run.settings, run.memory)
         episode = CoreEpisode(work, settings, Driver(controller, controller.memory))
 
-        # Describe the ending that is wanted, and the progress of the search.
+        # Describe the requested ending, and the progress of the search.
         fails = wanted.crash or wanted.hang
         wanted_struct = run.memory.new("WgWanted *")
         wanted_struct.ending = lib.WG_CRASH if fails else wanted.ending
@@ -171,41 +169,21 @@ class EditedRuns:
         tried = run.memory.new("WgTried *")
         todo = run.memory.own(np.array(edits, np.int64))
         rows = ffi.cast("WgEdit *", pointer(ffi, todo, np.int64))
-        grid = grid_of(fresh.cells)
+        grid = run.memory.new("WgGrid *", grid_of(fresh.cells))
 
-        # Try the edits. One call may end within a run, which the next call then continues.
-        if episode.guarded:
-            seen = run.memory.new("WgGrid *", grid)
-            objects = (episode.c, settings, run.settings, seen, rows, wanted_struct, tried)
-            _try_guarded(episode, objects, len(todo), wanted)
-            self.trials += int(tried.runs)
-            return bool(tried.found), int(tried.next)
+        # Try the edits. One call may end within a run, which the next call then continues. If the
+        # process that runs them dies, the controller failed in the last edit's run.
+        objects = (episode.c, settings, run.settings, grid, rows, wanted_struct, tried)
         count = len(todo)
-        while count > tried.next or tried.running:
-            check(
-                lib.wg_first_edit(
-                    episode.c, settings, run.settings, grid, rows, count, wanted_struct, tried
-                )
-            )
-            count = tried.next
+        try:
+            while count > tried.next or tried.running:
+                check(episode.call("wg_call_first_edit", objects, count, (tried,)).result)
+                count = tried.next
+        except ControllerDied as death:
+            tried.running = 0
+            tried.found = wanted.hang if death.verdict == Verdict.HANG else wanted.crash
         self.trials += int(tried.runs)
         return bool(tried.found), int(tried.next)
-
-
-def _try_guarded(episode: CoreEpisode, objects: Sequence[Any], count: int, wanted: Wanted) -> None:
-    """Try edits in another process; if it dies, the controller failed in the last edit's run."""
-    tried = objects[-1]
-    work = ffi.addressof(lib, "wg_call_first_edit")
-    report = ffi.addressof(episode.report)
-    try:
-        while count > tried.next or tried.running:
-            check(
-                call(work, episode.guarded, objects, count, report=report, progress=(tried,)).result
-            )
-            count = tried.next
-    except ControllerDied as death:
-        tried.running = 0
-        tried.found = wanted.hang if death.verdict == Verdict.HANG else wanted.crash
 
 
 def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:
@@ -216,8 +194,8 @@ def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:
 
     Args:
         world: The world.
-        regardless_of_time: Whether to avoid only cells that are solid forever. In a changing world
-            ``True`` then proves nothing either, but without such a path another is unlikely.
+        regardless_of_time: Whether to avoid only cells that are solid forever. In a changing world,
+            ``True`` is then no proof either, but if there is no such path, another is unlikely.
     """
     # Mark the cells to avoid.
     side = world.cell_size

@@ -22,7 +22,6 @@ from sim.options.run import COVER, MAX_RECORDED, RunOptions, check_recordable, c
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.core_calls import (
     EVENT_FIELDS,
-    SENSES,
     STATE_WORDS,
     CoreArena,
     CoreEpisode,
@@ -35,13 +34,12 @@ from sim.runners.core_calls import (
     memory_for,
     near_masks,
 )
-from sim.runners.disturbing import PackedDisturbances
 from sim.runners.long_runs import MOST_HELD, portions
 from sim.runners.packing import STEP_TIME, event_time, start_overlaps
 from sim.runners.python_loop import PythonLoop
 from sim.runners.recording import FIRST_OF_STATE, POINT_FIELDS, trace_of
-from sim.runners.settings import fill_settings
-from sim.trace import Trace, Words
+from sim.runners.settings import PackedDisturbances, fill_settings
+from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import (
@@ -50,22 +48,15 @@ from worldgen.lattice import (
     metres_to_lattice,
 )
 from worldgen.reach.still.cells import reachable_cells
+from worldgen.support.arrays import Bytes, Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import CellState
 from worldgen.world import Pose, World
 
 __all__ = ["LatticeRun"]
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
-
 # Lattice units that robots of a fleet look further than they move, and what rounding adds to that.
 _FLEET_SLACK = 40
-
-
-def _memory_of(episode: CoreEpisode) -> Floats:
-    """Return (m,) the memory of an episode that has ended."""
-    return episode.state_words()[STATE_WORDS:].view(np.float64)
 
 
 class LatticeRun:
@@ -89,8 +80,8 @@ class LatticeRun:
         if world.others:
             raise InvalidParameter(
                 "world-of-several-robots",
-                "this runs one robot, and the world has {robots}",
-                "take a world of one robot, or worldgen run",
+                "this runs one robot, but the world has {robots}",
+                "use a world with one robot, or worldgen run",
                 at_terminal=True,
                 robots=len(world.robots),
             )
@@ -118,10 +109,11 @@ class LatticeRun:
         if len(self.events) == 0:
             self._beams = beam_tables(self._cells, self.settings, self.memory)
 
-    def _cells_to_cover(self) -> npt.NDArray[np.uint8] | None:
+    def _cells_to_cover(self) -> Bytes | None:
         """Return the cells that a coverage task asks for; ``None`` for another task.
 
-        The target then ends no run, so its disc gets a squared radius that no distance has.
+        Reaching the target then does not end a run: its disc gets a squared radius that no distance
+        matches.
 
         Raises:
             InvalidWorld: If the world changes, or there is nothing to cover but the start's cell.
@@ -133,8 +125,8 @@ class LatticeRun:
         if np.count_nonzero(wanted) < 2:
             raise InvalidWorld(
                 "nothing-to-cover",
-                "the robot can reach the centre of no second cell, so there is nothing to cover",
-                "take a larger world or a smaller robot",
+                "the robot cannot reach the centre of a second cell, so there is nothing to cover",
+                "use a larger world or a smaller robot",
             )
         return wanted
 
@@ -206,16 +198,23 @@ class LatticeRun:
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Simulate up to ``steps`` steps from the start; see :meth:`sim.outcome.Runnable.run`."""
+        return self._run(steps, find_loop=find_loop, record=record, digest=digest)[0]
+
+    def _run(
+        self, steps: int, *, find_loop: bool, record: bool, digest: bool
+    ) -> tuple[Outcome, CoreEpisode | None]:
+        """Run once; there is no episode if the controller failed before it began."""
         self.settings.steps = steps
         self.settings.digest = int(digest)
         self.settings.find_loop = (
             lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
         )
         if isinstance(self.controller, CompiledController):
-            return self._run_compiled(self.controller, record)[0]
+            return self._run_compiled(self.controller, record)
         loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
         loop.run(steps, record=record)
-        return self.outcome_of(loop.episode, loop.recording(), loop.complete, loop.fault)
+        recording = loop.recording()
+        return self.outcome_of(loop.episode, recording, loop.complete, loop.fault), loop.episode
 
     def run_and_recall(self, steps: int, *, find_loop: bool) -> tuple[Outcome, Floats]:
         """Simulate a controller from the start, and return its memory at the end, too.
@@ -226,25 +225,16 @@ class LatticeRun:
         Raises:
             InvalidParameter: If the controller itself fails.
         """
-        self.settings.steps = steps
-        self.settings.digest = 0
-        self.settings.find_loop = (
-            lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
-        )
-        if isinstance(self.controller, CompiledController):
-            outcome, ended = self._run_compiled(self.controller, record=False)
-            return outcome, _memory_of(ended)
-        loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
-        loop.run(steps, record=False)
-        if loop.fault is not None or loop.episode is None:
+        outcome, ended = self._run(steps, find_loop=find_loop, record=False, digest=False)
+        in_python = not isinstance(self.controller, CompiledController)
+        if ended is None or (outcome.fault is not None and in_python):
             raise InvalidParameter(
                 "code-failed",
                 "the controller fails in training: {reason}",
                 "run it, and fuzz it, before you train it",
-                reason="" if loop.fault is None else loop.fault.error,
+                reason="" if outcome.fault is None else outcome.fault.error,
             )
-        outcome = self.outcome_of(loop.episode, None, loop.complete, None)
-        return outcome, _memory_of(loop.episode)
+        return outcome, ended.state_words()[STATE_WORDS:].view(np.float64)
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
@@ -321,20 +311,17 @@ class LatticeRun:
         """
         settings = copy_of(self.settings)
         settings.senses &= lib.WG_SENSE_SIGNAL | lib.WG_SENSE_SIGNAL_HEADING | lib.WG_SENSE_BEAMS
-        seen = np.zeros((len(states), SENSES + self.options.robot.beams))
+        seen = np.zeros((len(states), layout.OBS_SIZE + self.options.robot.beams))
         poses = np.ascontiguousarray(states)
         arena = self.arena()
         starts = ffi.cast("WgStart *", pointer(ffi, poses, np.int64))
-        check(
-            lib.wg_sensed_of_walls(
-                arena.c, settings, starts, len(poses), writable(ffi, seen, np.float64)
-            )
-        )
+        into = writable(ffi, seen, np.float64)
+        check(lib.wg_sensed_of_walls(arena.c, settings, starts, len(poses), into))
         return seen
 
     def arena(self) -> CoreArena:
         """Return the surroundings before the first event, with the start marked as visited."""
-        visited: npt.NDArray[np.uint8] = np.zeros_like(self._cells)
+        visited: Bytes = np.zeros_like(self._cells)
         height, width = visited.shape
         row = min(int(self.settings.start_y) // UNIT, height - 1)
         visited[row, min(int(self.settings.start_x) // UNIT, width - 1)] = 1
@@ -349,7 +336,7 @@ class LatticeRun:
             self._wanted,
             self.memory,
         )
-        # The settings point to what this run owns, and an episode outlives it.
+        # The settings point to data of this run, and an episode outlives it.
         arena.held = self
         return arena
 
@@ -358,7 +345,7 @@ class LatticeRun:
     ) -> tuple[Outcome, CoreEpisode]:
         # Run once for the verdict. Only if a recording is wanted, run again with room for exactly
         # the steps and path points that there are.
-        episode = self._episode(controller)
+        episode = self.episode(controller)
         episode.run_to_the_end()
         fault = self._fault(controller, episode) if episode.report.ending == lib.WG_CRASH else None
         if not record:
@@ -370,7 +357,7 @@ class LatticeRun:
             return replace(outcome, trace=self._lean_trace(controller, done, points)), episode
         rows = self.memory.zeros((done + 1, FIRST_OF_STATE + episode.words), np.int64)
         path = self.memory.zeros((points, POINT_FIELDS), np.int64)
-        episode = self._episode(controller)
+        episode = self.episode(controller)
         rows[0, FIRST_OF_STATE:] = episode.state_words()
         episode.record(rows[1:], path)
         episode.run_to_the_end()
@@ -380,8 +367,15 @@ class LatticeRun:
             path = path[(path[:, 0] > 0) & (path[:, 0] < done)]
         return self.outcome_of(episode, (rows, path), fault=fault), episode
 
-    def _episode(self, controller: CompiledController) -> CoreEpisode:
-        return CoreEpisode(self.arena(), self.settings, Driver(controller, controller.memory))
+    def episode(self, controller: CompiledController, settings: Any = None) -> CoreEpisode:
+        """Return an episode of the run at its start.
+
+        Args:
+            controller: The controller.
+            settings: WgSettings other than the run's own.
+        """
+        driver = Driver(controller, controller.memory)
+        return CoreEpisode(self.arena(), settings or self.settings, driver)
 
     def _fault(self, controller: CompiledController, failed: CoreEpisode) -> ControllerError:
         """Return the fault of an episode's last step.
@@ -393,22 +387,20 @@ class LatticeRun:
             return failed.fault
         if isinstance(controller.act, CoreAct):
             return controller_error_of(ffi.string(failed.report.error).decode("utf-8", "replace"))
+        # Repeat the run up to the step before that.
         settings = copy_of(self.settings)
         settings.find_loop = lib.WG_NO_LOOP
-        episode = CoreEpisode(self.arena(), settings, Driver(controller, controller.memory))
+        episode = self.episode(controller, settings)
         episode.run(int(failed.report.steps) - 1)
-        # Without a function the episode stops where the controller is to act.
+        # Without a function, the episode stops whenever the controller must act.
         episode.c.controller.act = ffi.NULL
         episode.c.controller.flat = ffi.NULL
         lib.wg_episode_step(episode.c)
         workspace = Workspace(episode)
         act = compiled_act(controller.act)
+        command = np.zeros(layout.CMD_SIZE + layout.MESSAGE_SIZE)
         try:
-            act(
-                workspace.observation,
-                workspace.memory,
-                np.zeros(layout.CMD_SIZE + layout.MESSAGE_SIZE),
-            )
+            act(workspace.observation, workspace.memory, command)
         except Exception as error:  # noqa: BLE001 - a controller may raise anything
             facts = crash_facts(error, controller) or {"message": str(error)}
             name = type(error).__name__
@@ -419,6 +411,7 @@ class LatticeRun:
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
         """Return the recording without the memory, which another run can restore."""
+        # Run in portions, and keep everything but the memories of each.
         settings = copy_of(self.settings, self.memory)
         size = len(controller.memory)
         settings.find_loop = lib.WG_NO_LOOP
@@ -432,7 +425,7 @@ class LatticeRun:
             path[filled : filled + new] = portion.path
             filled += new
 
-        # Memories are too large to keep, so simulate again and pick those wanted.
+        # Memories are too large to keep, so simulate again and pick the requested ones.
         def recall(at: Ints, take: Callable[[int, Floats], None]) -> None:
             for first, states, _ in portions(controller, self.arena(), settings, int(at[-1])):
                 memories = states[:, FIRST_OF_STATE + STATE_WORDS :].view(np.float64)
@@ -440,18 +433,9 @@ class LatticeRun:
                 for step in at[begin:end].tolist():
                     take(step, memories[step - first])
 
-        return replace(
-            trace_of(
-                self.world,
-                self.options,
-                rows[: steps + 1],
-                path[:filled],
-                complete=True,
-                lean=True,
-            ),
-            recall=recall,
-            recalled=size,
-        )
+        seen = (rows[: steps + 1], path[:filled])
+        trace = trace_of(self.world, self.options, *seen, complete=True, lean=True)
+        return replace(trace, recall=recall, recalled=size)
 
     def outcome_of(
         self,

@@ -13,19 +13,19 @@ import numpy.typing as npt
 from sim._core import ffi, lib
 from sim.controllers.base import VectorController
 from sim.controllers.vector import Asker
-from sim.runners.core_calls import REPORT, SENSES, Driver
+from sim.kernels.layout import OBS_SIZE
+from sim.runners.core_calls import REPORT, Driver
 from sim.runners.hidden_state import hidden_state
 from sim.runners.lattice import LatticeRun
 from sim.runners.python_loop import begun_anew
 from sim.runners.renewal import has_shared_state_changed
 from sim.runners.stopping import OutOfTime
 from worldgen.lattice import UNIT
+from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
 __all__ = ["ControllerRaised", "LockstepRun", "its_own_fault"]
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 Reports = npt.NDArray[Any]
 
 
@@ -46,7 +46,7 @@ class LockstepRun:
         runs: Sequence[LatticeRun],
         world: Ints,
         starts: Ints,
-        seeds: npt.NDArray[np.uint64],
+        seeds: Words,
     ) -> None:
         self._controller = controller
         self._runs = runs
@@ -91,7 +91,8 @@ class LockstepRun:
         prove = np.full(len(looped), int(lib.WG_PROVE_LOOP))
         reports[looped] = self._drive(looped, ends, prove, entries[looped], digest=digest)[0]
 
-        # Two different states may share a fingerprint. Those runs did not loop; the budget decides.
+        # Two different states may share a fingerprint. Those runs did not loop, so the budget
+        # decides.
         unproved = looped[reports["ending"][looped] == int(lib.WG_LIMIT)]
         no_loop = np.full(len(unproved), int(lib.WG_NO_LOOP))
         again = self._drive(
@@ -165,7 +166,7 @@ class _Group:
         for k, index in enumerate(world.tolist()):
             self.settings[k] = runs[index].settings[0]
             self._arenas[k] = self._fresh[index].c[0]
-        self.observation = np.full((n, SENSES + runs[0].options.robot.beams), np.nan)
+        self.observation = np.full((n, OBS_SIZE + runs[0].options.robot.beams), np.nan)
         self.memory = np.zeros((n, memory.size))
         self.command = np.zeros((n, 3))
 
@@ -194,22 +195,11 @@ class _Group:
                 arena.near = writable(ffi, self._near[k], np.int32)
 
         # Reserve a log for each robot whose loops are looked for.
-        seeks = [settings.find_loop == lib.WG_SEEK_LOOP for settings in self.settings]
-        logs = np.array(
-            [settings.steps * seek for settings, seek in zip(self.settings, seeks, strict=True)],
-            np.int64,
-        )
-        n = len(self.settings)
-        check(
-            lib.wg_lockstep_new(
-                self._arenas,
-                self.settings,
-                self._driver.c,
-                pointer(ffi, logs, np.int64),
-                n,
-                self._episodes,
-            )
-        )
+        seek = lib.WG_SEEK_LOOP
+        steps = [one.steps if one.find_loop == seek else 0 for one in self.settings]
+        logs = pointer(ffi, np.array(steps, np.int64), np.int64)
+        robots = (self._arenas, self.settings, self._driver.c)
+        check(lib.wg_lockstep_new(*robots, logs, len(steps), self._episodes))
         ffi.memmove(self._slots, self._episodes, ffi.sizeof(self._episodes))
 
     def step(self, count: int, after: Floats) -> int:
@@ -223,28 +213,17 @@ class _Group:
         Returns:
             How many robots must act now; they are in the first slots.
         """
-        return int(
-            lib.wg_lockstep_step(
-                self._slots,
-                count,
-                pointer(ffi, self.command, np.float64),
-                pointer(ffi, after, np.float64),
-                writable(ffi, self.observation, np.float64),
-                writable(ffi, self.memory, np.float64),
-            )
-        )
+        read = (pointer(ffi, array, np.float64) for array in (self.command, after))
+        filled = (writable(ffi, array, np.float64) for array in (self.observation, self.memory))
+        return int(lib.wg_lockstep_step(self._slots, count, *read, *filled))
 
     def reports(self) -> tuple[Reports, Ints]:
         """Return (n,) reports, and (n,) the first step of each loop, or -1 without a loop."""
         n = len(self.settings)
         reports = np.zeros(n, REPORT)
         entries = np.zeros(n, np.int64)
-        lib.wg_lockstep_reports(
-            self._episodes,
-            n,
-            ffi.cast("WgReport *", ffi.from_buffer(reports)),
-            writable(ffi, entries, np.int64),
-        )
+        into = ffi.cast("WgReport *", ffi.from_buffer(reports))
+        lib.wg_lockstep_reports(self._episodes, n, into, writable(ffi, entries, np.int64))
         return reports, entries
 
     def close(self) -> None:

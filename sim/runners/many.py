@@ -9,14 +9,14 @@ import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController
-from sim.controllers.shared.guarded import ControllerDied, call
-from sim.runners.core_calls import REPORT, CoreEpisode, Driver, copy_of
+from sim.controllers.shared.guarded import ControllerDied
+from sim.runners.core_calls import REPORT, copy_of
 from sim.runners.lattice import LatticeRun
+from worldgen.support.arrays import Ints, Words
 from worldgen.support.ccall import check, pointer
 
 __all__ = ["run_many"]
 
-Ints = npt.NDArray[np.int64]
 Reports = npt.NDArray[Any]
 
 # Runs in one call of the core.
@@ -27,7 +27,7 @@ def run_many(
     run: LatticeRun,
     controller: CompiledController,
     starts: Ints,
-    seeds: npt.NDArray[np.uint64],
+    seeds: Words,
     *,
     digest: bool,
     stop: Ints | None = None,
@@ -47,85 +47,41 @@ def run_many(
         failed in a run, which is then the last.
     """
     # Prepare one episode, which all runs use in turn.
-    settings = copy_of(run.settings, run.memory)
+    memory = run.memory
+    settings = copy_of(run.settings, memory)
     settings.steps = run.options.steps
     settings.digest = int(digest)
     settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
-    episode = CoreEpisode(run.arena(), settings, Driver(controller, controller.memory))
-    reports = np.zeros(len(seeds), REPORT)
-    stop = np.zeros(1, np.int64) if stop is None else stop
-    if episode.guarded:
-        return _run_many_guarded(run, episode, settings, starts, seeds, stop)
-
-    fresh = run.arena()
-    # Run in groups; the arrays that a call gets must stay alive until it returns.
-    stop_at = pointer(ffi, stop, np.int64)
-    for first in range(0, len(seeds), _MANY):
-        part = slice(first, first + _MANY)
-        into = ffi.cast("WgReport *", ffi.from_buffer(reports[part], require_writable=True))
-        own = np.ascontiguousarray(starts[part])
-        numbers = np.ascontiguousarray(seeds[part])
-        places = ffi.cast("WgStart *", pointer(ffi, own, np.int64))
-        check(
-            lib.wg_run_many(
-                episode.c,
-                settings,
-                fresh.c,
-                places,
-                pointer(ffi, numbers, np.uint64),
-                len(numbers),
-                stop_at,
-                into,
-            )
-        )
-        if (reports["ending"][part] == lib.WG_CRASH).any():
-            return reports[: first + int((reports["ending"][part] == lib.WG_CRASH).argmax()) + 1]
-    return reports
-
-
-def _run_many_guarded(
-    run: LatticeRun,
-    episode: CoreEpisode,
-    settings: Any,
-    starts: Ints,
-    seeds: npt.NDArray[np.uint64],
-    stop: Ints,
-) -> Reports:
-    """Do the same in another process, one run at a time, to notice a request to stop."""
-    memory = run.memory
+    episode = run.episode(controller, settings)
     fresh = run.arena()
     reports = memory.zeros(len(seeds), REPORT)
-    own_starts = memory.own(starts)
-    own_seeds = memory.own(seeds)
-    goes_on = memory.zeros(1, np.int64)
-    # One run per call: a crash then belongs to the run that caused it.
-    for n in range(len(seeds)):
+    own_starts = memory.own(np.ascontiguousarray(starts))
+    own_seeds = memory.own(np.ascontiguousarray(seeds))
+    stop = np.zeros(1, np.int64) if stop is None else stop
+    own_stop = memory.own(stop)
+
+    # Run in groups. In another process each run is its own group, so that a crash belongs to the
+    # run that caused it; a request to stop is noticed only between groups there.
+    size = 1 if episode.guarded else _MANY
+    for first in range(0, len(seeds), size):
         if stop[0]:
             break
-        one = slice(n, n + 1)
+        part = slice(first, first + size)
         objects = (
             episode.c,
             settings,
             fresh.c,
-            pointer(ffi, own_starts[one], np.int64),
-            pointer(ffi, own_seeds[one], np.uint64),
-            pointer(ffi, goes_on, np.int64),
-            ffi.from_buffer(reports[one], require_writable=True),
+            pointer(ffi, own_starts[part], np.int64),
+            pointer(ffi, own_seeds[part], np.uint64),
+            pointer(ffi, own_stop, np.int64),
+            ffi.from_buffer(reports[part], require_writable=True),
         )
-        report = ffi.addressof(episode.report)
         try:
-            check(
-                call(
-                    ffi.addressof(lib, "wg_call_run_many"),
-                    episode.guarded,
-                    objects,
-                    1,
-                    report=report,
-                ).result
-            )
+            check(episode.call("wg_call_run_many", objects, len(own_seeds[part])).result)
         except ControllerDied:
-            reports["ending"][n] = lib.WG_CRASH
+            reports["ending"][first] = lib.WG_CRASH
         # Stop at the first crash; the caller decides whether to continue after it.
-        if reports["ending"][n] == lib.WG_CRASH:
-            return reports[: n + 1].copy()
+        crashed = np.flatnonzero(reports["ending"][part] == lib.WG_CRASH)
+        if len(crashed):
+            return reports[: first + int(crashed[0]) + 1].copy()
     return reports.copy()

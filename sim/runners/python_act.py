@@ -108,7 +108,7 @@ def settled(answer: Any, size: int) -> tuple[float, ...]:
     try:
         command = asked if type(asked) is Command else Command(*asked)
     except TypeError:
-        flat_memory(after, size)  # Of two faults, report the memory's.
+        flat_memory(after, size)  # If command and memory are both invalid, report the memory.
         raise no_command(asked) from None
     speed, turn_rate, used_random = command[:3]
     numbers = struct.Struct(f"{3 + size}d")

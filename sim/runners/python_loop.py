@@ -13,7 +13,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import Memory, PythonController, VectorController, wants_world
@@ -30,13 +29,11 @@ from sim.runners.python_act import Stops, act_in_core
 from sim.runners.renewal import has_shared_state_changed, reset_anew
 from sim.runners.stopping import OutOfTime, breakable, in_time
 from sim.verdict import Verdict
+from worldgen.support.arrays import Ints
 from worldgen.support.progress import working
 from worldgen.world import World
 
 __all__ = ["PythonLoop", "begun_anew", "crash_of", "driver_of", "memory_at_start", "plans"]
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 # Characters of a controller's exception that are kept.
 _LONGEST_ERROR = 500

@@ -5,19 +5,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.options.run import RunOptions
 from sim.runners.core_calls import STATE_WORDS
 from sim.runners.packing import STEP_TIME
 from sim.trace import Trace
 from worldgen.lattice import TURN, UNIT, exact, lattice_to_metres
+from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.world import World
 
 __all__ = ["FIRST_OF_STATE", "POINT_FIELDS", "trace_of"]
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 # Columns of a recorded row: whether a wall was touched, then the state. Next, the same for a point
 # of the path.
@@ -85,7 +82,7 @@ def _with_stands(rows: Ints, path: Ints) -> Ints:
     return whole[np.lexsort((whole[:, _POINT_TIME], whole[:, _POINT_STEP]))]
 
 
-def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:
+def _words(rows: Ints, path: Ints) -> Words:
     """Return the words of the digest: for each step its contact, path points and final state."""
     # Sort the pieces of all steps into their order in the digest, and find where each one begins.
     steps = np.concatenate([np.arange(1, len(rows)), path[:, _POINT_STEP], np.arange(1, len(rows))])

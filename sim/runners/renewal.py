@@ -6,22 +6,24 @@ again and again, its runs would depend on the runs before, and no file could rep
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from sim.controllers.base import Controller, Memory
 from sim.controllers.catalogue import CONTROLLERS, own_words
+from sim.controllers.contract import state_survives_reset
 from sim.controllers.instances import InstanceOrigin, origin_of
 from sim.controllers.programs.process import ProcessController
 from sim.controllers.shared.guarded import renew
 from sim.controllers.shared.object_file import is_library_name
-from sim.runners.controller_time import count_survivors
+from sim.runners.controller_time import Effort, count_survivors
 from sim.runners.hidden_state import HiddenState, hidden_state, own_attributes
+from worldgen.errors import Message
 from worldgen.files.whole import expanded
 from worldgen.plugins.user_modules import digest_of_source, sources_read
 
-__all__ = ["as_loaded", "has_shared_state_changed", "reset_anew"]
+__all__ = ["as_loaded", "has_shared_state_changed", "reset_anew", "survivors_found"]
 
 _SHARED = "a variable of its class or module"
 
@@ -116,3 +118,16 @@ def _left_in(controller: object, origin: InstanceOrigin) -> set[str]:
     names = origin.own.keys() | now.keys()
     differ = {name for name in names if origin.own.get(name) != now.get(name)}
     return differ - origin.varying
+
+
+def survivors_found(controllers: Iterable[str]) -> list[Message]:
+    """Return a message about the state that runs of this process found to survive ``reset``.
+
+    Args:
+        controllers: Names of the controllers that ran.
+
+    Returns:
+        One message, or none if nothing survived.
+    """
+    places = Effort.so_far().survivors
+    return [state_survives_reset(", ".join(dict.fromkeys(controllers)), places)] if places else []

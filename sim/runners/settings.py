@@ -1,27 +1,39 @@
-"""Fill in the core's settings of a run from its world, controller and options."""
+"""Fill in the core's settings of a run: world, controller, options, and what moves the robot besides."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from sim._core import lib
+import numpy as np
+
+from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Controller, senses_of
+from sim.controllers.shared.guarded import CoreMemory
 from sim.motion import MOTIONS
-from sim.options.robot import SIGNALS
+from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
+from sim.options.robot import SIGNALS, RobotOptions
 from sim.options.run import RunOptions
+from sim.runners.core_calls import headings
 from sim.runners.packing import disc_numbers, target_sq
-from worldgen.lattice import TURN, UNIT, exact, metres_to_lattice
+from worldgen.errors import InvalidParameter
+from worldgen.lattice import TURN, UNIT, exact, heading_to_lattice, in_cells, metres_to_lattice
+from worldgen.support.arrays import Ints
+from worldgen.support.ccall import pointer
 from worldgen.world import World
 
-__all__ = ["fill_settings"]
+__all__ = ["PackedDisturbances", "fill_settings"]
+
+_PUSH_FIELDS = 6  # of a WgPush
+_SCALE_BITS = 30  # of the table of headings
+_LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
 
 
 def fill_settings(settings: Any, world: World, controller: Controller, options: RunOptions) -> None:
     """Fill in all that does not depend on the walls, in the core's units.
 
-    What is left to the caller: the start, which must be clear of walls, disturbances, and what each
-    run sets for itself: ``steps``, ``digest`` and ``find_loop``.
+    The caller sets the rest: the start, which must be clear of walls, disturbances, and the
+    settings of each run: ``steps``, ``digest`` and ``find_loop``.
 
     Args:
         settings: The core's ``WgSettings``, all zero.
@@ -93,3 +105,125 @@ def _fill_sensors(settings: Any, options: RunOptions, senses: int) -> None:
 def _units(radians: float) -> float:
     """Return an angle in heading units; a whole turn is exact."""
     return TURN * (radians / (2 * math.pi))
+
+
+class PackedDisturbances:
+    """Pushes, drift and decoys of a run, as a WgSettings points to them.
+
+    Args:
+        world: The world.
+        robot: Options of the robot.
+        time_step: s.
+        memory: Where the core will look for the arrays.
+
+    Raises:
+        InvalidParameter: If a push is longer than 1,000 cells, or the drift less than half a
+            lattice unit a step.
+    """
+
+    def __init__(
+        self, world: World, robot: RobotOptions, time_step: float, memory: CoreMemory
+    ) -> None:
+        self._moved = robot.moved
+        self._measures = robot.moved or robot.odometry_noise > 0.0
+        self._drift = _drift_of(world, robot, time_step)
+        self._places = len(pushing_places_of(robot))
+        self._pushes = memory.own(_push_rows(world, robot, time_step))
+        decoys = decoys_of(robot)
+        self._decoy_count = len(decoys)
+        self._decoys = memory.new("WgDecoy[]", max(1, len(decoys)))
+        for k, decoy in enumerate(decoys):
+            self._decoys[k].x = metres_to_lattice(decoy.x, world.cell_size)
+            self._decoys[k].y = metres_to_lattice(decoy.y, world.cell_size)
+            self._decoys[k].strength = decoy.strength
+
+    @property
+    def last_step(self) -> int:
+        """Step of the last push at a time; 0 if there is none."""
+        timed = self._pushes[self._places :]
+        return int(timed[-1, 0]) if len(timed) else 0
+
+    def fill(self, settings: Any) -> None:
+        """Write them into a WgSettings, which this object must outlive."""
+        settings.disturbed = int(self._moved)
+        settings.measures = int(self._measures)
+        settings.drift_x, settings.drift_y, settings.drift_reach = self._drift
+        settings.pushes = ffi.cast("WgPush *", pointer(ffi, self._pushes, np.int64))
+        settings.push_count = len(self._pushes)
+        settings.place_count = self._places
+        settings.decoys = self._decoys
+        settings.decoy_count = self._decoy_count
+
+
+def _drift_of(world: World, robot: RobotOptions, time_step: float) -> tuple[int, int, int]:
+    """Return the drift in a step along x and y, and its length rounded up, in lattice units."""
+    if robot.drift == 0.0:
+        return 0, 0, 0
+    # Exact fractions: the drift per step must not depend on the rounding of the platform.
+    cells = exact(robot.drift) * exact(time_step) / exact(world.cell_size)
+    if cells > _LONGEST_PUSH:
+        raise InvalidParameter(
+            "out-of-range",
+            "drift={drift:g} m/s moves the robot {cells:.3g} cells in a step, and at most {most} "
+            "can be simulated",
+            "give a smaller drift or a shorter --time-step",
+            at_terminal=True,
+            drift=robot.drift,
+            cells=float(cells),
+            most=_LONGEST_PUSH,
+        )
+    length = math.floor(cells * UNIT + exact(0.5))
+    if length == 0:
+        raise InvalidParameter(
+            "drift-too-slow",
+            "drift={drift:g} m/s moves the robot less than half of 1/1024 of a cell in a step of "
+            "{time_step:g} s, which rounds to nothing",
+            "give a faster drift or a longer --time-step",
+            at_terminal=True,
+            drift=robot.drift,
+            time_step=time_step,
+        )
+    table = headings()
+    heading = heading_to_lattice(robot.drift_heading)
+    along = _rounded(length * int(table[heading]))
+    across = _rounded(length * int(table[(heading - TURN // 4) % TURN]))
+    return along, across, length + 1
+
+
+def _rounded(product: int) -> int:
+    """Return a length times a cosine of the table, rounded, halves away from zero."""
+    half = 1 << (_SCALE_BITS - 1)
+    rounded = (abs(product) + half) >> _SCALE_BITS
+    return rounded if product >= 0 else -rounded
+
+
+def _push_rows(world: World, robot: RobotOptions, time_step: float) -> Ints:
+    """Return (n, 6) int64, WgPush: first those at places, then those at times, by step."""
+    side = world.cell_size
+    rows: list[tuple[int, ...]] = []
+    for place in pushing_places_of(robot):
+        ix = math.floor(in_cells(place.x, side))
+        iy = math.floor(in_cells(place.y, side))
+        rows.append((0, ix, iy, *_shove(place.dx, place.dy, place.turn, side, "push_places")))
+    timed = []
+    for push in pushes_of(robot):
+        step = max(1, math.ceil(exact(push.time) / exact(time_step)))
+        timed.append((step, -1, -1, *_shove(push.dx, push.dy, push.turn, side, "pushes")))
+    # Timed pushes come after the places, in order of their step.
+    rows += sorted(timed, key=lambda row: row[0])
+    return np.array(rows, np.int64).reshape(-1, _PUSH_FIELDS)
+
+
+def _shove(dx: float, dy: float, turn: float, side: float, name: str) -> tuple[int, int, int]:
+    """Return a displacement and a turn in lattice and heading units."""
+    longest = max(abs(in_cells(dx, side)), abs(in_cells(dy, side)))
+    if longest > _LONGEST_PUSH:
+        raise InvalidParameter(
+            "out-of-range",
+            "{name}: a displacement of {cells:.4g} cells is more than {most}",
+            "give a shorter one",
+            name=name,
+            cells=float(longest),
+            most=_LONGEST_PUSH,
+        )
+    return metres_to_lattice(dx, side), metres_to_lattice(dy, side), heading_to_lattice(turn)

@@ -1,9 +1,9 @@
 """Train a learning controller in worlds, and store what it learned.
 
-Each episode is a run in one of the worlds, with some of the decisions drawn: many at first, none at
-the end. After every tenth of the episodes the controller is tried without drawing, in each world.
-The memory with the best test result is kept: most worlds reached, then fewest steps. The same
-worlds, episodes and seed give the same numbers.
+Each episode is a run in one of the worlds with some random decisions: many at first, none at the
+end. After every tenth of the episodes the controller is tried without drawing, in each world. The
+memory with the best test result is kept: most worlds reached, then fewest steps. The same worlds,
+episodes and seed give the same numbers.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import Controller
 from sim.controllers.learning import Episodes, Learned, Learning
@@ -24,12 +23,12 @@ from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.registry import user_code
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Floats
 from worldgen.support.bounds import check_between
 from worldgen.world import World
 
 __all__ = ["Progress", "TrainingOptions", "train"]
 
-Floats = npt.NDArray[np.float64]
 Progress = Callable[[int], None]
 
 # Number of trials during training, in addition to the one before it.
@@ -44,7 +43,7 @@ class TrainingOptions:
         episodes: Runs to learn from.
         steps: Budget of each of them; a test has that of any run in the world.
         explore: Thousandths of the decisions that are random at first; they fall to zero.
-        seed: Of the worlds' order and of what is drawn.
+        seed: Seed of the worlds' order and of the random decisions.
 
     Raises:
         InvalidParameter: If a value is out of range.
@@ -99,14 +98,10 @@ def train(
     for episode in range(options.episodes):
         left = options.episodes - 1 - episode
         explore = options.explore * left // max(options.episodes - 1, 1)
-        learned = _episode(
-            order.choice(worlds),
-            scenario,
-            with_exploration(_with(controller, scenario, learned), explore, scenario.controller),
-            learning,
-            options,
-            seeds.next64() >> 1,
-        )
+        begun = _with(controller, scenario, learned)
+        tried = with_exploration(begun, explore, scenario.controller)
+        world = order.choice(worlds)
+        learned = _episode(world, scenario, tried, learning, options, seeds.next64() >> 1)
         if progress is not None:
             progress(episode + 1)
         if episode + 1 in due:

@@ -1,4 +1,4 @@
-"""Try a controller for two steps before long work, to report at once what can never work."""
+"""Try a controller for two steps before long work, to report immediately what can never work."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ import time
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController
-from sim.controllers.base import Command, Commands, Memory, Observation, Observations
+from sim.controllers import CONTROLLERS, CompiledController, ProcessController
+from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.contract import check_contract
 from sim.episode import prepare
 from sim.outcome import Outcome
@@ -37,18 +36,6 @@ class _Idle:
         return Command(), memory
 
 
-class _IdleMany:
-    """Stands still, for many robots."""
-
-    def reset(self) -> Memory:
-        return ()
-
-    def act_many(
-        self, _observation: Observations, memory: npt.NDArray[np.float64]
-    ) -> tuple[Commands, npt.NDArray[np.float64]]:
-        return Commands(), memory
-
-
 def try_out(
     scenario: Scenario, world: World = EMPTY_ARENA, *, seconds: float | None = None
 ) -> Outcome:
@@ -73,8 +60,7 @@ def try_out(
         outcome = _two_steps(scenario, controller, world)
     else:
         # Load the simulator first, with a controller that costs nothing.
-        idle = _IdleMany() if isinstance(controller, VectorController) else _Idle()
-        _two_steps(scenario, idle, world)
+        _two_steps(scenario, _Idle(), world)
         end = time.monotonic() + seconds
         try:
             with stopping_when(lambda: time.monotonic() > end):

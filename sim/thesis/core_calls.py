@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
+from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
 __all__ = [
@@ -34,8 +34,6 @@ __all__ = [
 ]
 
 Cells = npt.NDArray[np.int32]
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.void]
 
 # Pixels per cell; the listing calls it `length`.
@@ -43,13 +41,13 @@ CELL = 10.0
 
 # Pixels per ms. At 15 ms, a tick moves 2 or 3 px, decided by the last bit of a cosine.
 ROBOT_SPEED = 0.2
-WALL: int = _lib.WG_THESIS_WALL
-FLAME: int = _lib.WG_THESIS_FLAME
+WALL: int = lib.WG_THESIS_WALL
+FLAME: int = lib.WG_THESIS_FLAME
 
-ROW = np.dtype([(name, np.float64) for name, _ in _ffi.typeof("WgThesisRow").fields])
+ROW = np.dtype([(name, np.float64) for name, _ in ffi.typeof("WgThesisRow").fields])
 """A row of a trace: the state after a tick."""
 
-STATE_FIELDS: tuple[str, ...] = ROW.names[: _lib.WG_THESIS_WORDS] if ROW.names else ()
+STATE_FIELDS: tuple[str, ...] = ROW.names[: lib.WG_THESIS_WORDS] if ROW.names else ()
 """The fields of a row that decide the robot's future."""
 
 # From this field on, the state's fields are whole numbers.
@@ -75,7 +73,7 @@ class ThesisSetup(NamedTuple):
     speed: float = ROBOT_SPEED
     tolerance: float = 1.0
     steps: int = 20_000
-    find_loop: int = _lib.WG_NO_LOOP
+    find_loop: int = lib.WG_NO_LOOP
     loop_entry: int = 0
     digest: int = 1
     stop_at_tunnel: int = 0
@@ -87,7 +85,7 @@ class ThesisSetup(NamedTuple):
     slip: float = 0.0
     sensor_field: float = 0.0
     sensor_noise: float = 0.0
-    signal: int = _lib.WG_SIGNAL_OPEN
+    signal: int = lib.WG_SIGNAL_OPEN
     map_scale: int = 1
     target_x: int = 0
     target_y: int = 0
@@ -95,7 +93,7 @@ class ThesisSetup(NamedTuple):
 
 
 class ThesisEpisode:
-    """A run, from its start to where it has been continued so far.
+    """A run, from its start to its last continuation.
 
     Args:
         cells: (width, height) the signal with walls; copied.
@@ -119,38 +117,33 @@ class ThesisEpisode:
         # C keeps addresses only, so the arrays must stay alive here.
         self._light = np.ascontiguousarray(light, np.int32)
         self._events = np.ascontiguousarray(events, np.int64).reshape(-1, 4)
-        seeks = setup.find_loop == _lib.WG_SEEK_LOOP
+        seeks = setup.find_loop == lib.WG_SEEK_LOOP
         self._log = np.zeros(setup.steps + 1 if seeks else 1, np.uint64)
-        self._known = np.zeros(_lib.WG_THESIS_WORDS, np.uint64)
-        self._arena = _ffi.new("WgThesisArena *", self._arena_fields())
-        self._settings = _ffi.new("WgThesisSettings *", setup._asdict())
-        self._search = _ffi.new("WgSearch *", self._search_fields())
-        self.run: Any = _ffi.new("WgThesisRun *")
-        _lib.wg_thesis_begin(self.run, *start, setup.speed)
-
-    def _arena_fields(self) -> dict[str, Any]:
-        width, height = self.cells.shape
-        if self._light.shape != self.cells.shape:
+        self._known = np.zeros(lib.WG_THESIS_WORDS, np.uint64)
+        if self._light.shape != cells.shape:
             raise ValueError(
-                f"light is {self._light.shape}, cells are {self.cells.shape}; give both one shape"
+                f"light is {self._light.shape}, cells are {cells.shape}; give both one shape"
             )
-        return {
-            "width": width,
-            "height": height,
-            "cells": writable(_ffi, self.cells, np.int32),
-            "light": pointer(_ffi, self._light, np.int32),
-            "events": _ffi.cast("WgThesisEvent *", pointer(_ffi, self._events, np.int64)),
+        arena = {
+            "width": cells.shape[0],
+            "height": cells.shape[1],
+            "cells": writable(ffi, self.cells, np.int32),
+            "light": pointer(ffi, self._light, np.int32),
+            "events": ffi.cast("WgThesisEvent *", pointer(ffi, self._events, np.int64)),
             "event_count": len(self._events),
-            "visited": writable(_ffi, self.visited, np.uint8),
+            "visited": writable(ffi, self.visited, np.uint8),
         }
-
-    def _search_fields(self) -> dict[str, Any]:
-        return {
-            "log": writable(_ffi, self._log, np.uint64),
+        search = {
+            "log": writable(ffi, self._log, np.uint64),
             "log_size": self._log.size,
-            "known": writable(_ffi, self._known, np.uint64),
+            "known": writable(ffi, self._known, np.uint64),
             "words": self._known.size,
         }
+        self._arena = ffi.new("WgThesisArena *", arena)
+        self._settings = ffi.new("WgThesisSettings *", setup._asdict())
+        self._search = ffi.new("WgSearch *", search)
+        self.run: Any = ffi.new("WgThesisRun *")
+        lib.wg_thesis_begin(self.run, *start, setup.speed)
 
     def go(self, until: int, draws: Floats, rows: Rows, first_row: int = 0) -> bool:
         """Continue until the run is decided or a step is done.
@@ -164,36 +157,23 @@ class ThesisEpisode:
         Returns:
             False if there were too few draws. Then append more draws and call again.
         """
-        numbers = pointer(_ffi, np.ascontiguousarray(draws, np.float64), np.float64)
-        table = _ffi.cast("WgThesisRow *", writable(_ffi, rows.view(np.float64), np.float64))
+        numbers = pointer(ffi, np.ascontiguousarray(draws, np.float64), np.float64)
+        table = ffi.cast("WgThesisRow *", writable(ffi, rows.view(np.float64), np.float64))
+        work = (self._arena, self._settings, self.run, self._search, numbers, len(draws))
         last = min(until, self.setup.steps)
         portion = max(1, int(_WORK / max(1.0, self.setup.speed * self.setup.time_step)))
         # Continue in portions of roughly equal work, so that Ctrl-C is noticed.
         while True:
             end = min(last, self.run.steps + portion)
-            check(
-                _lib.wg_thesis_run(
-                    self._arena,
-                    self._settings,
-                    self.run,
-                    self._search,
-                    numbers,
-                    len(draws),
-                    table,
-                    len(rows),
-                    first_row,
-                    end,
-                )
-            )
-            if self.run.ending != _lib.WG_LIMIT or self.run.steps >= last:
-                return bool(self.run.ending != _lib.WG_NEEDS_DRAWS)
+            check(lib.wg_thesis_run(*work, table, len(rows), first_row, end))
+            if self.run.ending != lib.WG_LIMIT or self.run.steps >= last:
+                return bool(self.run.ending != lib.WG_NEEDS_DRAWS)
 
-    def proved_state(self) -> npt.NDArray[np.uint64]:
+    def proved_state(self) -> Words:
         """Return the state to which a proved loop returns, in the words of a trace."""
         words = self._known.copy()
-        words[_FIRST_COUNT:] = (
-            self._known[_FIRST_COUNT:].view(np.int64).astype(np.float64).view(np.uint64)
-        )
+        counts = self._known[_FIRST_COUNT:].view(np.int64).astype(np.float64)
+        words[_FIRST_COUNT:] = counts.view(np.uint64)
         return words
 
 
@@ -224,11 +204,5 @@ def add_noise(cells: Cells, light: Cells) -> None:
         cells: (width, height) the signal with every wall drawn.
         light: (width, height) the undisturbed signal, from :func:`signal_map`.
     """
-    check(
-        _lib.wg_thesis_add_noise(
-            writable(_ffi, cells, np.int32),
-            pointer(_ffi, light, np.int32),
-            cells.shape[0],
-            cells.shape[1],
-        )
-    )
+    changed = writable(ffi, cells, np.int32)
+    check(lib.wg_thesis_add_noise(changed, pointer(ffi, light, np.int32), *cells.shape))

@@ -40,25 +40,26 @@ class ThesisOptions(OptionSet):
         arbiter: Reading of the arbiter, which the thesis's listing lacks: ``A0`` to ``A6``; or
             ``interruptible``, which decides in every tick and lets a new collision restart the
             escape.
-        repair_slide: Slide along a wall only where the disc is then clear of every wall.
+        repair_slide: Slide along a wall only if the disc is then clear of every wall.
         repair_back_off: Stay at a wall instead of backing off without looking.
         repair_corner: Stop where only the corner of a cell is touched.
         keep_going: Whether walls that the robot enters, or that land on it, neither end the run nor
             decide its verdict, as in the original program.
         acceleration: Greatest gain of speed, m/s2; 0 means instantly. Like all forces it acts on
-            the speed, while moves are whole pixels, a tenth of a cell: a robot that moves no more
-            than one a tick stands still.
-        friction: Loss of speed once the wheels stand, m/s2; 0 means instantly.
-        wall_friction: Fraction of a slide along a wall that friction takes, 0 to 1.
+            the speed, while moves are whole pixels, a tenth of a cell: a robot that moves at most
+            one pixel per tick does not move at all.
+        friction: Loss of speed once the wheels have stopped, m/s2; 0 means instantly.
+        wall_friction: Fraction of a slide along a wall that is lost to friction, 0 to 1.
         slip: Largest fraction of a tick's move that is lost on the floor, 0 to 1, drawn again in
             each tick.
         sensor_field: Angle that the sensor covers, centred on the heading; 0 means all directions.
         sensor_noise: Largest fraction by which a reading is wrong, 0 to 1, drawn for each cell and
             tick.
         signal: What walls do to the signal on its straight path from the target: nothing, as in the
-            thesis (``open``), halve it for each wall cell (``weakened``), or end it (``blocked``).
+            thesis (``open``), halve it for each wall cell (``weakened``), or block it
+            (``blocked``).
         map_scale: Side of a cell of the robot's own map, in cells of the world, 1 to 100.
-        draws: Numbers in [0, 1) that the random rule uses up before those of the seed.
+        draws: Numbers in [0, 1) that the random rule uses before those of the seed.
 
     Raises:
         InvalidParameter: If a value is out of range.

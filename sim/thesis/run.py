@@ -2,7 +2,7 @@
 
 The thesis's frame is in pixels, with y down, headings that grow clockwise from -x, and ten pixels
 per cell. Its maps have a border of walls. A world with an open border gets a wall around it that
-stands for the solid outside; the robot then enters the cells next to that border only as far as its
+represents the solid outside; the robot then enters the cells next to that border only as far as its
 disc fits.
 """
 
@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.evidence import BudgetEvidence
 from sim.options.run import RunOptions, check_step_length
 from sim.outcome import ENDINGS, Outcome
@@ -33,11 +32,12 @@ from sim.thesis.core_calls import (
     signal_map,
 )
 from sim.thesis.options import ARBITERS, SIGNALS, ThesisOptions
-from sim.trace import Trace, Words
+from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import exact, in_cells, metres_to_lattice, radius_in_cells
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Floats, Ints, Words
 from worldgen.support.ccall import pointer
 from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState
@@ -45,22 +45,21 @@ from worldgen.world import World
 
 __all__ = ["ThesisRun", "signal_in"]
 
-Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.int32]
 Rows = npt.NDArray[np.void]
 
 # Random numbers that a run of the random rule gets at first; if they run out, it gets more.
 _FIRST_DRAWS = 256
 _CAUSES = {
-    _lib.WG_STRAIGHT: "",
-    _lib.WG_SLIDE: "slide",
-    _lib.WG_BACK_OFF: "back-off",
-    _lib.WG_CORNER: "corner",
+    lib.WG_STRAIGHT: "",
+    lib.WG_SLIDE: "slide",
+    lib.WG_BACK_OFF: "back-off",
+    lib.WG_CORNER: "corner",
 }
 _REPAIR_BITS = {
-    "repair_slide": _lib.WG_REPAIR_SLIDE,
-    "repair_back_off": _lib.WG_REPAIR_BACK_OFF,
-    "repair_corner": _lib.WG_REPAIR_CORNER,
+    "repair_slide": lib.WG_REPAIR_SLIDE,
+    "repair_back_off": lib.WG_REPAIR_BACK_OFF,
+    "repair_corner": lib.WG_REPAIR_CORNER,
 }
 # Pixels and rad. Poses that differ by less than this count as the same.
 _DRIFT = 1e-6
@@ -103,7 +102,7 @@ class ThesisRun:
             raise InvalidParameter(
                 "robot-larger-than-cell",
                 "robot_radius={robot_radius:g} m is {cells:g} cells; stepped looks one "
-                "cell around the robot, so its radius is at most 1 cell: take swept",
+                "cell around the robot, so its radius can be at most 1 cell: use swept",
                 robot_radius=self.world.robot_radius,
                 cells=float(radius),
             )
@@ -141,22 +140,18 @@ class ThesisRun:
             seed=RandomStream(options.seed).child("slip and sensor").next64() >> 1,
         )
 
-    def _solid(self) -> npt.NDArray[np.bool_]:
+    def _solid(self) -> Bools:
         """Return (width, height) bool, the walls in the thesis's frame."""
         walls = np.pad(self.world.walls, 1, constant_values=True) if self._pad else self.world.walls
         return np.ascontiguousarray(flip_rows(walls).T)
 
-    def _target_cell(self, solid: npt.NDArray[np.bool_]) -> tuple[int, int]:
+    def _target_cell(self, solid: Bools) -> tuple[int, int]:
         """Return the target's cell in the thesis's frame."""
         world = self.world
         target_x = math.floor(in_cells(world.target.x, world.cell_size)) + self._pad
-        target_y = (
-            self._height - 1 - self._pad - math.floor(in_cells(world.target.y, world.cell_size))
-        )
-        if (
-            not (0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1)
-            or solid[target_x, target_y]
-        ):
+        target_y = self._row(math.floor(in_cells(world.target.y, world.cell_size)))
+        inside = 0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1
+        if not inside or solid[target_x, target_y]:
             raise InvalidWorld(
                 "target-in-wall",
                 "target ({x:g}, {y:g}) m is in a wall cell, which has no signal",
@@ -166,9 +161,7 @@ class ThesisRun:
             )
         return target_x, target_y
 
-    def _signal(
-        self, solid: npt.NDArray[np.bool_], target_x: int, target_y: int
-    ) -> tuple[Cells, Cells]:
+    def _signal(self, solid: Bools, target_x: int, target_y: int) -> tuple[Cells, Cells]:
         """Return the signal map with walls, and without."""
         light = signal_map(solid.shape[0], self._height, target_x, target_y)
         cells = np.ascontiguousarray(np.where(solid, np.int32(WALL), light))
@@ -176,12 +169,12 @@ class ThesisRun:
             add_noise(cells, light)
         return cells, light
 
-    def _event_rows(self) -> npt.NDArray[np.int64]:
+    def _event_rows(self) -> Ints:
         rows = [
             (
                 event_step(event, self.options.time_step),
                 event.ix + self._pad,
-                self._height - 1 - self._pad - event.iy,
+                self._row(event.iy),
                 int(event.state),
             )
             for event in self.world.timeline
@@ -198,13 +191,12 @@ class ThesisRun:
         # models.
         solid = np.array(world.walls, np.uint8, order="C")
         grid = {
-            "cells": pointer(_ffi, solid, np.uint8),
+            "cells": pointer(ffi, solid, np.uint8),
             "width": world.width,
             "height": world.height,
         }
-        if not _lib.wg_disc_is_clear(
-            grid, _lib.WG_SOLID, {"clear_sq": clear_sq, "reach": reach}, x, y
-        ):
+        disc = {"clear_sq": clear_sq, "reach": reach}
+        if not lib.wg_disc_is_clear(grid, lib.WG_SOLID, disc, x, y):
             raise start_overlaps(world)
 
         # Convert to pixels, with y down and headings that grow clockwise from -x.
@@ -220,13 +212,13 @@ class ThesisRun:
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Simulate up to ``steps`` ticks from the start; see :meth:`sim.outcome.Runnable.run`."""
         seeks = find_loop and not self.options.thesis.random
-        search = _lib.WG_SEEK_LOOP if seeks else _lib.WG_NO_LOOP
+        search = lib.WG_SEEK_LOOP if seeks else lib.WG_NO_LOOP
         return self._run(steps, record=record, find_loop=search, digest=int(digest))[0]
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`."""
         outcome, episode = self._run(
-            entry + period, record=record, find_loop=_lib.WG_PROVE_LOOP, loop_entry=entry
+            entry + period, record=record, find_loop=lib.WG_PROVE_LOOP, loop_entry=entry
         )
         return (outcome, episode.proved_state()) if outcome.ending == Verdict.LOOP else None
 
@@ -245,7 +237,7 @@ class ThesisRun:
 
     def _go_on(self, episode: ThesisEpisode, until: int, rows: Rows, first_row: int) -> None:
         """Continue until the run is decided or a step is done, with as many draws as that takes."""
-        count = _FIRST_DRAWS if self._setup.rule == _lib.WG_RULE_RANDOM else 0
+        count = _FIRST_DRAWS if self._setup.rule == lib.WG_RULE_RANDOM else 0
         while not episode.go(until, self._draws(count), rows, first_row):
             count *= 4
 
@@ -320,7 +312,11 @@ class ThesisRun:
 
     def _cell(self, place: Any) -> tuple[int, int]:
         """Return a place's cell in the world's frame; the added border is just outside of it."""
-        return place.x - self._pad, self._height - 1 - self._pad - place.y
+        return place.x - self._pad, self._row(place.y)
+
+    def _row(self, row: int) -> int:
+        """Return a row of the world in the thesis's frame, or the other way round."""
+        return self._height - 1 - self._pad - row
 
     def _trace(self, rows: Rows) -> Trace:
         """Return the recorded rows in metres and radians."""
@@ -389,7 +385,7 @@ def _table(rows: Rows) -> Floats:
     return rows.view(np.float64).reshape(len(rows), -1)
 
 
-def _digest_words(rows: Rows) -> npt.NDArray[np.uint64]:
+def _digest_words(rows: Rows) -> Words:
     """Return (n, 7) words, for each tick those from which recorded digests are computed."""
     words = np.zeros((len(rows), 7), np.uint64)
     for k, name in enumerate(("x", "y", "heading", "target_heading", "speed")):

@@ -1,4 +1,4 @@
-"""The core's controllers against their plain Python: the same bits, on any observations."""
+"""The core's controllers and their plain Python give the same bits, on any observations."""
 
 import math
 
@@ -23,7 +23,7 @@ SLOW = {
     "mapper": 15,
     "signal-mapper": 15,
     "tangent-bug": 40,
-}  # steps of what takes long in plain Python
+}  # steps for controllers that are slow in plain Python
 LIBRARY = (
     "bug1", "bug2", "dynamic-window", "gestalt", "mapper", "mapper-small", "odometry-bug", "potential-field",
     "q-learner", "q-learning", "random-walk", "signal-mapper", "signal-three-layer",
@@ -34,9 +34,9 @@ RAISED = (IndexError, ZeroDivisionError)
 
 
 def observations(beams, seed, steps):
-    """Yields what no simulator would show in such an order.
+    """Yields observations in an order that no simulator would produce.
 
-    Half of the time nearly the same place, half another.
+    Half of the time nearly the same place, half of the time another one.
     """
     rng = np.random.default_rng(seed)
     seen = np.zeros(17 + beams)
@@ -64,7 +64,7 @@ def observations(beams, seed, steps):
 
 
 def drive(act, memory, seen):
-    """Return memory and command after a step, as bits; what it raised in their place."""
+    """Return memory and command after a step, as bits; the exception if it raised one."""
     kept = np.array(memory)
     command = np.zeros(3)
     try:
@@ -73,7 +73,7 @@ def drive(act, memory, seen):
         return error.error
     except RAISED as error:
         return type(error).__name__
-    command[np.isnan(command)] = math.nan  # whose sign says nothing
+    command[np.isnan(command)] = math.nan  # whose sign is meaningless
     return kept, command.tobytes()
 
 

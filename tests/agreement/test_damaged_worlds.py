@@ -1,6 +1,6 @@
-"""From a damaged file to the cores.
+"""Damaged files are passed to the cores.
 
-What can be read at all is decided and run, and no fault of memory ends it. The gate and the nightly
+Every file that can be read is decided and run, without any memory error. The gate and the nightly
 tier run this with the cores compiled under sanitizers, too.
 """
 
@@ -33,7 +33,7 @@ MOST_CELLS = 40_000
 
 
 def read_and_use(file, scenario):
-    """Do with a file what commands do; a refusal is a sentence of ours."""
+    """Do with a file what commands do; a refusal must be one of our own errors."""
     try:
         world = read_world(file)
     except WorldgenError:

@@ -1,4 +1,4 @@
-"""Pockets and openings: the C core finds what plain Python finds."""
+"""The C core finds the same pockets and openings as plain Python."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ NAMES = st.sampled_from(["maze", "forest", "cave", "rubble"])
 
 
 def neighbours(stride):
-    """Return the eight steps, and where their middles are."""
+    """Return the eight steps and their midpoints."""
     steps = [1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, 1 - stride]
     return steps, [0, 0, 0, 0, 0, -stride - 1, -1, -stride]
 

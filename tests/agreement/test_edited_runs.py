@@ -1,4 +1,4 @@
-"""Edits run in compiled code end as the same edits made in NumPy and run one by one."""
+"""Edits run in compiled code give the same results as edits made in NumPy and run one by one."""
 
 from dataclasses import replace
 
@@ -54,9 +54,9 @@ def edits_of(world):
 
 
 def plain(world, edit, controller, motion, step):
-    """How a run of the edited world ends, and whether it overlaps a wall.
+    """Return how a run of the edited world ends, and whether it overlaps a wall.
 
-    Nothing where there is no such world.
+    Return nothing if there is no such world.
     """
     simpler = edited(world, edit)
     if simpler is None:

@@ -30,7 +30,7 @@ ROBOTS = {
 
 @dataclass(frozen=True)
 class Plays:
-    """A controller that knows its commands beforehand."""
+    """A controller with a fixed list of commands."""
 
     actions: tuple
     top_speed: float

@@ -144,8 +144,8 @@ def test_a_state_of_many_words_has_the_fingerprints_of_the_reference():
     assert_the_same(run, recorded=False)
 
 
-# Memories (a, b) that differ for every n, while the fingerprints of the states are equal: what n
-# adds to the one product, it takes from the other.
+# Memories (a, b) that differ for every n, while the fingerprints of the states are equal: n adds to
+# one product what it subtracts from the other.
 _A, _B = recurrence.FACTORS_OF_FEW[5:7]
 _WHOLE = 2**64
 
@@ -165,7 +165,7 @@ def colliding(period):
 
 
 class Collides:
-    """Counts to a period in a memory of which all states have one fingerprint."""
+    """Counts to a period in a memory all of whose states have the same fingerprint."""
 
     senses = ("bump",)
 

@@ -10,7 +10,7 @@ from tests.helpers.fleets import at_times
 from tests.helpers.joint_moves import crowds, draw_displacements
 from tests.reference.sim.fleet_motion import Disc, joint_move
 
-# Lattice units: far above what shapely rounds, far below a unit.
+# Lattice units: far above shapely's rounding errors, far below a unit.
 TOLERANCE = 1e-6
 
 
@@ -36,7 +36,9 @@ def test_a_joint_move_is_its_plain_python(motion, friction):
 
 
 def stretches(paths, starts):
-    """Yield the straight pieces of a joint move: where each robot begins and ends, in the same time."""
+    """Yield the straight pieces of a joint move: the ends of each robot's piece, which all take the
+    same time.
+    """
     times = np.array(sorted({0, 1 << 32, *(time for path, _ in paths for *_, time in path)}))
     sides = []
     for (path, _), start in zip(paths, starts, strict=True):

@@ -1,4 +1,4 @@
-"""The core draws the worlds of layout bytes, as the specification does, and floods them alike."""
+"""The core draws the worlds of layout bytes, and floods them, like the specification."""
 
 import numpy as np
 from hypothesis import given, settings

@@ -1,6 +1,6 @@
-"""A plain dictionary of all states knows of every repetition.
+"""A plain dictionary of all states finds every repetition.
 
-The simulator must know of the same ones.
+The simulator must find the same ones.
 """
 
 import functools
@@ -24,9 +24,9 @@ ALIASES = ("thesis-1", "thesis-2", "thesis-3")
 
 
 def first_repetition(world, controller, options):
-    """Entry and period of the first state that comes back after the last event, by dictionary.
+    """Return entry and period of the first state that recurs after the last event, using a dictionary.
 
-    None if none does.
+    None if no state does.
     """
     run = prepare(world, controller, options)
     whole = run.run(options.steps, find_loop=False, record=True)
@@ -39,7 +39,7 @@ def first_repetition(world, controller, options):
 
 
 def found_in(episode):
-    """The same by the verdict."""
+    """Return the same according to the verdict."""
     if episode.verdict != "loop":
         return None
     return episode.evidence.entry, episode.evidence.period
@@ -62,7 +62,7 @@ def compare(families, seeds, names, steps):
         options = RunOptions(motion, steps)
         wanted = first_repetition(world, name, options)
         episode = simulate(world, name, options)
-        if episode.verdict != "overlap":  # which says more than a loop
+        if episode.verdict != "overlap":  # which is more specific than a loop
             assert found_in(episode) == wanted, (world.provenance, name, motion)
         repeated += wanted is not None
     return repeated
@@ -88,7 +88,7 @@ def test_every_repetition_of_thousands_of_longer_runs_is_found(seed):
 
 
 def room():
-    """A room in which a robot can stand about."""
+    """A room in which a robot can stand anywhere."""
     cells = np.ones((7, 7), bool)
     cells[1:-1, 1:-1] = False
     cells[3, 3] = True
@@ -105,7 +105,7 @@ def _count(observation, memory, command):
 class Counts:
     """Counts to ``end``, then goes back to ``entry``.
 
-    State ``entry`` comes back at step ``end`` for the first time.
+    State ``entry`` recurs at step ``end`` for the first time.
     """
 
     def __init__(self, entry, end):

@@ -1,4 +1,4 @@
-"""Plain runs, which have a loop of their own in the core, end as the same runs with a digest.
+"""Plain runs, for which the core has a separate loop, end like the same runs with a digest.
 
 It have not.
 """
@@ -19,7 +19,7 @@ FAMILIES = ["maze", "trap", "rooms", "forest", "corridor"]
 
 
 def outcomes_of(family, seed, name, motion, steps):
-    """Return the outcome of the plain run and of the other."""
+    """Return the outcomes of the plain run and of the one with a digest."""
     controller = CONTROLLERS.get(name)
     run = prepare(
         generate(family, seed, size=24), controller, RunOptions(motion, steps, 0.03, seed)

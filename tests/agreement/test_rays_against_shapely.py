@@ -1,4 +1,6 @@
-"""Range beams and lines of sight against shapely, and against the functions they were compiled from."""
+"""Range beams and lines of sight against shapely, and against the functions they were compiled
+from.
+"""
 
 import math
 
@@ -57,7 +59,7 @@ def test_a_beam_is_as_long_as_shapely_says(cells, place, heading, cells_far):
     )
     inner = [
         box.buffer(-1e-3, join_style="mitre") for box in boxes(cells)
-    ]  # what a ray only grazes is not met
+    ]  # a ray does not hit cells that it only grazes
     outer = [box.buffer(1e-3, join_style="mitre") for box in boxes(cells)]
     nearest, farthest = (
         min(

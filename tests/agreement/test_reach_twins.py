@@ -1,6 +1,6 @@
-"""What the prover's C finds is what the reference finds, to the bit.
+"""The prover's C finds the same as the reference, to the bit.
 
-Parts of both against brute force.
+Parts of both are compared with brute force.
 """
 
 import itertools
@@ -47,7 +47,7 @@ radii = st.sampled_from(RADII).map(lambda radius: Fraction(str(radius)))
 
 
 def by_reference(world):
-    """The decision, made by the reference."""
+    """The reference's decision."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(prove, "ask_still", lambda *_, **__: None)
         patch.setattr(prove, "find_chain", chain_of_reference)
@@ -101,7 +101,9 @@ def test_rasters_of_a_disc_wider_than_a_byte_counts_are_those_of_the_reference()
 
 @st.composite
 def graphs(draw, side=24):
-    """Graphs of random clear nodes and middles, with a source, ends, spare ends and where to lean to."""
+    """Graphs of random clear nodes and midpoints, with a source, ends, spare ends and a preferred
+    direction.
+    """
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     clear, middle = (
         rng.random((side, side)) < draw(st.sampled_from([0.6, 0.8, 1.0])),
@@ -240,9 +242,9 @@ def test_a_state_in_which_corners_would_be_kept_beyond_their_room_is_refused(sta
 
 
 def chain_exists(world, radius, points):
-    """Whether a cycle of links winds around one of two poses.
+    """Return whether a cycle of links winds around one of two poses.
 
-    Every link looked at, over (cell, bit).
+    Examine every link, over (cell, bit).
     """
     rows, columns = np.nonzero(rim_cells(world.walls))
     cells = list(zip((columns - 1).tolist(), (rows - 1).tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""The signal's sensor, which takes a short way where it can, against the thesis's rule written out."""
+"""The signal's sensor, which takes short cuts where it can, follows the thesis's rule."""
 
 import numpy as np
 from hypothesis import given
@@ -14,7 +14,7 @@ CENTRED = st.integers(0, SIDE - 1).map(lambda index: index * UNIT + UNIT // 2)
 
 
 def by_the_rule(cells, x, y, target_x, target_y, heading):
-    """All nine cells, the own one first, then rows from the top.
+    """All nine cells, the robot's own first, then rows from the top.
 
     A later one wins if it is free and stronger.
     """

@@ -1,4 +1,4 @@
-"""The swept model against a foreign referee.
+"""The swept model is checked by an independent referee.
 
 At every pose and along every segment the disc is clear.
 """
@@ -24,7 +24,7 @@ RADII = st.fractions(Fraction(1, 20), Fraction(5, 2), max_denominator=20)
 
 @st.composite
 def rooms(draw):
-    """Cells with a share of solid ones, the disc's radius in cells, and a clear lattice pose."""
+    """Cells, some of them solid, the disc's radius in cells, and a clear lattice pose."""
     cells = np.frombuffer(draw(st.binary(min_size=SIDE * SIDE, max_size=SIDE * SIDE)), np.uint8)
     cells = (cells.reshape(SIDE, SIDE) < draw(st.sampled_from([10, 40, 80]))).astype(np.uint8)
     radius = draw(RADII)
@@ -82,7 +82,7 @@ def test_a_segment_that_shapely_calls_clear_is_clear(room, dx, dy):
     ours = not segment_first_not_clear(cells, SOLID, clear_sq, reach, (x, y, x + dx, y + dy))[0]
     line = shapely.LineString([(x, y), (x + dx, y + dy)]) if dx or dy else shapely.Point(x, y)
     gap = line.distance(solid_union(cells)) - math.sqrt(clear_sq)
-    if abs(gap) > 1e-6:  # closer than that GEOS's own rounding decides
+    if abs(gap) > 1e-6:  # at smaller distances, GEOS's own rounding decides
         assert ours == (gap > 0)
 
 

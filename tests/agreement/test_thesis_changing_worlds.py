@@ -1,4 +1,6 @@
-"""In worlds that change, the thesis's robot does what its listing says, read plainly, walls on it or not."""
+"""In worlds that change, the thesis's robot behaves as its listing specifies, even if walls fall on
+it.
+"""
 
 import math
 from dataclasses import replace
@@ -22,7 +24,7 @@ INNER = st.tuples(st.integers(1, SIDE - 2), st.integers(1, SIDE - 2))
 
 
 class ListedRobot:
-    """The listing's robot, simulator and behaviours, and the arbitrator that its prose describes."""
+    """The listing's robot, simulator and behaviours, and the arbiter that its prose describes."""
 
     def __init__(self, walls, target, place, heading, rule):
         self.walls, self.target = set(walls), target
@@ -116,7 +118,7 @@ class ListedRobot:
 
 
 def listed(walls, target, events, start, rule):
-    """Poses after each tick, and whether the target was reached."""
+    """Return poses after each tick, and whether the target was reached."""
     robot = ListedRobot(walls, target, start[:2], start[2], rule)
     poses = []
     for step in range(1, STEPS + 1):

@@ -1,4 +1,4 @@
-"""The thesis's signal is written twice, for files and for runs: both give the same numbers."""
+"""The thesis's signal is implemented twice, for files and for runs, with the same numbers."""
 
 import numpy as np
 import pytest
@@ -6,15 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.thesis.core_calls import WALL, add_noise, signal_map
-from worldgen.interop.readers.thesis_map import WALL as FILE_WALL
-from worldgen.interop.readers.thesis_map import filtered, signal
+from worldgen.interop.formats.thesis import WALL as FILE_WALL
+from worldgen.interop.formats.thesis import filtered, signal
 
 SIDES = st.integers(3, 24)
 
 
 @st.composite
 def maps(draw):
-    """Walls, (n, n) bool, top row first and closed all round, and the target's column and row."""
+    """Walls, (n, n) bool, top row first, with a closed border, and the target's column and row."""
     size = draw(SIDES)
     inner = st.integers(1, size - 2)
     target = draw(inner), draw(inner)

@@ -1,4 +1,6 @@
-"""The thesis's simulator in C has the bits of the specification in Python, and of a plain reading of the listing."""
+"""The thesis's simulator in C gives the same bits as the specification in Python and as the
+listing.
+"""
 
 import math
 
@@ -39,7 +41,7 @@ def touches(x, y, cell_x, cell_y):
 
 
 def listed_scan(walls, test, before, unit):
-    """The listing's look at nine cells: where the collision leaves the robot, or None."""
+    """Check nine cells like the listing; return where the collision leaves the robot, or None."""
     grid = (int(test[0] / 10), int(test[1] / 10))
     for cell_y in (grid[1] + 1, grid[1], grid[1] - 1):
         if not 0 <= cell_y < SIDE:
@@ -64,7 +66,7 @@ def listed_scan(walls, test, before, unit):
 
 
 def listed_advance(walls, x, y, goal_x, goal_y):
-    """``checkCollision`` and the clamps, read off the listing."""
+    """``checkCollision`` and the clamps, as in the listing."""
     way = (goal_x - x, goal_y - y)
     length = math.sqrt(way[0] * way[0] + way[1] * way[1])
     unit = (1 / length * way[0], 1 / length * way[1]) if length else (math.nan, math.nan)
@@ -194,7 +196,7 @@ def test_a_run_with_every_kind_of_switch_has_the_bits_of_the_specification(chang
 
 @st.composite
 def scenarios(draw):
-    """A small world with walls and changes, a robot with any switches, and what a run takes."""
+    """A small world with walls and changes, a robot with any options, and the arguments of a run."""
     width = draw(st.integers(5, 12))
     height = draw(st.integers(5, 12))
     columns = st.integers(0, width - 1)
@@ -294,7 +296,7 @@ def test_debris_only_strikes_where_it_falls(cell, stop, ending):
     cells, light, _, start, setup, draws, _ = of_vector("demo-1", steps=140, stop_at_tunnel=stop)
     episode = ThesisEpisode(cells, light, np.array([[130, *cell, 1]]), start, setup)
     episode.go(140, draws, new_rows(0))
-    assert episode.run.deepest > 2.0  # px: it has worked itself into a wall by then
+    assert episode.run.deepest > 2.0  # px: the robot is deep in a wall by then
     assert episode.run.ending == ending
 
 

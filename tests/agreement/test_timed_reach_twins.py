@@ -1,4 +1,4 @@
-"""What the prover's C finds in worlds that change is what the reference finds, to the bit."""
+"""In worlds that change, the prover's C finds the same as the reference, to the bit."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def spread_out(states, shape, goal, sources):
 
 
 def by_reference(ask, *args):
-    """The answer, made by the reference."""
+    """The reference's answer."""
     with pytest.MonkeyPatch.context() as patch:
         for module in (confine, earliest, latest):
             patch.setattr(module, "safe_intervals", reference.safe_intervals)

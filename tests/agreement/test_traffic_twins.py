@@ -1,4 +1,4 @@
-"""The core's controllers for several robots against plain Python: the same runs, bit for bit."""
+"""The core's controllers for several robots give the same runs as plain Python, bit for bit."""
 
 import math
 
@@ -14,7 +14,7 @@ TWINS = {"naive": Naive, "right-hand": RightHand, "orca": Orca}
 
 
 def circle(count, radius=1.5):
-    """Return robots on a circle in a hall, each of which wants to the other side."""
+    """Return robots on a circle in a hall, each with its target on the opposite side."""
     robots = []
     for number in range(count):
         angle = 2.0 * math.pi * number / count + 0.01 * number * number
@@ -50,7 +50,7 @@ def test_a_robot_that_keeps_right_leaves_oncoming_ones_on_its_left():
     episode = simulate(world, "right-hand", steps=3_000, record=True)
     assert (episode.verdict, episode.collisions) == ("reached", 0)
     for robot, one in zip(world.robots, episode.robots, strict=True):
-        # Where it passes the middle, it is to the right of the straight way.
+        # Where it passes the middle, it is to the right of the straight line.
         ahead = np.array([robot.target.x - robot.start.x, robot.target.y - robot.start.y])
         place = np.array([one.trace.x - robot.start.x, one.trace.y - robot.start.y])
         aside = ahead[0] * place[1] - ahead[1] * place[0]

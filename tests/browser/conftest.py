@@ -1,4 +1,6 @@
-"""The browser that all files of this folder share, and a page of the studio that a file serves as ``gate``."""
+"""The browser shared by all files in this folder, and a page of the studio that a file serves as
+``gate``.
+"""
 
 import pytest
 
@@ -9,8 +11,8 @@ from tests.helpers.browser import chromium_browser, missing_browser
 def browser():
     """One process for each worker.
 
-    It ends with the last test of this folder: while it runs, no other test of the worker can have
-        an event loop.
+    It ends with the last test of this folder: while it runs, no other test in the worker can have
+    an event loop.
     """
     if missing := missing_browser():
         pytest.skip(missing)

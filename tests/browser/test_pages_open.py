@@ -1,4 +1,4 @@
-"""What the default tier checks in a browser: a report and the studio open and do their main job."""
+"""The default tier's browser checks: a report and the studio open and do their main job."""
 
 import re
 

@@ -1,6 +1,6 @@
 """Replay pages of the player in Debian's Chromium.
 
-Walls gone into, the memory's map, long ways, films.
+Walls that the robot enters, the memory's map, long paths, films.
 """
 
 import base64
@@ -30,14 +30,14 @@ def room(speed):
 
 
 def endless_room():
-    """One in which a robot drives for as long as it may: its target stands in a wall."""
+    """A world in which a robot drives until its budget ends, because its target is in a wall."""
     walls = np.zeros((10, 14), np.bool_)
     walls[3:6, 11:14] = True
     return World(walls, Pose(0.25, 0.45, 0.0), Target(1.25, 0.45, 0.01), robot_speed=2.0)
 
 
 def page_of(browser, folder, world, controller, *, density=1, **settings):
-    """A replay page that has been opened, at its end, on a screen of so many pixels a CSS pixel."""
+    """An opened replay page, at its end, on a screen with this many pixels per CSS pixel."""
     robot, episode = driven(world, controller, **settings)
     page = browser.new_page(viewport={"width": 900, "height": 700}, device_scale_factor=density)
     open_replay(page, folder, world, robot)
@@ -46,7 +46,7 @@ def page_of(browser, folder, world, controller, *, density=1, **settings):
 
 
 def driven(world, controller, **settings):
-    """A robot as a replay page has it, and its episode."""
+    """A robot as a replay page contains it, and its episode."""
     episode = simulate(world, controller, record=True, **settings)
     motion = MOTIONS.get(settings.get("motion", "swept"))
     run = drawn_run(episode, world.cell_size, motion=motion, controller=CONTROLLERS.get(controller))
@@ -74,7 +74,7 @@ def shown(page):
 
 
 def red(page):
-    """How many pixels are of the colour of a wall that is gone into."""
+    """Return how many pixels have the colour of a wall that the robot enters."""
     return int((np.abs(shown(page) - RED).max(axis=2) < 12).sum())
 
 
@@ -95,7 +95,7 @@ def test_a_fast_robot_s_walls_are_red_once_it_is_in_them(browser, tmp_path):
     )
     assert episode.verdict in ("tunnel", "overlap") and red(page) > 200
     page.keyboard.press("Home")
-    assert red(page) < 100  # a dashed frame: it is still to come
+    assert red(page) < 100  # a dashed frame: it is in the future
 
 
 @pytest.mark.nightly
@@ -131,7 +131,7 @@ def test_a_long_way_is_drawn_alike_forwards_and_at_once(browser, tmp_path):
 
 
 def follow(page):
-    """Follows the robot near the end of its way, with much of that in sight."""
+    """Follows the robot near the end of its path, with much of the path in view."""
     page.locator("#scrub").fill("9000")
     for key in "r-":
         page.keyboard.press(key)

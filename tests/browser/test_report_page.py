@@ -25,7 +25,7 @@ PLACES = ["", "loop", "#campaign"]
 
 
 def burning_failure():
-    """A robot with range beams in a world that changes: no search is needed to have one."""
+    """A robot with range beams in a world that changes, without a search."""
     walls = np.zeros((6, 8), bool)
     walls[3, 4] = True
     line = Timeline.of([Event(0.3, 6, 1, CellState.BURNING), Event(0.6, 6, 1, CellState.FREE)])
@@ -80,7 +80,7 @@ def open_place(page, address, place):
 
 
 def press(page, *keys):
-    """Press keys where the focus is."""
+    """Press keys in the focused element."""
     for key in keys:
         page.keyboard.press(key)
 
@@ -98,7 +98,7 @@ def scrub_to(page, moment):
 
 
 def picture(page):
-    """Return what the canvas shows, as the text of a data address."""
+    """Return the canvas's picture as a data address."""
     return page.evaluate("document.querySelector('#stage').toDataURL()")
 
 
@@ -131,6 +131,23 @@ def test_scrubbing_to_the_entry_is_put_into_words(page):
     scrub_to(page, 29)
     assert "step 29 of 133" in page.locator("#scrub").get_attribute("aria-valuetext")
     assert "the loop is entered" in readout(page)
+
+
+def test_paper_shows_what_is_folded_and_no_buttons(page):
+    open_failure(page, "loop-a")
+    folded = page.locator("main details:not([open])")
+    before = folded.count()
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    assert before > 0 and folded.count() == 0
+    assert page.locator("main button:visible").count() == 0
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert folded.count() == before
+
+
+def test_a_loop_is_told_by_the_moves_that_repeat(page):
+    open_failure(page, "loop-a")
+    assert "It repeats 104 steps (1.56 s" in page.locator("#detail").inner_text()
 
 
 def test_each_layer_can_be_switched_off_and_on(page):
@@ -285,7 +302,8 @@ def test_the_first_screen_answers_without_scrolling(page):
         assert box["y"] + box["height"] <= 800, part
     assert "goes through walls" in first.locator(".headline").inner_text()
     painted = first.locator(".pictures canvas").first.evaluate(
-        "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
+        "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, "
+        "canvas.height).data).size"
     )
     assert painted > 8
 
@@ -309,5 +327,5 @@ def test_on_paper_every_small_picture_is_drawn(page):
           return !context.getImageData(0, 0, canvas.width, canvas.height).data.some(Boolean);
         }).length"""
     )
-    # The one world whose controller is missing is drawn, too: without its path.
+    # The one world whose controller is missing is also drawn, without a path.
     assert blank == 0 and not page.locator("nav").is_visible()

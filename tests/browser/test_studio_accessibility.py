@@ -1,4 +1,6 @@
-"""The studio for those who use the keyboard alone, a screen reader, a finger, or see colours differently."""
+"""The studio for people who only use the keyboard, a screen reader or a finger, or who see colours
+differently.
+"""
 
 import shutil
 from pathlib import Path
@@ -28,12 +30,12 @@ def gate(tmp_path_factory):
 
 
 def go(page, name):
-    """Another page, by its link: keys would go into a field that has the focus."""
+    """Go to another page by its link, because a focused field would take the keys."""
     page.locator("#tabs").get_by_role("link", name=name).click()
 
 
 def states(page):
-    """Goes through what the studio shows, and names it at each stop."""
+    """Go through the studio's views, and name each one."""
     yield "the board and its world"
     page.locator("#tab-maker").click()
     page.locator("#tools").get_by_role("button", name="Keys").click()

@@ -1,4 +1,4 @@
-"""The drawing board: what is taken back, what is seen of it, by mouse, keys and fingers."""
+"""The drawing board by mouse, keys and fingers: undo and the visible part."""
 
 import pytest
 
@@ -27,7 +27,7 @@ def press(page, *keys):
 
 
 def pinch(page, *cells):
-    """Two fingers come down at cells, one after the other, and go up again."""
+    """Put two fingers down at cells, one after another, and lift them again."""
     fingers = [{"x": x, "y": y} for x, y in (place(page, *cell) for cell in cells)]
     touch = page.context.new_cdp_session(page)
     for points in (fingers[:1], fingers, []):
@@ -94,7 +94,7 @@ def test_the_whole_world_lies_beside_the_rulers(tablet):
         }""",
         left,
     )
-    assert column[0] == column[1] < 128  # of the wall, as dark next to the ruler as further in
+    assert column[0] == column[1] < 128  # of the wall, as dark next to the ruler as farther in
 
 
 @pytest.mark.parametrize(
@@ -155,7 +155,7 @@ def test_in_a_large_world_the_widest_robot_is_found_on_demand(page):
     page.get_by_role("button", name="New").click()
     page.locator("#widest", has_text="In a large world this takes up to a minute.").wait_for()
     page.get_by_role("button", name="Find the widest robot that passes").press("Enter")
-    page.locator("#widest", has_text="Robots pass up to a radius of").wait_for()
+    page.locator("#widest", has_text="Robots with a radius of up to").wait_for()
     page.locator("#find-widest").wait_for(state="hidden")
     assert page.evaluate("document.activeElement.id") == "radius"
     drag(page, (20, 20), (60, 60))

@@ -1,6 +1,6 @@
-"""The studio's campaign page before a campaign has begun.
+"""The studio's campaign page before a campaign has begun:
 
-Its form, and the failures that the folder has already.
+its form, and the failures that are already in the folder.
 """
 
 import shutil

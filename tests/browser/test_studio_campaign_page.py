@@ -74,7 +74,7 @@ def test_a_campaign_from_the_form_is_watched_stopped_resumed_and_its_smallest_fa
     begin(page, units=5000)
     stands(page, "ing")  # preparing, searching or shrinking
     page.locator(".card").first.wait_for(timeout=CAMPAIGN)
-    page.reload()  # the campaign goes on, and is shown again
+    page.reload()  # the campaign continues, and is shown again
     stands(page, "ing")
     page.get_by_role("button", name="Stop").click()
     stands(page, "Stopped")

@@ -1,4 +1,6 @@
-"""What the studio's campaign page says before it knows all, and whether its numbers agree with each other."""
+"""The texts of the studio's campaign page while data is still missing, and the consistency of its
+numbers.
+"""
 
 import json
 import re
@@ -22,7 +24,9 @@ FAILURES = Path(__file__).parents[2] / "corpora/failures/turn-right/swept"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with a campaign that is done, in which one class slid into another by being shrunk and one is known."""
+    """A folder with a finished campaign, in which shrinking moved one class into another and one
+    class is known.
+    """
     folder = tmp_path_factory.mktemp("words")
     shutil.copytree(FAILURES, folder / "collected")
     with studio_of(folder) as gate, page_of(gate) as page:
@@ -55,7 +59,7 @@ def page(browser, gate):
 
 
 def reopened(page, *held):
-    """The page of campaigns, loaded again; what it asks of these kinds is held back."""
+    """Reload the campaign page, and hold back its requests of these kinds."""
     hold(page, *held)
     page.keyboard.press("3")
     page.reload()

@@ -50,7 +50,7 @@ def test_a_table_fills_and_a_click_plays_its_run_and_a_link_makes_it_again(brows
         assert "reached" in facts and "reached" in shown
         assert facts.split(", ")[-1] in shown
         assert page.complaints == []
-    # The link makes the same table in a browser that knows nothing of it.
+    # The link makes the same table in a fresh browser.
     with opened(browser, gate) as page:
         page.goto(f"{page.url.partition('#')[0]}#compare?{address.partition('?')[2]}")
         page.locator(".comparison tfoot td").nth(1).wait_for()

@@ -35,7 +35,7 @@ def test_a_robot_is_driven_to_the_target_next_to_a_controller(browser, gate):
     with opened(browser, gate) as page:
         begin(page)
         assert "arrow keys" in page.locator("#run-said").inner_text()
-        # Nothing happens before the first key, however long that takes.
+        # Nothing happens before the first key, however long the user waits.
         page.wait_for_timeout(400)
         assert page.locator(".result").count() == 1
         page.keyboard.down("ArrowUp")
@@ -45,7 +45,7 @@ def test_a_robot_is_driven_to_the_target_next_to_a_controller(browser, gate):
         assert page.locator("#drive", has_text="Drive").count() == 1
         names = [one.get_attribute("data-controller") for one in page.locator(".result").all()]
         assert names == ["thesis-2", "you"]
-        # The keys of the page act again.
+        # The page's keys work again.
         page.keyboard.press("ArrowLeft")
         assert page.locator("[aria-current] .result").get_attribute("data-controller") == "you"
 

@@ -1,4 +1,4 @@
-"""The loop of edit and run: the page runs what the file says now, and shows where that fails."""
+"""The loop of editing and running: the page runs the current file, and shows where it fails."""
 
 import pytest
 
@@ -28,20 +28,20 @@ def test_an_edited_controller_runs_at_once_and_a_fault_is_shown_where_it_is(brow
         page.keyboard.press("2")
         page.locator(".result", has_text="loop").wait_for()
 
-        # An edit runs by itself; a syntax error takes the place of the earlier result.
+        # An edit triggers a run; a syntax error replaces the earlier result.
         robot.write_text(BROKEN)
         page.locator(".failed .frame", has_text="mine.py:8").wait_for()
         assert "def act(self, observation, memory:" in page.locator(".frame code").inner_text()
         assert page.locator(".result").count() == 0 and page.locator("#scrub").count() == 0
 
-        # What is broken is still broken after a reload, and mended without one.
+        # A broken file is still broken after a reload; fixing it needs no reload.
         page.reload()
         page.locator("#gone", has_text="mine.py").wait_for()
         robot.write_text(CRASHES)
         page.locator(".result .frame", has_text="1.0 / len(memory)").wait_for()
         page.locator("#gone").wait_for(state="hidden")
 
-        # Without the tick it only says so.
+        # If the box is not ticked, the page only reports the edit.
         page.get_by_label("Run again when a file of its code is edited").uncheck()
         robot.write_text(TURNS)
         page.locator("#code-note", has_text="run again.").wait_for()

@@ -1,4 +1,4 @@
-"""What a day with the studio needs: time on the board, keys that do what they say, choices that stay."""
+"""Everyday use of the studio: time on the board, documented keys, remembered choices."""
 
 import pytest
 
@@ -19,7 +19,7 @@ def gate(tmp_path_factory):
 
 
 def pixels(page, selector="#board"):
-    """A digest of what a canvas shows."""
+    """Return a digest of a canvas's picture."""
     return page.evaluate(
         """(selector) => {
           const canvas = document.querySelector(selector);

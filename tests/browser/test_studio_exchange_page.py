@@ -1,4 +1,4 @@
-"""Maps that come into the studio and go out, by mouse and keyboard."""
+"""Import and export in the studio, by mouse and keyboard."""
 
 import re
 

@@ -7,6 +7,8 @@ import pytest
 
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened
+from worldgen import generate
+from worldgen.files.grid import write_world
 
 CORPORA = Path(__file__).parents[2] / "corpora"
 
@@ -38,7 +40,7 @@ def test_an_example_and_the_tour_are_there_to_begin_with_and_links_lead_to_run_a
             "#play?world=config-05.grid&robots=thesis-1,thesis-2&motion=stepped"
         )
 
-        # A failure brings its own robot, whichever ran before.
+        # A failure sets its own robot, whichever one ran before.
         page.goto(f"{base}#campaign?folder=found&failure=found/thesis-1-loop-104.grid")
         page.locator("#open-play").click()
         page.locator("#name", has_text="thesis-1-loop-104.grid").wait_for()
@@ -50,4 +52,16 @@ def test_an_example_and_the_tour_are_there_to_begin_with_and_links_lead_to_run_a
         page.locator("#start-menu summary").click()
         page.locator("[data-example=fire]").first.click()
         page.locator("#board-time").wait_for()
+        assert page.complaints == []
+
+
+@pytest.mark.gate
+def test_a_fleet_runs_without_any_choice_under_a_model_that_takes_it(browser, tmp_path):
+    write_world(generate("crossing", 3), tmp_path / "fleet.grid")
+    with studio_of(tmp_path, file="fleet.grid") as gate, opened(browser, gate) as page:
+        page.locator(".status", has_text="robot 1 of 4; Play shows all").wait_for()
+        page.keyboard.press("2")
+        page.locator(".result", has_text="naive").first.wait_for()
+        assert page.locator(".result").count() == 1
+        assert "reached" in page.locator(".result").inner_text()
         assert page.complaints == []

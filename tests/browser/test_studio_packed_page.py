@@ -1,6 +1,6 @@
-"""What the studio's campaign page shows that is in no file of its own.
+"""Contents of the studio's campaign page that are not separate files:
 
-Failures in archives, worlds of behaviours.
+failures in archives, worlds of behaviours.
 """
 
 import shutil

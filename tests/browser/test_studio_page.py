@@ -103,7 +103,7 @@ def test_saving_a_nameless_world_while_playing_leads_at_once_to_its_name(page):
 
 @pytest.mark.nightly
 def test_the_radius_slider_shows_where_the_way_closes(page):
-    page.locator("#widest", has_text="Robots pass up to a radius of").wait_for()
+    page.locator("#widest", has_text="Robots with a radius of up to").wait_for()
     page.locator("#radius").focus()
     page.keyboard.press("End")
     page.locator("#proof.bad").wait_for()
@@ -159,9 +159,9 @@ def test_a_page_without_the_token_gets_nothing(browser, gate):
 
 
 def start_studio(folder, *port):
-    """A studio in a process of its own, at that port or at one that it finds.
+    """Start a studio in its own process, at the given port or at a free one.
 
-    Gives it with its address.
+    Yield it with its address.
     """
     command = [sys.executable, "-m", "worldgen", "studio", str(folder), "--no-browser", *port]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
@@ -246,7 +246,7 @@ def test_a_file_that_another_program_has_changed_is_not_overwritten_unasked(page
 
 
 def darkness(page, x, y):
-    """How dark the board is at a point of the world, in cells: 0 to 255."""
+    """Return how dark the board is, 0 to 255, at a point of the world, in cells."""
     box = page.locator("#board").bounding_box()
     across, down = place(page, x, y)
     page.evaluate(
@@ -281,7 +281,7 @@ def test_in_a_world_of_two_million_cells_all_that_is_drawn_is_seen_decided_and_u
     assert seen[1:] == [(wall, free), (wall, wall), (wall, free), (free, free)]
     assert [
         one for one in page.complaints if "readback" not in one
-    ] == []  # that one is of this test's own looking
+    ] == []  # that one comes from this test's own request
 
 
 @pytest.mark.nightly
@@ -345,7 +345,9 @@ def test_a_world_grows_where_it_does_not_stay_down_to_one_row_and_up_to_four_mil
     page.get_by_label("Rows").first.fill("30")
     page.get_by_role("button", name="Resize").click()
     page.locator("#place", has_text="44 x 30 cells").wait_for()
-    assert solid_cells(page) == drawn - 40 - 2 * 9 - 5  # below, the border and the stroke are gone
+    assert (
+        solid_cells(page) == drawn - 40 - 2 * 9 - 5
+    )  # below, the border and the stroke have disappeared
     assert (
         page.get_by_label("x m").first.input_value() == "0.65"
     )  # the start has moved with its cells

@@ -1,6 +1,6 @@
 """The studio's page when something goes wrong.
 
-A lost connection, a full storage, answers that come too late.
+Lost connections, full storage, late answers.
 """
 
 import contextlib
@@ -11,8 +11,8 @@ from tests.helpers.browser import WAIT
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened, solid_cells
 
-# What the page says is kept back while `held` is a list; `letGo` says it, and ends when all of it
-# is answered.
+# While `held` is a list, the page's messages are held back; `letGo` sends them and ends when all
+# are answered.
 HOLDING = """
 window.held = null;
 const send = WebSocket.prototype.send;
@@ -74,10 +74,10 @@ def draw_a_wall(page):
 
 
 def reconnect(page):
-    """The connection breaks and comes back."""
+    """The connection breaks and is restored."""
     page.wait_for_function(
         "() => Boolean(window.socket)"
-    )  # the proof of what was drawn is asked for soon
+    )  # the proof of the drawing is requested soon
     page.evaluate("window.held = null; window.socket.close()")
     page.get_by_text("The studio does not answer.").wait_for()
     page.locator("#gone").wait_for(state="hidden")
@@ -85,7 +85,7 @@ def reconnect(page):
 
 def another_tab(page, address=None):
     other = page.context.new_page()
-    other.set_default_timeout(WAIT)  # the server that has just begun starts its processes
+    other.set_default_timeout(WAIT)  # the new server is still starting its processes
     other.complaints = []
     other.on("pageerror", lambda error: other.complaints.append(str(error)))
     other.goto(address or page.url)
@@ -174,7 +174,7 @@ def test_a_number_out_of_its_bounds_is_told_and_changes_nothing(page, label, wro
     page.locator(".fault", has_text="Give a number from").wait_for()
     page.locator("#proof.good").wait_for()
     assert field.input_value() == wrong
-    page.reload()  # the drawing is as it was: a world with such a number could not be kept
+    page.reload()  # the drawing is unchanged, because a world with such a number could not be stored
     page.wait_for_selector("#proof.good")
     page.keyboard.press("Control+z")
     page.locator("#name", has_text="not saved yet").wait_for()
@@ -205,7 +205,7 @@ def test_after_a_new_start_a_new_tab_goes_on_with_what_an_open_one_has_drawn_and
         page.wait_for_function(BOTH_KEPT)
         fresh.evaluate(NO_ROOM)
         drag(fresh, (30, 5), (30, 8))
-        fresh.wait_for_function("() => window.refused > 0")  # it has looked for room
+        fresh.wait_for_function("() => window.refused > 0")  # it has tried to make room
         for one in (page, other):
             with one.expect_event("close"):
                 one.close(run_before_unload=True)

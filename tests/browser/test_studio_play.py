@@ -1,6 +1,6 @@
 """The page on which robots drive.
 
-All of it in sight, the thesis's settings, the world that changes.
+Its layout, the thesis's settings, worlds that change.
 """
 
 import base64
@@ -27,7 +27,7 @@ def gate(tmp_path_factory):
 
 
 def play(page, steps=300):
-    """The page Play, with its first run done, of few steps from now on."""
+    """The page Play after its first run, limited to a few steps from now on."""
     page.keyboard.press("2")
     page.locator(".result").first.wait_for()
     page.get_by_label("Steps", exact=True).fill(str(steps))
@@ -48,7 +48,9 @@ def expected(world, controller, **options):
 
 
 def out_of_sight(page, *parts):
-    """Which of these parts of the page are not wholly in the window, or covered by the edge of what scrolls."""
+    """Return the parts of the page that are not fully in the window, or are cut off by a scrolling
+    area.
+    """
     script = """(all) => all.filter((part) => [...document.querySelectorAll(part)].some((one) => {
       const { left, right, top, bottom } = one.getBoundingClientRect();
       const corners = [[left + 3, top + 3], [right - 3, bottom - 3]];
@@ -254,13 +256,13 @@ def test_a_film_is_as_long_as_the_run_at_its_speed_and_moves_all_the_time(browse
         with page.expect_download() as download:
             page.locator(".save .menu").get_by_text("Film, WebM").click()
         film = base64.b64encode(Path(download.value.path()).read_bytes()).decode()
-    with browser.new_context() as context:  # the studio's own page may not show films
+    with browser.new_context() as context:  # the studio's own page is not allowed to show films
         length, changed = context.new_page().evaluate(_LOOK_AT, [film, [0.1, 0.7, 1.3, 1.9]])
     assert length > 300 * 0.015 / 2  # on a busy machine it takes longer
     assert len(changed) == 3 and min(changed) > 20
 
 
-# How long a film is, and how many pixels change from each of these times to the next.
+# Return a film's length, and how many pixels change from each of these times to the next.
 _LOOK_AT = """async ([film, times]) => {
   const video = document.createElement("video");
   video.muted = true;

@@ -1,4 +1,4 @@
-"""What is saved from the player, and two runs side by side, in a browser."""
+"""Saving from the player, and two runs side by side, in a browser."""
 
 import io
 import re
@@ -32,7 +32,7 @@ def test_picture_film_and_page_are_saved_with_the_mouse_and_the_page_replays_by_
             ("Film", "webm", b"\x1aE"),
             ("HTML", "html", b"<!"),
         ):
-            if kind == "webm":  # so slow that it cannot end by itself before it is ended
+            if kind == "webm":  # so slow that it cannot finish before the test stops it
                 page.locator(".controls label", has_text="Speed").locator("select").select_option(
                     "0.05"
                 )
@@ -71,13 +71,13 @@ def test_a_failure_is_played_beside_what_it_was(browser, campaign):
 
 
 def _pixels(page):
-    """What each of the two canvases shows."""
+    """Return the picture of each of the two canvases."""
     read = "nodes => nodes.map(node => node.toDataURL())"
     return page.locator("section#play .stage canvas").evaluate_all(read)
 
 
 def _saved(page, words):
-    """A file of the menu *Save*; a film is ended by hand, if it has not ended by itself."""
+    """Save a file from the menu *Save*; stop a film by hand if it has not ended yet."""
     page.locator(".save summary").click()
     with page.expect_download() as download:
         page.locator(".save button", has_text=words).click()
@@ -115,7 +115,7 @@ def test_both_of_two_runs_are_zoomed_moved_and_saved(browser, campaign):
         assert page.complaints == []
 
 
-# Holds the question for a picture back until it is to be ended, so that no machine is too fast for
+# Holds back the request for a picture until the test stops it, so that no machine is too fast for
 # the button.
 _HOLD = """
 () => {

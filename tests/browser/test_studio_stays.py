@@ -1,4 +1,4 @@
-"""What stays on the studio's page as somebody left it, whatever arrives meanwhile."""
+"""The state of the studio's page that does not change, whatever arrives in the meantime."""
 
 import pytest
 
@@ -20,7 +20,7 @@ def gate(tmp_path_factory):
 
 
 def held(page, *kinds):
-    """Loads the page again, which then holds back what it asks of these kinds."""
+    """Reload the page, and hold back its requests of these kinds."""
     hold(page, *kinds)
     page.reload()
 
@@ -30,7 +30,7 @@ def has_asked(page):
 
 
 def test_where_every_way_closes_is_known_after_saving_as_before(page):
-    known = page.locator("#widest", has_text="Robots pass up to a radius of")
+    known = page.locator("#widest", has_text="Robots with a radius of up to")
     known.wait_for()
     words = known.inner_text()
     page.keyboard.press("Control+s")
@@ -79,7 +79,7 @@ def test_what_is_imported_while_the_page_begins_is_not_replaced_by_the_file_to_o
     page.keyboard.press("2")
     page.locator(
         ".result"
-    ).first.wait_for()  # what there is to choose from is known, and the file would be there
+    ).first.wait_for()  # the choices have been loaded, and the file would be listed
     assert page.locator("#name").inner_text().startswith("not saved yet")
     assert page.complaints == []
 

@@ -1,4 +1,4 @@
-"""The walk through the studio, performed as docs/howto/studio.md says it."""
+"""The walk through the studio, performed as docs/howto/studio.md describes it."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The tier of a real program's tests: the gate's if the gate installs the program, else nightly."""
+"""The tier of a real program's tests: gate if the gate installs the program, otherwise nightly."""
 
 from pathlib import Path
 

@@ -1,9 +1,9 @@
-"""The real programs that must accept what ``export`` writes, each in an environment of its own.
+"""The real programs that must accept the output of ``export``, each in its own environment.
 
 A client from the package registry lives in a virtual environment under ``$WORLDGEN_CLIENTS``
-(``build/clients`` where it is not set), made by ``python -m tests.clients.install [NAME ...]``; a
-program of the system is looked for on the path. Where one is missing its tests are skipped and say
-how to get it.
+(``build/clients`` if it is not set), made by ``python -m tests.clients.install [NAME ...]``; a
+system program is looked up on PATH. If one is missing, its tests are skipped with a message that
+explains how to get it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Client:
     """An interpreter that has one client installed.
 
     Args:
-        name: Of the client.
+        name: Name of the client.
         python: The interpreter.
     """
 
@@ -37,7 +37,7 @@ class Client:
     def ask(
         self, script: str, *args: object, timeout: float = 120.0, cwd: Path | None = None
     ) -> dict:
-        """What ``scripts/SCRIPT`` prints, as one JSON object in its last line.
+        """Return the output of ``scripts/SCRIPT``, one JSON object in its last line.
 
         Args:
             script: Name of the file.
@@ -58,7 +58,7 @@ class Client:
 
 
 def client(name: str) -> Client:
-    """The client of that name; the test is skipped, with the reason, where it is not installed."""
+    """Return the client with this name; skip the test, with the reason, if it is not installed."""
     for place in ("bin/python", "Scripts/python.exe"):
         python = FOLDER / name / place
         if python.exists():
@@ -70,7 +70,7 @@ def client(name: str) -> Client:
 
 
 def program(name: str) -> str:
-    """The path of a program; the test is skipped, with the reason, where there is none."""
+    """Return the path of a program; skip the test, with the reason, if there is none."""
     found = shutil.which(name)
     if found is None:
         pytest.skip(

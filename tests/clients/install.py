@@ -1,8 +1,8 @@
 """``python -m tests.clients.install [NAME ...]``.
 
-Makes the environments of the clients, all or the named ones. With ``--gate`` it makes only those
-that the gate asks, with ``--programs`` it prints the names of the Debian packages that bring the
-others. An environment that is there already is used again, unless what it is to hold has changed.
+Makes the environments of all clients, or of the named ones. With ``--gate`` it makes only those
+that the gate uses; with ``--programs`` it prints the Debian packages that contain the others. An
+existing environment is reused, unless its requirements have changed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ FOLDER = Path(os.environ.get("WORLDGEN_CLIENTS") or REPOSITORY / "build" / "clie
 
 
 def _third_party() -> list[str]:
-    """What the adapters in examples/third-party need, and what worldgen itself needs.
+    """The requirements of the adapters in examples/third-party, and of worldgen itself.
 
     It runs there.
     """
@@ -28,7 +28,8 @@ def _third_party() -> list[str]:
     return [*(line for line in lines if not line.startswith("#")), *project["dependencies"]]
 
 
-# name: what pip installs; packages of one client stand together, clients never share an environment
+# name: what pip installs; packages for one client are installed together, and clients never share
+# an environment
 PACKAGES = {
     "irsim": ["ir-sim>=2.12"],
     "minigrid": ["minigrid>=3.0"],
@@ -40,17 +41,17 @@ PACKAGES = {
     "trimesh": ["trimesh>=4.5", "rtree>=1.0"],
     "usd": ["usd-core>=25.5"],
 }
-# name: the packages without what they depend on, for what they ask for cannot be had together
+# name: packages to install without dependencies, because their requirements conflict
 BARE_PACKAGES = {"pogema-toolbox": ["pogema-toolbox"]}
-# name: what builds packages of that client whose own lists of build tools lack some; they are built
-# beside these
+# name: build tools missing from the requirements of that client's packages; they are installed for
+# the build
 BUILD_TOOLS = {"third-party": ["cython>=3.0", "numpy>=2.0", "setuptools>=77"]}
 GATE = (
     "irsim",
     "mujoco",
     "trimesh",
-)  # installed in seconds; a robot's simulator, a physics engine, a reader of meshes
-# program: what brings it on Debian
+)  # installed in seconds; a robot simulator, a physics engine, a mesh reader
+# program: its Debian package
 PROGRAMS = {
     "admesh": "admesh",
     "assimp": "assimp-utils",
@@ -68,7 +69,7 @@ _PROBLEM = "could not be installed; its tests will be skipped"
 
 
 def install(name: str) -> bool:
-    """Makes one environment again unless it is there; whether it is there now."""
+    """Make an environment unless it exists; return whether it exists now."""
     folder = FOLDER / name
     done = folder / "installed"
     packages = PACKAGES.get(name) or BARE_PACKAGES[name]
@@ -112,7 +113,7 @@ def _ran(*words: str | Path) -> bool:
 
 
 def main(names: list[str]) -> int:
-    """Installs them one after the other; 1 if one is missing in the end."""
+    """Install them in turn; return 1 if one is missing in the end."""
     if names == ["--programs"]:
         print(*sorted(set(" ".join(PROGRAMS.values()).split())))
         return 0

@@ -1,4 +1,4 @@
-"""ADMesh judges what ``export --to stl`` writes."""
+"""ADMesh checks the output of ``export --to stl``."""
 
 import re
 import subprocess

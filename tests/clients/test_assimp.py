@@ -1,4 +1,4 @@
-"""Assimp judges what ``export --to stl``, ``obj`` and ``glb`` write."""
+"""Assimp checks the output of ``export --to stl``, ``obj`` and ``glb``."""
 
 import re
 import subprocess

@@ -1,6 +1,6 @@
 """IR-SIM and MuJoCo drive an exported world again, fast and slow.
 
-The audit finds what it found in the stored runs.
+The audit finds the same as in the stored runs.
 """
 
 from pathlib import Path
@@ -24,7 +24,7 @@ RECORDINGS = {
     "mujoco-slow": ("mujoco", "mjcf", "wall.xml", (*ROUND, "--time-step", "0.01")),
 }
 HEARD = {"mujoco-fast"}
-"""Where the simulator noticed the wall, and let the robot through all the same."""
+"""Places where the simulator noticed the wall but let the robot through anyway."""
 
 
 @pytest.mark.parametrize("name", RECORDINGS)

@@ -1,4 +1,6 @@
-"""The physics of Gazebo Fortress, dartsim, judges what ``export --to sdf`` writes, through a small program."""
+"""The physics of Gazebo Fortress, dartsim, checks the output of ``export --to sdf``, through a
+small program.
+"""
 
 import hashlib
 import json
@@ -36,9 +38,9 @@ WALL = 0.8  # m: where the wall on the right begins, in the start's row
 
 
 def _flags():
-    """What the compiler is to be told of Fortress's libraries.
+    """Return the compiler flags for Fortress's libraries.
 
-    None where they are not installed.
+    None if they are not installed.
     """
     if shutil.which("pkg-config") is None:
         return None
@@ -49,7 +51,7 @@ def _flags():
 
 @pytest.fixture(scope="module")
 def engine():
-    """The command that runs the program; it is compiled once for its text."""
+    """Return the command that runs the program, which is compiled once for its text."""
     compiler, flags = program("g++"), _flags()
     plugins = sorted(Path("/usr/lib").glob("*/libignition-physics5-dartsim-plugin.so"))
     if flags is None or not plugins:
@@ -71,7 +73,7 @@ def engine():
 
 
 def obeyed(engine, tmp_path, world, name, commands):
-    """Where things are, as the program says after such commands."""
+    """Return where things are after these commands, as reported by the program."""
     for file, data in export_world(
         world, name, file="world.sdf", origin=ORIGIN, sidecar=False
     ).files.items():
@@ -85,7 +87,9 @@ def obeyed(engine, tmp_path, world, name, commands):
 
 
 def dropped(world, cells):
-    """Commands that drop a ball on the middle of each cell, and say where they lie a second later."""
+    """Return commands that drop a ball on the middle of each cell, and report where the balls are a
+    second later.
+    """
     for ix, iy in cells:
         x, y = (
             (index + 0.5) * world.cell_size + corner
@@ -153,7 +157,9 @@ def test_models_that_are_moved_as_the_table_says_make_the_cells_of_that_time(
 
 
 def command_folder(tmp_path):
-    """A folder with ``ign``, whose own in Debian 12 looks for the tools of transport in the wrong place."""
+    """A folder with a working ``ign``, because Debian 12's looks for the transport tools in the
+    wrong place.
+    """
     tools = Path("/usr/libexec/ignition/transport11")
     if not (tools / "ign-transport-service").exists():
         pytest.skip(f"ign service is not here; apt-get install {PROGRAMS['ign-transport-service']}")

@@ -1,4 +1,4 @@
-"""GDAL judges what ``export --to geojson`` and ``wkt`` write."""
+"""GDAL checks the output of ``export --to geojson`` and ``wkt``."""
 
 import re
 import subprocess
@@ -15,7 +15,7 @@ from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState, Timeline
 
 ORIGIN = (-12.7, 3.45)
-FINE = 4  # points a cell along each side
+FINE = 4  # points per cell along each side
 
 
 def written(folder, world, name):

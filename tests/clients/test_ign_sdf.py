@@ -1,4 +1,6 @@
-"""Gazebo's own reader of SDFormat, ``ign sdf`` of Fortress, judges what ``export --to sdf`` writes."""
+"""Gazebo's own reader of SDFormat, ``ign sdf`` of Fortress, checks the output of ``export --to
+sdf``.
+"""
 
 import subprocess
 from xml.etree import ElementTree
@@ -51,7 +53,9 @@ def test_the_file_is_valid(path):
 
 
 def said(root):
-    """All poses, sizes, radii, masses and names of models, links, collisions, frames and joints, in order."""
+    """All poses, sizes, radii, masses and names of models, links, collisions, frames and joints, in
+    order.
+    """
     words = [(element.tag, element.get("name")) for element in root.iter() if element.get("name")]
     numbers = {
         "pose",

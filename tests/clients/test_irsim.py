@@ -1,4 +1,4 @@
-"""IR-SIM loads what export writes, and its lidar, its collisions and its goal lie where the world has them."""
+"""IR-SIM loads exported worlds, and its lidar, collisions and goal match the world."""
 
 import json
 
@@ -24,7 +24,7 @@ ROOM = """
 
 
 def ranges(world, place, heading):
-    """What our own beams measure, m; place and heading on the lattice."""
+    """Return what our own beams measure, m; place and heading are on the lattice."""
     cells, table, longest = (
         world.walls.astype(np.uint8),
         heading_table(),

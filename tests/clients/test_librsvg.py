@@ -1,4 +1,4 @@
-"""librsvg judges what ``export --to svg`` writes."""
+"""librsvg checks the output of ``export --to svg``."""
 
 import io
 import subprocess
@@ -42,7 +42,7 @@ def test_the_pixels_of_a_cell_have_the_colour_of_a_wall_where_it_is_solid(tmp_pa
 def test_the_robots_disc_is_where_it_starts_and_the_print_is_to_scale(tmp_path):
     picture = pixels(
         tmp_path, TINY, 0, "svg+scale=1"
-    )  # 0.6 x 0.5 m at 96 dots an inch, border and all
+    )  # 0.6 x 0.5 m at 96 dots per inch, including the border
     assert picture.shape[:2] == pytest.approx((500 * 96 / 25.4, 600 * 96 / 25.4), abs=1)
     red, green, blue = (picture[..., channel].astype(int) for channel in range(3))
     y, x = np.nonzero((green > red + 60) & (green > blue + 20))

@@ -1,4 +1,4 @@
-"""MiniGrid judges both ways.
+"""MiniGrid checks both directions.
 
 Its own printed grids are read, and it prints ours as we write them.
 """

@@ -1,4 +1,4 @@
-"""MuJoCo judges what ``export --to mjcf`` writes."""
+"""MuJoCo checks the output of ``export --to mjcf``."""
 
 import json
 import math
@@ -26,7 +26,7 @@ WALL = 0.8  # m: where the wall on the right begins, in the start's row
 
 
 def asked(tmp_path, world, request, name="mjcf"):
-    """What MuJoCo answers to a request about the exported world."""
+    """Return MuJoCo's answer to a request about the exported world."""
     mujoco = client("mujoco")
     for file, data in export_world(
         world, name, file="world.xml", origin=ORIGIN, sidecar=False

@@ -1,4 +1,4 @@
-"""POGEMA judges what ``export --to pogema`` writes; pogema-toolbox what ``--to movingai`` does."""
+"""POGEMA checks the output of ``export --to pogema``, and pogema-toolbox that of ``--to movingai``."""
 
 import json
 from collections import deque
@@ -14,7 +14,9 @@ STEPS = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}
 
 
 def shortest(walls, start, goal):
-    """Moves between free cells from (row, column) to another, the top row first, and the cells they lead to."""
+    """Moves between free cells from (row, column) to another, the top row first, and the cells they
+    lead to.
+    """
     came, waiting = {start: None}, deque([start])
     while waiting:
         cell = waiting.popleft()

@@ -1,4 +1,6 @@
-"""Gymnasium-Robotics' PointMaze judges what ``export --to pointmaze`` writes, its geometry by rays of MuJoCo."""
+"""Gymnasium-Robotics' PointMaze checks the output of ``export --to pointmaze``, its geometry by
+MuJoCo's rays.
+"""
 
 import json
 

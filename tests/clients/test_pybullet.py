@@ -1,4 +1,4 @@
-"""PyBullet judges what ``export --to sdf`` writes."""
+"""PyBullet checks the output of ``export --to sdf``."""
 
 import json
 
@@ -12,7 +12,7 @@ from worldgen import generate
 from worldgen.interop import export_world
 
 ORIGIN = (-12.7, 3.45)
-REACH = 8.0  # m, farther than these worlds are wide
+REACH = 8.0  # m, more than the width of these worlds
 BALL = 0.04  # m
 HALL = """
     ##########
@@ -27,7 +27,7 @@ WALL = 0.8  # m: where the wall on the right begins, in the start's row
 def asked(tmp_path, world, rays):
     """What PyBullet answers.
 
-    Rays, and a ball that is dropped on the start and driven to the right.
+    It casts rays, drops a ball on the start and drives it to the right.
     """
     pybullet = client("pybullet")
     export = export_world(world, "sdf", file="world.sdf", origin=ORIGIN, sidecar=False)

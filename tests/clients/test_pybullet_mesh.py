@@ -1,4 +1,4 @@
-"""PyBullet judges what ``export --to obj`` writes, as the mesh of one body."""
+"""PyBullet checks the output of ``export --to obj``, as the mesh of one body."""
 
 import json
 

@@ -1,7 +1,7 @@
-"""Stage itself loads what export writes.
+"""Stage itself loads exported worlds.
 
-Its ranger measures, and its robot stops, where the world has walls. Debian has no package; built
-from its sources it is looked for under ``$WORLDGEN_CLIENTS/stage``, then on the path.
+Its ranger measures, and its robot stops, where the world has walls. Debian has no package; a build
+from source is looked up in ``$WORLDGEN_CLIENTS/stage``, then on PATH.
 """
 
 import os
@@ -29,7 +29,7 @@ WHY = (
 
 @pytest.fixture(scope="module")
 def stage(tmp_path_factory):
-    """Runs a world file of ours in Stage with the probe as its robot's controller.
+    """Run an exported world in Stage, with the probe as its robot's controller.
 
     Lines by their first word.
     """
@@ -76,7 +76,7 @@ def stage(tmp_path_factory):
 
 
 def ranges(world):
-    """What our own beams measure at the start, m."""
+    """Return what our own beams measure at the start, m."""
     cells, table, longest = (
         world.walls.astype(np.uint8),
         heading_table(),
@@ -97,7 +97,9 @@ def ranges(world):
 
 @pytest.mark.parametrize(("size", "origin"), [(13, (0.0, 0.0)), (20, (-31.5, 7.25))])
 def test_stages_ranger_measures_what_ours_does_but_near_corners(stage, size, origin):
-    """Stage casts rays through a raster of a tenth of a cell, and beams that graze a corner may go on or stop there."""
+    """Stage casts rays through a raster of a tenth of a cell, and beams that graze a corner may
+    continue or stop there.
+    """
     world = generate("maze", 3, size=size)
     found = stage(world, origin)
     off = np.abs(np.array(found["RANGES"]) - ranges(world))

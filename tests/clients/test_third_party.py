@@ -1,4 +1,4 @@
-"""Other people's controllers in an environment of their own.
+"""Other people's controllers in their own environment.
 
 They drive, and the stored failures are confirmed.
 """

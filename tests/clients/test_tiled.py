@@ -1,6 +1,6 @@
-"""Tiled judges what ``export --to tiled`` writes.
+"""Tiled checks the output of ``export --to tiled``.
 
-It draws the cells, and saves the map so that it comes back whole.
+It draws the cells, and saves a map that is read back completely.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""trimesh judges what ``export --to stl``, ``obj`` and ``glb`` write."""
+"""trimesh checks the output of ``export --to stl``, ``obj`` and ``glb``."""
 
 import json
 
@@ -16,7 +16,7 @@ ORIGIN = (-12.7, 3.45)
 
 
 def asked(folder, world, name, rays=()):
-    """What trimesh says of the exported world; rays half way up the walls."""
+    """Return trimesh's report on the exported world, with rays halfway up the walls."""
     path = folder / f"w.{name.partition('+')[0]}"
     path.write_bytes(export_world(world, f"{name}+height=0.5", origin=ORIGIN, sidecar=False).data)
     (folder / "rays.json").write_text(json.dumps([ray[:4] for ray in rays]))

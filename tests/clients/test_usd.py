@@ -1,4 +1,4 @@
-"""OpenUSD, Pixar's own library, judges what ``export --to usd`` writes."""
+"""OpenUSD, Pixar's own library, checks the output of ``export --to usd``."""
 
 import numpy as np
 import pytest

@@ -20,9 +20,9 @@ from worldgen.world import JointWitness, Pose, Target, Witness, World
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "reference" / "families.md"
 
-# Of seed 7: the world's id without and with its witness, 16 digits each. A change of the first
-# changes what users' seeds yield: raise the family's version with it. A change of the second alone
-# is the prover's.
+# For seed 7: the world's id without and with its witness, 16 digits each. If the first changes,
+# users' seeds give different worlds: raise the family's version. If only the second changes, the
+# prover has changed.
 GOLDEN: dict[str, tuple[str, str]] = {
     "corridor-bends": ("3bd80277f1f51c05", "e6bd0baa5ee889ce"),
     "corridor-dead-ends": ("a4d80f26bca01fd0", "d819f6439eac2661"),
@@ -98,9 +98,9 @@ STILL = [name for name in FAMILIES if not FAMILIES.get(name).changes]
 
 
 def _shapes():
-    """Every family with every word of its first parameter that has words, algorithm or shape.
+    """Every family with every choice of its first parameter that has choices, such as algorithm or shape.
 
-    Or over every ground.
+    Or on every ground.
     """
     for name in FAMILIES:
         parameters = FAMILIES.get(name).parameters
@@ -119,8 +119,8 @@ def _shapes():
                 )
 
 
-# By default one shape of each family stands for the others, which are the gate's; some tests take
-# them all at once.
+# By default one shape of each family represents the others, which run in the gate; some tests cover
+# them all together.
 an_example_of_every_family = pytest.mark.parametrize(("name", "shape"), list(_shapes()))
 an_example_of_every_constructed_family = (
     pytest.mark.parametrize(  # shift's cells move onto the path as well
@@ -149,11 +149,11 @@ def test_every_family_keeps_what_every_family_promises(name, check):
 
 LARGE = {
     "trap": ("V", "comb", "pair")
-}  # shapes that the smallest squares have no room for, and say so
+}  # shapes that report that the smallest squares have no room for them
 
 
 def made(name, seed, size, shape):
-    """A world, or the refusal of a shape that is known to need more room."""
+    """A world, or the error for a shape that is known to need more room."""
     if size < 16 and set(shape.values()) & set(LARGE.get(name, ())):
         with raises(InvalidParameter, "no-room", size=10):
             generate(name, seed, size=10, **shape)
@@ -306,7 +306,7 @@ def test_a_family_of_ones_own_is_told_what_is_wrong_with_it(build, expected):
 
 
 def _tables(text):
-    """Rows of the document's tables by heading: parameter and default."""
+    """Return rows of the document's tables by heading: parameter and default."""
     for section in re.split(r"^## ", text, flags=re.MULTILINE)[1:]:
         yield (
             section.splitlines()[0].strip("`"),
@@ -348,7 +348,7 @@ def test_the_family_in_the_document_works(monkeypatch):
     module = types.ModuleType("documented")
     monkeypatch.setitem(
         sys.modules, "documented", module
-    )  # annotations are looked up where a function lives
+    )  # annotations are looked up in a function's module
     exec(code, vars(module))
     check_family(module.pillars)
     worlds = [generate(module.pillars, seed, pillars=40) for seed in range(5)]

@@ -1,4 +1,4 @@
-"""The archive strategy: kinds of behaviour fill up, the same each time, and failures come of it."""
+"""The archive strategy fills kinds of behaviour, the same each time, and finds failures."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -23,7 +23,7 @@ CONFIG = CampaignConfig(Scenario("turn-right"), seed=3, examples=20, families=("
 
 @pytest.fixture(scope="module")
 def epochs():
-    """Three units, each of which knows those before."""
+    """Run three units, each of which knows the ones before."""
     results, memories = [], [SearchState()]
     for unit in range(3):
         results.append(run_unit(CONFIG, unit, memories[-1]))

@@ -1,6 +1,6 @@
 """Known failures: counted, not kept.
 
-What they are called and whether they fail is found out again.
+Their class and whether they still fail are determined again.
 """
 
 import json
@@ -118,7 +118,7 @@ def test_a_failure_that_is_none_any_more_is_told_and_not_known(found, tmp_path):
     there = replace(world, start=Pose(world.target.x, world.target.y, 0.0))
     write_world(replace(there, certificate=None), tmp_path / "w.grid")
     assert not baseline_of(tmp_path / "w.grid", notes).failures
-    assert "carries no witness" in notes[0] and f"so its class {file.stem} is not known" in notes[0]
+    assert "has no witness" in notes[0] and f"so its class {file.stem} is not known" in notes[0]
 
 
 def test_a_controller_that_is_mended_has_no_known_failures(found, tmp_path):
@@ -188,7 +188,7 @@ class Mine:
 
 @pytest.fixture
 def crash(tmp_path):
-    """A controller's file, its scenario, and a folder with the one crash that is known of it."""
+    """A controller's file, its scenario, and a folder with its only known crash."""
     file = tmp_path / "mine.py"
     file.write_text(CLASS.format(first="pass"))
     scenario = Scenario.parse(f"{file}:Mine")

@@ -1,6 +1,6 @@
 """Boundaries: neighbouring values at which a robot arrives and fails, each proved.
 
-The strategy that brings them.
+And the strategy that finds them.
 """
 
 import json
@@ -44,9 +44,9 @@ class Ahead:
 
 
 def gap_world():
-    """A gap 0.2 m wide straight ahead, another 0.4 m wide next to it.
+    """A gap 0.2 m wide straight ahead, and another one 0.4 m wide next to it.
 
-    The wider robot must go round.
+    The wider robot must drive around.
     """
     walls = np.zeros((12, 12), bool)
     walls[:, 6] = True
@@ -164,7 +164,7 @@ def found():
 
 
 def failures_of(found, *, bounded):
-    """Failures of the units whose record says where they begin, or those whose record does not."""
+    """Return the units' failures whose record has a boundary, or those without one."""
     failures = [failure for result in found for failure in result.failures.values()]
     chosen = [
         failure for failure in failures if ("boundaries" in failure.record.details) is bounded

@@ -1,4 +1,6 @@
-"""Budgets bound: units end at worlds, long runs between steps, and what was met until then counts."""
+"""Budgets are kept: units end between worlds, long runs between steps, and findings up to then
+count.
+"""
 
 import json
 import math
@@ -18,7 +20,7 @@ from fuzz.campaign.deadline import TO_HAND_IN, Deadline
 from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.result import UnitResult
 from fuzz.campaign.run import Campaign
-from fuzz.campaign.schedule import Schedule
+from fuzz.campaign.schedule import Beginning, Schedule
 from fuzz.campaign.shrinking import shrunk_or_same
 from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
@@ -36,7 +38,7 @@ CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, families=("features",), 
 
 
 class Spins:
-    """Turns on the spot, and counts how often it was asked."""
+    """Turns on the spot, and counts its calls."""
 
     senses = ("time",)
 
@@ -53,7 +55,7 @@ class Spins:
 
 @pytest.fixture
 def clock(monkeypatch):
-    """A clock that goes on by a second with each look at it."""
+    """A clock that advances by a second whenever it is read."""
     looks = count()
     now = looks.__next__
     monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=now))
@@ -162,7 +164,7 @@ class Mine:
 
 @pytest.fixture
 def heard():
-    """Ctrl-C as Python has it, whatever the tests were started with."""
+    """Restore Python's handling of Ctrl-C, however the tests were started."""
     if os.name == "nt":
         pytest.skip("sends itself SIGINT")
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -219,9 +221,9 @@ def test_ctrl_c_that_a_controller_swallows_is_heard_where_the_driver_listens():
 
 @pytest.fixture
 def stopped(monkeypatch):
-    """Ctrl-C at the time 0, which a worker sees at its second look at the clock.
+    """Press Ctrl-C at time 0, which a worker notices when it reads the clock a second time.
 
-    The clock itself stands still.
+    The clock itself does not move.
     """
     at = SimpleNamespace(now=0.0)
     looks = count()
@@ -321,7 +323,7 @@ def test_a_quarter_of_the_time_is_for_shrinking_and_the_search_goes_on_where_not
 def test_what_start_up_takes_counts_up_to_three_seconds(start_up, left, monkeypatch):
     at = SimpleNamespace(now=0.0)
     monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-    schedule = Schedule(100.0, began=0.0)
+    schedule = Schedule(100.0, began=Beginning(0.0))
     at.now = start_up
     schedule.begin()
     at.now = start_up + left - 0.01
@@ -371,6 +373,6 @@ def test_what_the_controller_took_before_the_search_counts_in_full(
     tried, loading, is_over, monkeypatch
 ):
     monkeypatch.setattr("fuzz.campaign.schedule.time.monotonic", lambda: 100.0)
-    schedule = Schedule(10.0, began=80.0, own=tried)
+    schedule = Schedule(10.0, began=Beginning(80.0, tried))
     schedule.begin(loading)
     assert schedule.is_over() == is_over

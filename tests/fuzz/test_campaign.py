@@ -1,4 +1,4 @@
-"""Campaigns: pure units, the same corpus for any number of workers, nothing lost on the way."""
+"""Campaigns: pure units, the same corpus for any number of workers, and no failure is lost."""
 
 import importlib
 from dataclasses import replace
@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.executors import local_executor
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.state import Discovery
 from fuzz.campaign.unit import run_unit
@@ -81,7 +82,7 @@ def test_every_failure_says_that_it_is_one_minimal(found):
 
 @pytest.mark.gate
 def test_two_processes_find_the_same_corpus_as_one(found):
-    assert corpus(Campaign(FEWER, units=3, workers=2)) == found[1]
+    assert corpus(Campaign(FEWER, units=3, executor=local_executor(2))) == found[1]
 
 
 def test_what_is_not_shrunk_yet_is_kept_when_a_campaign_stops():

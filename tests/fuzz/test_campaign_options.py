@@ -1,4 +1,4 @@
-"""A campaign's options are declared once, and the command and the configuration come from there."""
+"""A campaign's options are declared once, for both the command and the configuration."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Causes, breaches and manners of stalling are believed only where the recorded path shows them."""
+"""Causes, breaches and kinds of stalling are accepted only if the recorded path shows them."""
 
 from dataclasses import replace
 from functools import cache
@@ -112,7 +112,7 @@ def test_a_true_breach_holds():
 
 
 @pytest.mark.parametrize(
-    ("later", "message"), [(-1, "does not end in the target's cell"), (1, "are not within the run")]
+    ("later", "message"), [(-1, "does not end in the target's cell"), (1, "does not include both")]
 )
 def test_a_target_reached_in_another_step_is_refused(later, message):
     world, episode, whole = breach()
@@ -123,7 +123,7 @@ def test_a_target_reached_in_another_step_is_refused(later, message):
 def test_a_target_reached_no_later_than_the_wall_is_refused():
     world, episode, whole = breach()
     evidence = replace(episode.evidence, reached=episode.evidence.step)
-    assert "are not within the run" in check_breach(world, episode.trace, whole, evidence)
+    assert "does not include both" in check_breach(world, episode.trace, whole, evidence)
 
 
 def test_a_target_that_was_reached_before_the_wall_is_no_breach():
@@ -177,7 +177,7 @@ def test_a_breach_is_a_class_of_its_own():
         ({"kind": "confined"}, "recur every 104 steps, so the run drifts"),
         ({"period": 103}, "do not recur every 103 steps"),
         ({"entry": 3900}, "is not shown 4 times"),
-        ({"box": (9, 9)}, "not in 9"),
+        ({"box": (9, 9)}, "not 9"),
         ({"box": None}, "no box"),
     ],
 )

@@ -1,6 +1,6 @@
 """Exact answers about random controllers.
 
-Known ones, checked ones, and such as ordinary runs agree with.
+Known answers, checked answers, and answers that ordinary runs confirm.
 """
 
 import json
@@ -34,7 +34,7 @@ SENSES = ("bump", "heading", "random", "time_step", "top_speed")
 
 
 def _wander(observation, memory, command):
-    """East or west, again in every step."""
+    """Chooses east or west again in every step."""
     east = observation[layout.OBS_RANDOM] < 0.5
     turned = 0.0 if east else math.pi
     command[layout.CMD_TURN_RATE] = (turned - observation[layout.OBS_HEADING]) / observation[
@@ -44,7 +44,7 @@ def _wander(observation, memory, command):
 
 
 def _choose(observation, memory, command):
-    """East or west once and for all."""
+    """Chooses east or west once and for all."""
     if memory[0] == 0.0:
         memory[0], command[layout.CMD_DRAW] = 1.0, 1.0
         if observation[layout.OBS_RANDOM] >= 0.5:
@@ -53,7 +53,7 @@ def _choose(observation, memory, command):
 
 
 def _quarter(observation, memory, command):
-    """Ahead; at a wall a quarter turn to the left or to the right."""
+    """Drives ahead; at a wall, makes a quarter turn to the left or to the right."""
     if observation[layout.OBS_BUMP] != 0.0:
         side = 1.0 if observation[layout.OBS_RANDOM] < 0.5 else -1.0
         command[layout.CMD_TURN_RATE] = side * math.pi / 2 / observation[layout.OBS_TIME_STEP]
@@ -62,7 +62,7 @@ def _quarter(observation, memory, command):
 
 
 def _peek(observation, memory, command):
-    """Ahead while the number is low, and it never takes another one.
+    """Drives ahead while the number is low, but never uses it up.
 
     A number seen is the same in the next step.
     """
@@ -72,37 +72,37 @@ def _peek(observation, memory, command):
 
 
 def _err(observation, memory, command):
-    """Ahead, or, as the coin falls, a speed that is none."""
+    """Drives ahead or, depending on the coin, commands an invalid speed."""
     low = observation[layout.OBS_RANDOM] < 0.5
     command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED] if low else math.nan
 
 
 def _waver(observation, memory, command):
-    """Stands, and takes another number unless this one is low.
+    """Stands still, and uses up the number unless it is low.
 
-    What it does looks alike, but not what it has seen.
+    Its actions are the same, but not what it has seen.
     """
     command[layout.CMD_DRAW] = 1.0 if observation[layout.OBS_RANDOM] >= 0.5 else 0.0
 
 
 def _raise(observation, memory, command):
-    """Ahead, or, as the coin falls, an error."""
+    """Drives ahead or, depending on the coin, raises an error."""
     if observation[layout.OBS_RANDOM] >= 0.5:
         raise ValueError("no way")
     command[layout.CMD_SPEED], command[layout.CMD_DRAW] = observation[layout.OBS_TOP_SPEED], 1.0
 
 
 def _rarely(observation, memory, command):
-    """Ahead, or, very rarely, a speed that is none."""
+    """Drives ahead or, very rarely, commands an invalid speed."""
     command[layout.CMD_SPEED] = (
         math.nan if observation[layout.OBS_RANDOM] < 0.0022 else observation[layout.OBS_TOP_SPEED]
     )
 
 
 class Flip:
-    """Ahead or not, as the first random number says.
+    """Drives ahead or not, depending on the first random number.
 
-    In Python, so that nobody knows that there is chance in it.
+    In Python, so that its use of chance is not declared.
     """
 
     def reset(self):
@@ -122,7 +122,7 @@ err = CompiledController("err", _err, randomised=True, senses=SENSES, needs=COIN
 waver = CompiledController("waver", _waver, randomised=True, senses=SENSES, needs=COIN)
 raises = CompiledController("raises", _raise, randomised=True, senses=SENSES, needs=COIN)
 rarely = CompiledController("rarely", _rarely, senses=SENSES)
-unsaid = CompiledController("unsaid", _quarter)  # senses all there is, random numbers too
+unsaid = CompiledController("unsaid", _quarter)  # senses everything, including random numbers
 free = replace(quarter, name="free", needs=RobotOptions(lattice=8))
 astray = replace(wander, name="astray", needs=RobotOptions(lattice=8))
 HERE = "tests.fuzz.test_chance"
@@ -146,9 +146,9 @@ def explored(controller, world):
 @pytest.mark.parametrize(
     ("controller", "target", "chance"),
     [
-        ("wander", (1.05, 0.25), "sure"),  # up and down a hall, however long it takes
-        ("wander", (1.05, 0.45), "trap"),  # a target off the line that it never leaves
-        ("choose", (1.05, 0.25), "part"),  # who sets out to the west stays there
+        ("wander", (1.05, 0.25), "sure"),  # up and down a hall, for any length of time
+        ("wander", (1.05, 0.45), "trap"),  # a target next to the line that it never leaves
+        ("choose", (1.05, 0.25), "part"),  # a robot that starts to the west stays there
         ("peek", (1.05, 0.25), "part"),
     ],
 )
@@ -381,8 +381,8 @@ def test_seeds_are_told_where_all_cannot_be_looked_at():
     words = in_words(
         Chance("undecided", "why"), {"failing_seeds": [3, 40], "failing_share_at_least": 0.0157}
     )
-    assert (
-        words
-        == "undecided: why; 3 of 40 seeds fail, so at least a share of 0.0157 of all seeds fails, with "
+    assert words == (
+        "undecided: why; 3 of 40 seeds fail, so at least a share of 0.0157 of all seeds fails, "
+        "with "
         "95 % confidence"
     )

@@ -1,4 +1,6 @@
-"""Reports for CI: what JUnit, SARIF and a step's summary say of failures, whatever strangers put into them."""
+"""Reports for CI: how JUnit, SARIF and a step's summary describe failures, whatever names they
+contain.
+"""
 
 import json
 import shutil

@@ -1,4 +1,4 @@
-"""A real Dask scheduler and real workers in processes of their own.
+"""A real Dask scheduler and real workers in separate processes.
 
 One is killed in mid-campaign.
 """
@@ -47,7 +47,7 @@ class Mine:
 
 
 class Dask:
-    """A scheduler and its workers, in a folder of their own where none of the test's files lie."""
+    """A scheduler and its workers, in their own folder without any of the test's files."""
 
     def __init__(self, folder):
         self.folder, self.file, self.processes = folder, folder / "scheduler.json", []
@@ -109,7 +109,9 @@ def corpus(campaign, each=lambda event: None):
 @pytest.mark.nightly
 def test_a_cluster_one_of_whose_workers_is_killed_finds_the_same_as_one_process(dask):
     doomed = dask.worker()
-    from distributed import Client  # three seconds, in each process that collects these tests
+    from distributed import (
+        Client,
+    )  # this takes three seconds in each process that collects these tests
 
     with Client(dask.address) as client:
         client.wait_for_workers(2)

@@ -1,4 +1,4 @@
-"""fuzz, replay, shrink and run as typed: output, exit codes, one-line errors."""
+"""The commands fuzz, replay, shrink and run: output, exit codes, one-line errors."""
 
 import json
 import signal
@@ -77,7 +77,7 @@ def test_fuzz_draws_each_failure_and_prints_its_seed(failures):
 
 @pytest.fixture(scope="module")
 def again(tmp_path_factory):
-    """The same campaign once more, which prints JSON."""
+    """Run the same campaign again, and print JSON."""
     folder = tmp_path_factory.mktemp("again") / "failures"
     return folder, worldgen(*FUZZ, "--out", folder, "--json")
 
@@ -113,6 +113,12 @@ def test_replay_confirms_every_file(failures):
     )
 
 
+def test_replay_refuses_a_missing_controller_once(failures):
+    result = worldgen("replay", failures[0], "--controller", "./absent.py:Robot")
+    assert result.code == 2 and not result.out
+    assert result.err.count("no such file") == 1
+
+
 def test_replay_notices_a_digest_that_was_changed(failures, tmp_path):
     file = next(iter(failures[0].glob("*.grid")))
     text = file.read_text()
@@ -137,7 +143,7 @@ def test_replay_wants_a_witness(failures, tmp_path):
     file = next(iter(failures[0].glob("*.grid")))
     write_world(replace(read_world(file), certificate=None), tmp_path / "bare.grid")
     result = worldgen("replay", tmp_path / "bare.grid")
-    assert result.code == 1 and "carries no witness" in result.out
+    assert result.code == 1 and "has no witness" in result.out
 
 
 def test_replay_names_another_version_of_the_motion_model(failures, tmp_path):

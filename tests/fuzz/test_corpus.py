@@ -1,4 +1,6 @@
-"""Corpora: the files are the truth, the smallest of each class stays, equal failures are equal bytes."""
+"""Corpora: the files are authoritative, the smallest of each class is kept, equal failures have
+equal bytes.
+"""
 
 import json
 import os
@@ -21,7 +23,9 @@ INDEX = Path(INDEX_FOLDER) / "index.json"
 
 
 def failure(folder, name, *, solid=0, kind="loop-a", controller="thesis-1", digest=None, seen=None):
-    """Writes the shipped loop with another class, controller, number of solid cells or trace digest."""
+    """Writes the shipped loop with another class, controller, number of solid cells or trace
+    digest.
+    """
     world = read_world(LOOP)
     walls = world.walls.copy()
     walls.flat[:solid] = True
@@ -272,7 +276,9 @@ def test_against_an_empty_folder_every_class_is_new_and_an_empty_one_has_none(tm
 
 @pytest.fixture
 def mixed(tmp_path):
-    """A failure that replays, one that is larger, one that no longer replays, one that cannot be run here."""
+    """A failure that replays, one that is larger, one that no longer replays, one that cannot be
+    run here.
+    """
     failure(tmp_path, "holds")
     failure(tmp_path, "larger", solid=9)
     failure(tmp_path, "changed", kind="loop-b", digest="0" * 16)

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fuzz.boundary import AXES, run_subject, subject_of
@@ -11,11 +12,13 @@ from fuzz.failure import Failure
 from fuzz.overview import counterfactual
 from fuzz.overview.counterfactual import Change, Counterfactuals, counterfactuals
 from fuzz.triage.judging import failure_of
+from fuzz.triage.proofs import certified
+from sim import Command
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from worldgen import generate
+from worldgen import Pose, Target, World, generate
 from worldgen.errors import InvalidParameter
 from worldgen.files.grid import write_world
 
@@ -44,11 +47,14 @@ def test_the_robot_arrives_after_each_change_and_not_before():
             walls[iy, ix] = False
             world = replace(failure.world, walls=walls, certificate=None)
             assert arrives(replace(subject, world=world))
+        elif change.what == "memory":
+            world = replace(failure.world, start=Pose(*change.value), certificate=None)
+            assert arrives(replace(subject, world=world))
         else:
             axis = AXES[change.what]
             assert change.was == axis.value(axis.index(subject))
             assert arrives(axis.at(subject, change.value))
-    assert kinds == {"cell", "heading", "radius", "speed", "time-step"}
+    assert kinds == {"cell", "memory", "heading", "radius", "speed", "time-step"}
 
 
 def test_a_fire_that_burns_the_robot_is_what_its_failure_depends_on():
@@ -60,6 +66,42 @@ def test_a_fire_that_burns_the_robot_is_what_its_failure_depends_on():
     kept = [number != at for number in range(len(timeline))]
     world = replace(failure.world, timeline=timeline.only(kept), certificate=None)
     assert arrives(replace(subject_of(failure), world=world))
+
+
+class Tires:
+    """Drives straight on for twenty steps, and then never again."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        speed = observation.top_speed if memory[0] < 20.0 else 0.0
+        return Command(speed, 0.0), (min(memory[0] + 1.0, 20.0),)
+
+
+class Rests(Tires):
+    """Never drives, whatever it remembers."""
+
+    def act(self, observation, memory):
+        return Command(0.0, 0.0), memory
+
+
+def test_a_robot_that_only_its_memory_holds_arrives_from_there_without_it():
+    world = World(
+        np.zeros((5, 12), bool),
+        start=Pose(0.15, 0.25, 0.0),
+        target=Target(1.05, 0.25, 0.05),
+        cell_size=0.1,
+        robot_radius=0.07,
+    )
+    failure = failure_of(certified(world), Scenario("tests.fuzz.test_counterfactual:Tires"))
+    found = counterfactuals(failure)
+    (change,) = (one for one in found.changes if one.what == "memory")
+    assert 0.5 < change.value[0] < 0.9 and change.value[1:] == [0.25, 0.0]
+    assert "if its memory is cleared in the loop" in found.describe()
+
+    still = failure_of(failure.world, Scenario("tests.fuzz.test_counterfactual:Rests"))
+    assert not any(one.what == "memory" for one in counterfactuals(still).changes)
 
 
 def test_equal_failures_give_equal_answers():

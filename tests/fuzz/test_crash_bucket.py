@@ -1,4 +1,6 @@
-"""Buckets of crashes: unrelated crashes are kept apart, and one crash stays one when other lines are edited."""
+"""Buckets of crashes: unrelated crashes are kept apart, and edits to other lines do not split a
+crash.
+"""
 
 from __future__ import annotations
 

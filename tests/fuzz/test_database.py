@@ -1,4 +1,4 @@
-"""A campaign's Hypothesis database: what failed is kept and tried first, under a key of ours."""
+"""A campaign's Hypothesis database keeps failing examples and tries them first, under our own key."""
 
 from dataclasses import replace
 

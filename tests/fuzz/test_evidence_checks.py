@@ -38,7 +38,7 @@ def run(world, motion="endpoint", controller=None, **settings):
 
 
 class Rests(Ahead):
-    """Drives for three steps and then stands."""
+    """Drives for three steps and then stops."""
 
     def reset(self):
         return (0.0,)
@@ -197,7 +197,7 @@ def test_flames_far_away_burn_nobody():
 
 
 class Stands(Ahead):
-    """Never moves, and counts, so that no state comes back."""
+    """Never moves, but counts, so that no state recurs."""
 
     def reset(self):
         return (0.0,)
@@ -207,7 +207,7 @@ class Stands(Ahead):
 
 
 def spent(controller):
-    """A run that spends its budget of 4,000 steps, where the witness takes 2 s."""
+    """A run that uses up its budget of 4,000 steps, while the witness takes 2 s."""
     witness = Witness(np.array([0.0, 2.0]), np.array([0.5, 2.05]), np.array([0.55, 0.55]), 0.1)
     world = replace(
         World(np.zeros((12, 24), bool), Pose(0.5, 0.55, 0.0), Target(2.05, 0.55, 0.05)),

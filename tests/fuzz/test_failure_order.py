@@ -1,4 +1,4 @@
-"""One order of failures, by which campaigns, corpora, the shrinker and reports all choose."""
+"""Campaigns, corpora, the shrinker and reports choose by the same order of failures."""
 
 import itertools
 from pathlib import Path
@@ -22,7 +22,7 @@ FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
 
 @pytest.fixture(scope="module")
 def equal():
-    """Return four different failures of one world, which are equally simple, the first one first."""
+    """Return four different, equally simple failures in one world, in order."""
     one = Failure.read(FAULTS / "thesis-1-loop-104.grid")
     return sorted((one.noting(found_by=word) for word in "abcd"), key=lambda other: other.order)
 
@@ -89,7 +89,7 @@ def test_a_campaign_shrinks_the_first_failure_of_each_class_first(equal):
 def test_the_shrinker_begins_with_the_first_failure_and_keeps_the_first_result(equal, monkeypatch):
     begun = []
 
-    # The result of each is the one on the opposite side of the order.
+    # The results are at opposite ends of the order.
     def opposite(failure, **_settings):
         begun.append(failure)
         return Shrunk(equal[3 - equal.index(failure)], 9, 9, 1, (), complete=True)

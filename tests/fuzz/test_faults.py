@@ -12,9 +12,9 @@ from benchmarks.finding import (
     controller_name,
     look_for,
     removable_cells,
-    tables,
     tells,
 )
+from benchmarks.finding_tables import tables
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS
 from fuzz.triage.judging import failure_of

@@ -1,4 +1,4 @@
-"""Feature layouts: any bytes make a world, zeros the simplest one."""
+"""Feature layouts: any bytes make a world, and zeros make the simplest one."""
 
 import numpy as np
 from hypothesis import given

@@ -1,4 +1,6 @@
-"""find as typed: what it claims is so, equal seeds find equal worlds, options do as they say, Ctrl-C loses nothing."""
+"""The command find: its claims are true, equal seeds find equal worlds, options work, and Ctrl-C
+loses nothing.
+"""
 
 import json
 import os
@@ -36,7 +38,8 @@ class Straight:
         return Command(observation.top_speed, turn / observation.time_step), memory
 
 class Forgets:
-    """Turns on the spot, and hides a count from the simulator: poses come back, the state does not."""
+    """Turns on the spot, and hides a count from the simulator: poses come back, the state does not.
+    """
     def __init__(self): self.count = 0
     def reset(self):
         self.count = 0
@@ -81,7 +84,7 @@ def mine(tmp_path):
 
 
 def let_each_look_at_the_clock_take_a_second(monkeypatch):
-    """Return the list of looks."""
+    """Return the list of progress callbacks."""
     looks = []
 
     def tick():
@@ -95,7 +98,7 @@ def let_each_look_at_the_clock_take_a_second(monkeypatch):
 
 
 def run(path, controller, steps, *options):
-    """What ``worldgen run`` says: verdict, and steps or period."""
+    """Return what ``worldgen run`` reports: verdict, and steps or period."""
     episode = json.loads(
         worldgen("run", path, "--controller", controller, "--steps", steps, *options, "--json").out
     )
@@ -232,7 +235,7 @@ def test_a_leash_keeps_walls_and_target_near_where_they_were(tmp_path):
 
 
 def grown(walls, cells):
-    """Walls and every cell at most so many columns and rows away."""
+    """Return walls and every cell at most this many columns and rows away."""
     padded = np.pad(walls, cells)
     height, width = walls.shape
     shifts = range(2 * cells + 1)
@@ -382,9 +385,9 @@ def test_a_worker_that_dies_is_one_line_and_code_2(tmp_path):
 
 
 def interrupted(process):
-    """Presses Ctrl-C as a terminal does, at every process.
+    """Send Ctrl-C to every process, as a terminal does.
 
-    Returns what it printed, once all have ended.
+    Return the output, once all have ended.
     """
     os.killpg(process.pid, signal.SIGINT)
     try:
@@ -407,7 +410,7 @@ def started(*args):
 
 
 def ended(group):
-    """Whether every process of a group ends, within a minute."""
+    """Return whether every process of a group ends within a minute."""
     deadline = time.monotonic() + 60
     while time.monotonic() < deadline:
         try:

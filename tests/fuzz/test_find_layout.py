@@ -1,4 +1,4 @@
-"""Layouts: a world as boxes, and what edits leave alone."""
+"""Layouts: a world as boxes, and what edits do not change."""
 
 from dataclasses import replace
 
@@ -33,7 +33,7 @@ def worlds(draw):
 
 
 def edits(layout, seed, count=12):
-    """Every layout that a chain of random edits comes to."""
+    """Yield every layout along a chain of random edits."""
     rng = RandomStream(seed)
     for _ in range(count):
         layout = layout.edited(rng) or layout

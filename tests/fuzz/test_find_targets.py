@@ -1,4 +1,4 @@
-"""Targets: what is read from their text, what fulfils them, how far off the rest is."""
+"""Targets: how their text is parsed, which results meet them, and how far off the others are."""
 
 import math
 from pathlib import Path
@@ -98,11 +98,11 @@ def test_a_controller_may_name_its_own_motion_and_switches():
         ("turn-lfet=loop", "did you mean 'turn-left'"),
         ("turn-left=stalled@30", "only reached and loop take steps after @"),
         ("turn-left=reached@", "outcome 'reached@' of turn-left is not one of"),
-        ("turn-left=reached@soon", "steps 'soon' are not like 330"),
-        ("turn-left=reached@0", "no number of steps fits"),
-        ("turn-left=reached@<1", "no number of steps fits"),
-        ("turn-left=reached@600..389", "no number of steps fits"),
-        ("turn-left=reached@-3", "steps '-3' are not like 330"),
+        ("turn-left=reached@soon", "steps 'soon' are not of a form such as 330"),
+        ("turn-left=reached@0", "no number of steps matches"),
+        ("turn-left=reached@<1", "no number of steps matches"),
+        ("turn-left=reached@600..389", "no number of steps matches"),
+        ("turn-left=reached@-3", "steps '-3' are not of a form such as 330"),
         ("turn-left=reached@1.5", "1.5 is not a whole number of steps"),
         ("turn-left=reached@0.01s", "0.01s is not a whole number of steps"),
         ("turn-left=reached@99999999", "is not a whole number of steps up to 10 million"),

@@ -22,9 +22,9 @@ from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import scenarios_in
 from fuzz.triage.cause import Cause
 from fuzz.triage.diagnosis import cause_of, cause_of_run
-from fuzz.triage.fleet_signature import Standoff, standoff
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
+from fuzz.triage.signature import Standoff, standoff
 from sim import simulate
 from sim.controllers.base import Command, Memory, Observation
 from sim.evidence import JointLoopEvidence
@@ -124,7 +124,7 @@ def test_false_evidence_of_a_deadlock_is_refused(changes: dict[str, object]) -> 
     ("changes", "said"),
     [
         ({"periods": ((1, 369),)}, "are not the waiting ones"),
-        ({"periods": ((1, 369), (2, 546))}, "do not return together"),
+        ({"periods": ((1, 369), (2, 546))}, "do not all return"),
         ({"periods": ((1, 545), (2, 369))}, "the second period differs"),
         ({"periods": ((1, 123), (2, 545)), "period": 67_035}, "the second period differs"),
     ],
@@ -218,7 +218,7 @@ def test_robots_that_stop_for_each_other_without_a_proof_wait_for_others() -> No
     episode = simulate(world, CountingStraight, record=True)
     assert episode.verdict == Verdict.STALLED
     assert cause_of_run(world, episode, lambda _: True) == Cause.WAITS_FOR_OTHERS
-    # If one of them fails alone, its own reason decides, and so it does if they are far apart.
+    # If one of them fails even alone, or if they are far apart, its own cause counts.
     assert cause_of_run(world, episode, lambda _: False) == Cause.PUSHES_A_WALL
 
     walls = np.zeros((20, 30), bool)
@@ -240,7 +240,7 @@ def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     assert cause_of_run(polite, episode, lambda _: True) == Cause.WAITS_FOR_OTHERS
     assert cause_of_run(polite, episode, lambda _: False) == Cause.STANDS_STILL
 
-    # One that has parked in a passage stops the other one without touching it.
+    # A robot that has parked in a passage stops the other one without touching it.
     passage = np.ones((4, 15), bool)
     passage[:2] = False
     parked = Robot(Pose(0.75, 0.1), Target(0.8, 0.1, 0.05))
@@ -290,7 +290,7 @@ def test_a_campaign_draws_several_robots_in_worlds_of_any_family(tmp_path, famil
 
 
 def worlds_from(where: st.SearchStrategy[World], draws: int) -> list[World]:
-    """The worlds that a campaign's unit gets out of a number of draws."""
+    """Return the worlds that a campaign's unit makes from a number of draws."""
     drawn: list[World] = []
 
     def visit(world: World, _: Scenario) -> str:

@@ -1,15 +1,14 @@
-"""First looks, shrinking and units of controllers in shared libraries, in another process that may die."""
+"""Screening, shrinking and units of controllers in shared libraries, in a separate process that may
+die.
+"""
 
 import os
 import signal
-import subprocess
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from build_tools.cores import compiler
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
 from fuzz.oracles import Trial
@@ -19,36 +18,22 @@ from sim import containment, simulate
 from sim.chance import ENDED, explore
 from sim.controllers import CONTROLLERS
 from sim.controllers.shared import guarded
-from sim.controllers.shared.object_file import include_folder
 from sim.options.run import RunOptions
 from sim.outcome import LIMIT
 from sim.runners.edited import CellEdit, EditedRuns, EditKind, Wanted
 from sim.runners.lattice import LatticeRun
 from sim.scenario import Scenario
+from tests.helpers.faulty_library import compile_faulty
 from worldgen import generate
 from worldgen.random_streams import RandomStream
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="nothing is contained there")
 
-SOURCE = Path(__file__).parents[1] / "data" / "controllers" / "faulty.c"
-
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     """The library of faulty controllers, by its whole path."""
-    made = tmp_path_factory.mktemp("library") / "faulty.so"
-    words = [
-        "-std=c17",
-        "-O1",
-        "-shared",
-        "-fPIC",
-        f"-I{include_folder()}",
-        str(SOURCE),
-        "-o",
-        str(made),
-    ]
-    subprocess.run([*compiler(), *words], check=True)
-    return made
+    return compile_faulty(tmp_path_factory.mktemp("library"))
 
 
 @pytest.fixture(autouse=True)
@@ -63,7 +48,7 @@ def looks_of(name, count=60, budget=400):
 
 
 def alone(looks, n):
-    """The run of a look, by itself."""
+    """The run of a screening, on its own."""
     options = looks.scenario_of(n).options(looks.world(n))
     return simulate(
         looks.world(n), looks.scenario.controller, replace(options, steps=int(looks.budget[n]))

@@ -1,4 +1,6 @@
-"""Hazards that a controller cannot sense are told apart from failures, and make no build fail unless asked to."""
+"""Hazards that a controller cannot sense are kept apart from failures, and fail a build only on
+request.
+"""
 
 import json
 
@@ -37,7 +39,7 @@ def mine(tmp_path):
 
 
 def burning_world():
-    """A hall whose middle burns before the robot is there; there is room to go around it."""
+    """A hall whose middle burns before the robot gets there, with room to drive around it."""
     walls = np.zeros((12, 20), bool)
     cells = [(ix, iy) for ix in (9, 10) for iy in (4, 5, 6)]
     timeline = Timeline.of([(0.1, ix, iy, CellState.BURNING) for ix, iy in cells])

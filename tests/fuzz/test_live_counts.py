@@ -1,4 +1,6 @@
-"""Counts of a campaign while it runs: inside a unit, of all processes, and never in its result."""
+"""A campaign's live counts: they advance within a unit, cover all processes, and do not affect the
+result.
+"""
 
 import time
 

@@ -1,4 +1,6 @@
-"""Native search: what the core says of a layout is what the rest of the product says of the world it decodes to."""
+"""Native search: the core's results for a layout match the rest of the product's for the decoded
+world.
+"""
 
 import numpy as np
 import pytest

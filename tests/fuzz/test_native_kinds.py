@@ -1,6 +1,6 @@
 """Native search with controllers that are not compiled.
 
-Its looks are the runs that the simulator makes.
+Its screening runs are the same as the simulator's.
 """
 
 import math
@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from benchmarks.as_classes import AsClass
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
-from fuzz.faults.as_classes import AsClass
 from fuzz.screening import evaluate
 from fuzz.screening.one_by_one import OneByOne
 from fuzz.search.native import scenes as drawn
@@ -31,7 +31,7 @@ HERE = "tests.fuzz.test_native_kinds"
 
 @dataclass(frozen=True)
 class Homing:
-    """Drives at the target, and away from walls for a while; draws a random number at each bump."""
+    """Drives to the target, and away from walls for a while; draws a random number at each bump."""
 
     def reset(self):
         return (0.0,)
@@ -48,9 +48,9 @@ class Homing:
 
 @dataclass(frozen=True)
 class Planner(Homing):
-    """Wants the world, and drives the slower the larger it is.
+    """Plans with the world, and drives more slowly in larger ones.
 
-    Its memory is as long as the world is high.
+    The length of its memory is the world's height.
     """
 
     def reset(self, world):
@@ -64,7 +64,7 @@ class Planner(Homing):
 
 
 class Attributes(Homing):
-    """Keeps its memory in attributes that ``reset`` sets, as many do."""
+    """Keeps its memory in attributes that ``reset`` sets, as many classes do."""
 
     def reset(self):
         self.left = 0.0
@@ -76,7 +76,7 @@ class Attributes(Homing):
 
 
 class Fragile(Homing):
-    """Raises where it touches a wall in the right half of a large world."""
+    """Raises when it touches a wall in the right half of a large world."""
 
     def act(self, observation, memory):
         if observation.bump and observation.x > 1.0:
@@ -85,7 +85,9 @@ class Fragile(Homing):
 
 
 class TwiceFragile(Homing):
-    """Raises where it touches a wall, in the right half of a large world in another place."""
+    """Raises when it touches a wall, at another place if that is in the right half of a large
+    world.
+    """
 
     def act(self, observation, memory):
         if observation.bump and observation.x > 1.0:
@@ -96,7 +98,7 @@ class TwiceFragile(Homing):
 
 
 class Mistaken(Homing):
-    """Asks for nan where it touches a wall in the right half of a large world."""
+    """Commands nan when it touches a wall in the right half of a large world."""
 
     def act(self, observation, memory):
         command, memory = super().act(observation, memory)
@@ -106,7 +108,7 @@ class Mistaken(Homing):
 
 
 class Unready(Homing):
-    """Has no memory to begin with."""
+    """Has no initial memory."""
 
     def reset(self):
         return None
@@ -186,7 +188,7 @@ class Many:
 
 
 class ManyFragile(Many):
-    """Raises where any robot touches a wall in the right half of a large world."""
+    """Raises when any robot touches a wall in the right half of a large world."""
 
     def act_many(self, observation, memory):
         if (observation.bump & (observation.x > 1.5)).any():
@@ -195,7 +197,7 @@ class ManyFragile(Many):
 
 
 class ManyCounting(Many):
-    """Counts its calls, and drives the slower the more they are."""
+    """Counts its calls, and drives more slowly with each."""
 
     calls = 0
 

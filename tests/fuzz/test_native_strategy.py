@@ -1,4 +1,4 @@
-"""The native strategy: a unit is a function of its number, and what it reports is proved and small."""
+"""The native strategy: a unit is a function of its number, and reports proved, small failures."""
 
 from collections import Counter
 

@@ -1,4 +1,4 @@
-"""Oracles that are asked for: what they object to, and what they let pass."""
+"""Requested oracles: what they object to, and what they accept."""
 
 import math
 from dataclasses import replace
@@ -47,7 +47,7 @@ def failing(text, controller="bug1", world=BLOCK):
 
 @pytest.fixture
 def chance(tmp_path):
-    """A controller with chance of its own."""
+    """A controller with its own randomness."""
     (tmp_path / "mine.py").write_text(
         "import math, random\nfrom sim import Command\n"
         "class Chance:\n"
@@ -62,7 +62,7 @@ def chance(tmp_path):
 
 @pytest.fixture
 def northerner(tmp_path):
-    """A controller with an absolute frame: it drives north until y is 0.6 m, whatever it sees."""
+    """A controller with an absolute frame: it drives north until y is 0.6 m, whatever it senses."""
     (tmp_path / "north.py").write_text(
         "import math\nfrom sim import Command\n"
         "class North:\n"

@@ -1,6 +1,6 @@
 """What "smaller" means to the shrinker.
 
-The weightier measure decides, whatever the lighter ones say.
+An earlier measure decides, whatever the later ones are.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from worldgen import Pose, Target, World
 
 
 def case(side, solid, heading=0.0):
-    """A square world with so many solid cells in its first rows."""
+    """A square world with this many solid cells in its first rows."""
     walls = np.zeros((side, side), bool)
     walls.ravel()[:solid] = True
     place = (side - 0.5) / 10

@@ -1,4 +1,4 @@
-"""The pages' scripts: their own tests in Node, and that they read what the server packs."""
+"""The pages' scripts: their own tests in Node, and whether they can read the server's data."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Walls that a robot goes into are red in every picture of its run, and no others are."""
+"""Walls that a robot enters, and no others, are red in every picture of its run."""
 
 import io
 import re
@@ -42,7 +42,7 @@ def decoded(picture):
 
 
 def red(pixels):
-    """Where pixels are of the colour of walls that are gone into, row and column."""
+    """Return row and column of the pixels that have the colour of entered walls."""
     return np.argwhere(np.abs(pixels - rgb(PIERCED)).max(axis=2) < 12)
 
 

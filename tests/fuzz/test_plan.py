@@ -1,4 +1,4 @@
-"""Strategies share the budget by what they yield."""
+"""Strategies share the budget according to their yield."""
 
 from collections import Counter
 

@@ -1,4 +1,4 @@
-"""The player's colours, as they look to those who see colours differently: distances in CIELAB."""
+"""The player's colours, as seen with colour blindness: distances in CIELAB."""
 
 import re
 from itertools import combinations
@@ -26,7 +26,7 @@ ON_FLOOR = [
     *ROBOTS,
 ]
 ON_WALLS = ["touched", "pierced", "fire"]
-PLAIN = 25.0  # a distance that is plain at a glance, for thin lines too
+PLAIN = 25.0  # a difference that is obvious at a glance, even for thin lines
 
 # Complete deficiency, in linear RGB. Source: Machado, Oliveira, Fernandes, A Physiologically-based
 # Model for Simulation of Color Vision Deficiency, 2009, table 1.
@@ -57,7 +57,7 @@ WHITE = [0.95047, 1.0, 1.08883]
 
 
 def colours_of(theme):
-    """The named colours of a theme; the dark one changes the light one's."""
+    """Return the named colours of a theme; the dark theme overrides the light one's."""
     blocks = {"light": r":root \{(.*?)\}", "dark": r':root\[data-theme="dark"\] \{(.*?)\}'}
     named = {
         name: dict(re.findall(r"--([\w-]+): (#\w{6})", re.search(block, CSS, re.S)[1]))

@@ -1,4 +1,4 @@
-"""A controller's memory, however large, takes little room however long it drives."""
+"""A controller's memory takes little room, however large it is and however long it drives."""
 
 import tracemalloc
 
@@ -20,11 +20,11 @@ LITTLE = 1 << 21
 @pytest.fixture
 def little(monkeypatch):
     monkeypatch.setattr("sim.runners.lattice.MOST_HELD", LITTLE)
-    monkeypatch.setattr("sim.runners.long_runs.in_portions.MOST_HELD", LITTLE)
+    monkeypatch.setattr("sim.runners.long_runs.MOST_HELD", LITTLE)
 
 
 def driven(*, lean, steps=2000):
-    """The mapper for so many steps, in a room whose target it comes to late."""
+    """Run the mapper for this many steps, in a room where it reaches its target late."""
     world = room(speed=0.1)
     episode = simulate(world, "mapper", record=True, lean=lean, steps=steps, time_step=0.004)
     return episode, drawn_run(episode, world.cell_size, controller=CONTROLLERS.get("mapper"))
@@ -52,7 +52,7 @@ def test_the_page_gets_the_same_memory_of_a_lean_recording(little):
 
 
 def test_what_a_long_run_and_its_page_hold_does_not_grow_with_the_memory(little):
-    driven(lean=True)  # whatever is made once
+    driven(lean=True)  # anything that is made once
     tracemalloc.start()
     episode, _ = driven(lean=True, steps=4000)
     peak = tracemalloc.get_traced_memory()[1]

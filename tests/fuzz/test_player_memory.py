@@ -1,4 +1,4 @@
-"""What a controller remembers, and walls that a robot goes into, as the player gets them."""
+"""A controller's memory, and the walls that a robot enters, as sent to the player."""
 
 import base64
 from dataclasses import dataclass
@@ -54,7 +54,7 @@ def test_a_map_holds_walls_where_there_are_some_and_nothing_at_the_start(name):
     assert shapes(run, BLOCKED, 0) == []
     ends = [(row["x0"] + row["x1"], row["y0"] + row["y1"]) for row in shapes(run, BLOCKED)]
     assert ends
-    reach = 4.5  # cells from a wall or the border that a blocked edge of a robot so wide may lie
+    reach = 4.5  # greatest distance, cells, of a blocked edge from a wall or the border, for a robot of this width
     for x, y in np.array(ends) / (2 * UNIT):
         assert min(abs(x - 7.5), x, 14 - x, y, 10 - y) < reach
 

@@ -1,4 +1,4 @@
-"""``worldgen init``: what it writes is what CI services and pytest read, and nothing of the user's is lost."""
+"""``worldgen init`` writes files that CI services and pytest read, and loses nothing of the user's."""
 
 import shlex
 import tomllib
@@ -31,7 +31,7 @@ class Robot:
 
 @pytest.fixture(autouse=True)
 def from_an_index(monkeypatch):
-    """Each test says itself where worldgen comes from."""
+    """Each test sets where worldgen comes from."""
     monkeypatch.setattr(module, "origin", Origin)
 
 

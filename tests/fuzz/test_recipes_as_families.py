@@ -1,4 +1,4 @@
-"""A recipe is a strategy of campaigns like any family."""
+"""A recipe is a campaign strategy like any family."""
 
 from hypothesis import given
 

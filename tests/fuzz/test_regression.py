@@ -1,6 +1,6 @@
 """Worlds as regression tests.
 
-What counts as fixed, what as confirmed, what is kept of a failing run.
+What counts as fixed or confirmed, and what is kept of a failing run.
 """
 
 import re

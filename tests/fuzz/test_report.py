@@ -1,4 +1,4 @@
-"""What goes into a report's page; tests/fuzz/test_report_page.py opens it in a browser."""
+"""The contents of a report's page; tests/browser/test_report_page.py opens it in a browser."""
 
 import base64
 import json
@@ -48,7 +48,7 @@ def data_of(page):
 
 
 def decoded(text):
-    """``numbers`` backwards, as decode.js does it."""
+    """The inverse of ``numbers``, as in decode.js."""
     values, value, rate, zigzag, scale = [], 0, 0, 0, 1
     for byte in base64.b64decode(text):
         zigzag, scale = zigzag + (byte & 127) * scale, scale * 128
@@ -367,11 +367,13 @@ def test_a_campaign_writes_its_own_page(tmp_path):
     data = data_of(page)
     assert data["campaigns"][0]["units"] == 1
     assert len(data["failures"]) == len(list((tmp_path / "f").glob("*.grid")))
-    # The example of a cause that only natural worlds show is kept as it was found.
+    assert all(failure["before"] and failure["strategy"] for failure in data["failures"])
+    # The example of a cause that only natural worlds show is shrunk too.
     natural = [failure for failure in data["failures"] if failure["strategy"] == "natural"]
-    assert natural and not any(failure["shrunk"] for failure in natural)
-    others = [failure for failure in data["failures"] if failure not in natural]
-    assert others and all(failure["before"] and failure["strategy"] for failure in others)
+    assert natural and all(failure["shrunk"] for failure in natural)
+    assert {failure["cause"] for failure in natural} <= {
+        cause["cause"] for cause in data["answers"][0]["causes"] if cause["natural"]
+    }
 
 
 ARCHIVE = SUMMARY["archive"]
@@ -405,7 +407,7 @@ def test_a_summary_of_another_form_is_refused_in_one_sentence(tmp_path, change, 
         read_summary(folder)
     sentence = str(caught.value)
     assert place in caught.value.facts["reason"] and "\n" not in sentence
-    assert sentence.endswith("; let the campaign write it again, or delete it")
+    assert sentence.endswith("; resume the campaign to write it again, or delete it")
 
 
 WHOLE = json.dumps(SUMMARY)

@@ -1,4 +1,4 @@
-"""Layouts with a walled-off target: any bytes make one, and it is walled off indeed."""
+"""Layouts with a walled-off target: any bytes make one, and its target really is walled off."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Shrinking: what remains is small, still fails, still proved, and nothing more can go."""
+"""Shrinking: the result is small, still fails, is still proved, and nothing more can be removed."""
 
 import functools
 import math
@@ -12,6 +12,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.failure import Failure
 from fuzz.shrink import removable, shrink, shrink_class
 from fuzz.shrink.edits import drop_lines, free_cells
+from fuzz.shrink.minimal import removed
 from fuzz.shrink.predicate import StillFails
 from fuzz.simplicity import Case, number_cost, rounder, simplicity
 from fuzz.triage.judging import failure_of, replay
@@ -32,6 +33,7 @@ from worldgen import (
     World,
     WorldgenError,
     check_certificate,
+    generate,
 )
 
 
@@ -80,6 +82,18 @@ def test_the_check_of_minimality_sees_a_cell_too_many():
     world = certified(cup_world())
     still_fails = StillFails(Scenario("turn-right"), "loop", 20_000)
     assert any(name.startswith("cell") for name in removable(world, still_fails))
+
+
+@pytest.mark.parametrize("family", ["trap", "fire", "doorway"])
+def test_the_check_of_minimality_and_the_shrinker_cut_a_world_alike(family):
+    world = generate(family, seed=0).bare
+    left = dict(removed(world, lambda candidate: candidate))
+    for row in range(world.height):
+        assert left.get(f"row {row}") == drop_lines(world, row, 1, 0)
+    for column in range(world.width):
+        assert left.get(f"column {column}") == drop_lines(world, column, 1, 1)
+    for iy, ix in np.argwhere(world.walls).tolist():
+        assert left[f"cell ({ix}, {iy})"] == free_cells(world, [(ix, iy)])
 
 
 def test_shrinking_twice_changes_nothing(shrunk):
@@ -170,7 +184,7 @@ def shrunk_found(controller, motion, family="features"):
 
 
 def plain_neighbours(world):
-    """Every world with one solid cell, row or column less, by plain NumPy."""
+    """Yield every world with one solid cell, row or column less, using plain NumPy."""
     for iy, ix in np.argwhere(world.walls):
         walls = world.walls.copy()
         walls[iy, ix] = False
@@ -181,7 +195,7 @@ def plain_neighbours(world):
 
 
 def fails_alike(world, failure):
-    """By the steps that a user would take: prove, run, compare."""
+    """Take the steps that a user would take: prove, run, compare."""
     record, options = failure.record, failure.options
     proved = None if world is None else certified(world.bare)
     if proved is None:

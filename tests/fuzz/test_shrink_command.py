@@ -1,4 +1,4 @@
-"""worldgen shrink as typed: passes, what is kept, Ctrl-C, and test modules that run."""
+"""The command shrink: passes, what it preserves, Ctrl-C, and test modules that run."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""Classes of failures: what they are called, and that no mirror, turn or shift changes one."""
+"""Classes of failures: their names do not depend on mirroring, rotating or shifting the world."""
 
 import math
 from dataclasses import replace
@@ -37,7 +37,7 @@ def world_of(*rows, timeline=None, **changes):
 
 
 def trace_of(places, bumps=(), headings=None):
-    """A trace through places, m."""
+    """Return a trace through places, m."""
     x, y = np.array(places, np.float64).T.copy()
     bump = np.isin(np.arange(len(x)), bumps)
     heading = np.zeros(len(x)) if headings is None else np.array(headings, np.float64)
@@ -82,7 +82,7 @@ WAYS = {
 
 
 def corner_of(evidence, way, world):
-    """The evidence where its cell goes with the world."""
+    """Return the evidence, with its cell moved along with the world."""
     if not isinstance(evidence, (WallEvidence, BurnedEvidence)):
         return evidence
     ix, iy = evidence.cell
@@ -95,7 +95,7 @@ def corner_of(evidence, way, world):
 
 
 def failures(controller, motion):
-    """Failing runs in drawn layouts."""
+    """Return failing runs in random layouts."""
 
     def run(data):
         world = decode_world(data)
@@ -205,7 +205,7 @@ ISLAND = world_of(
             [],
             [0.0, math.pi, 0.0, math.pi, 0.0],
             "loop-free-bend-swing-near-closer",
-        ),  # half a turn has no side
+        ),  # half a turn is neither left nor right
     ],
 )
 def test_a_loop_is_called_after_its_touches_and_its_shape(bumps, headings, name):

@@ -1,4 +1,4 @@
-"""The studio's server: what it answers, and whom."""
+"""The studio's server: its answers, and who gets them."""
 
 import asyncio
 import base64
@@ -41,7 +41,7 @@ class Robot:
 def folder(tmp_path_factory):
     folder = (
         tmp_path_factory.mktemp("studio") / "opened"
-    )  # its parent is out of bounds, and its own
+    )  # its parent is out of bounds, and so is its own path
     folder.mkdir()
     (folder.parent / "secret.grid").write_bytes(dumps(generate("trap", 1)))
     (folder / "out.grid").symlink_to(folder.parent / "secret.grid")
@@ -65,7 +65,7 @@ def page(gate):
 
 
 def refused(gate, **how):
-    """The status with which a connection is refused."""
+    """Return the status with which a connection is refused."""
     with pytest.raises(InvalidStatus) as caught, page_of(gate, **how):
         pass
     return caught.value.response.status_code
@@ -80,7 +80,7 @@ def run_message(**changes):
     return usual | {"controllers": ["turn-left"], "steps": 300} | changes
 
 
-# Who is let in.
+# Access control.
 
 
 def test_the_address_with_the_token_gives_a_cookie_that_other_sites_cannot_send(gate):

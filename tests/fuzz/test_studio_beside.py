@@ -10,7 +10,7 @@ import pytest
 
 SERVER = """
 import sys
-from fuzz.studio.processes import start_beside
+from fuzz.studio.workers import start_beside
 from tests.fuzz.test_studio_beside import told_and_waiting
 
 if __name__ == "__main__":
@@ -19,7 +19,7 @@ if __name__ == "__main__":
 
 
 def told_and_waiting():
-    """Says that it is there, and would wait endlessly."""
+    """Reports that it has started, and then waits forever."""
     print("there", flush=True)
     while True:
         time.sleep(1)
@@ -33,4 +33,6 @@ def test_what_runs_beside_a_server_ends_with_it_also_when_that_is_killed(tmp_pat
     with subprocess.Popen(started, stdout=subprocess.PIPE, text=True, env=here) as one:
         assert one.stdout.readline() == "there\n"
         one.kill()
-        assert one.communicate(timeout=60)[0] == ""  # ends when nobody holds the pipe any more
+        assert (
+            one.communicate(timeout=60)[0] == ""
+        )  # ends when no process holds the pipe any longer

@@ -1,6 +1,6 @@
-"""The studio's campaigns: begun, watched, stopped and resumed; what lies in their folders.
+"""The studio's campaigns: started, watched, stopped and resumed; the contents of their folders.
 
-And what is not run.
+And what the studio refuses to run.
 """
 
 import json
@@ -47,7 +47,7 @@ def page(folder):
 
 @pytest.fixture(scope="module")
 def done(page):
-    """The folder's name and the last state of a campaign of two units."""
+    """Return the folder's name and the last state of a campaign of two units."""
     assert begin(page, "done", units=2)["answer"]["state"]["controller"] == "turn-right"
     return watch(page, "done")
 
@@ -98,7 +98,7 @@ def test_the_copied_command_does_at_a_terminal_what_the_page_does(page, folder):
 
 
 def written(out):
-    """What a campaign wrote, but for times."""
+    """Return what a campaign wrote, except for times."""
     files = {path.relative_to(out).as_posix(): path for path in out.rglob("*") if path.is_file()}
     whole = {
         name: path.read_bytes()
@@ -273,7 +273,7 @@ def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, f
     (folder / "bent/.campaign/campaign.json").unlink()
 
 
-# What is not run.
+# What the studio refuses to run.
 
 
 @pytest.mark.gate
@@ -390,7 +390,7 @@ def test_a_lock_that_names_another_s_process_stops_nothing(page, folder):
 def test_every_strategy_that_the_form_offers_may_be_asked_for(page):
     strategies = [
         strategy for strategy in page.ask("hello")["answer"]["strategies"] if strategy != "sealed"
-    ]  # of robots that go on past a wall
+    ]  # for robots that continue past a wall
     assert "archive" in strategies
     assert "answer" in begin(page, "of strategies", strategies=strategies, units=1)
     assert {strategy["strategy"] for strategy in watch(page, "of strategies")["strategies"]} <= set(
@@ -408,14 +408,14 @@ def test_a_campaign_by_the_clock_that_was_stopped_says_so(done, page):
 
 @pytest.fixture
 def stored(tmp_path):
-    """A campaign's folder, of which no process is doing anything."""
+    """A campaign's folder in which no process is active."""
     config = configure(CampaignOptions(controller="turn-right", families=("trap",), examples=8), 1)
     store.begin(config, tmp_path / "c", store.Budget(units=2)).store.close()
     return tmp_path / "c"
 
 
 def give_up(out):
-    """Has a command that writes there end with an error."""
+    """Make a command that writes there end with an error."""
     with raises(OutputError, "worker-died"), store.errors_recorded(out):
         raise OutputError(
             "worker-died",

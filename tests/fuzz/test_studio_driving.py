@@ -1,4 +1,4 @@
-"""A robot driven by hand, as the server answers: exact, repeatable, and refused where it must be."""
+"""The server's answers for a robot driven by hand: exact, repeatable, and refused where necessary."""
 
 import math
 
@@ -36,7 +36,7 @@ def test_a_drive_goes_where_it_is_steered_and_ends_at_the_target(gate):
         whole = drive(page, [[4, 1.0, 0.0], [100, 0.5, 0.0]])["answer"]
         assert short["why"] == "still driving"
         assert whole["ended"] and whole["verdict"] == "reached"
-        # The robot drives on from where it was, so a drive repeats itself bit for bit.
+        # The robot continues from where it was, so a drive can be repeated bit for bit.
         assert drive(page, [[4, 1.0, 0.0], [100, 0.5, 0.0]])["answer"]["digest"] == whole["digest"]
 
 

@@ -1,4 +1,4 @@
-"""An edited controller runs as it is now: in every process of the studio, and never as it was."""
+"""Every process of the studio runs an edited controller's current version, never an earlier one."""
 
 import asyncio
 import os
@@ -48,7 +48,7 @@ def run_once(page, robot):
 
 
 def edit(file, text):
-    """Writes a file without a change of its size or of its time."""
+    """Write a file without changing its size or its time."""
     facts = file.stat()
     file.write_text(text)
     os.utime(file, ns=(facts.st_atime_ns, facts.st_mtime_ns))

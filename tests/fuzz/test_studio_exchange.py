@@ -1,4 +1,4 @@
-"""Maps that come into the studio and go out: the same as by the command line, to the byte."""
+"""Import and export in the studio give the same bytes as the command line."""
 
 import base64
 import io
@@ -20,7 +20,7 @@ pytest.importorskip("starlette", reason="the studio's extra is not here")
 from fuzz.studio.answers import Answers
 from fuzz.studio.messages import message_of
 
-MAZES = {"micromouse"}  # formats that hold no other worlds
+MAZES = {"micromouse"}  # formats that cannot hold other worlds
 WRITTEN = [
     name for name in FORMATS.names() if FORMATS.get(name).write is not None and name not in MAZES
 ]
@@ -40,7 +40,7 @@ def answers(folder):
 
 
 def exported(answers, folder, world, name, **asked):
-    """What the page gets for an export, by name: one file, or what is in one archive."""
+    """Return what the page gets for an export, by name: one file, or the contents of one archive."""
     usual = {
         "name": "out" + FORMATS.get(name).suffixes[0],
         "world": message_of(read_world(folder / world)),
@@ -56,7 +56,7 @@ def exported(answers, folder, world, name, **asked):
 
 
 def by_command(out, world, name, *words):
-    """What the command line writes, by name."""
+    """Return what the command line writes, by name."""
     out.mkdir()
     place = out / ("out" + FORMATS.get(name.partition("+")[0]).suffixes[0])
     assert worldgen("export", world, "--to", name, "--out", place, *words).code == 0
@@ -99,7 +99,7 @@ def test_a_world_that_a_format_does_not_hold_is_refused_as_on_the_command_line(
 
 
 def other_than_usual(option):
-    """A value that is allowed and not the usual one, where there is one."""
+    """Return an allowed value that is not the default, if there is one."""
     usual = option["default"]
     if option["choices"]:
         return option["choices"][-1]
@@ -151,12 +151,12 @@ OTHERS = {
 }
 
 
-# What else a value needs: a world of 3 m is one of 3 cm in centimetres.
+# Other options that a value needs: in centimetres, a world of 3 m becomes one of 3 cm.
 ALONG = {"unit": {"slice_height": 0.005, "cell_size": 0.001}}
 
 
 def file_of(name, folder, tmp_path):
-    """A file of a format, with those that it names, in a folder of its own."""
+    """A file of a format, with the files that it names, in its own folder."""
     place = tmp_path / "out" / ("out" + FORMATS.get(name).suffixes[0])
     if name == "micromouse":
         place.parent.mkdir()
@@ -164,7 +164,7 @@ def file_of(name, folder, tmp_path):
     elif name == "pogema":
         place.parent.mkdir()
         place.write_text("a....\n.###.\nb...B\n....A\n")
-    elif name == "gltf":  # it is read and not written; GLB holds the same
+    elif name == "gltf":  # it can be read but not written; GLB holds the same
         by_command(place.parent, folder / "w.grid", "glb", "--no-sidecar")
         (glb,) = place.parent.iterdir()
         place.write_text(json_of(glb.read_bytes()))
@@ -172,7 +172,9 @@ def file_of(name, folder, tmp_path):
     else:
         by_command(place.parent, folder / "w.grid", name, "--no-sidecar")
     if name == "movingai":
-        place.with_name(f"{place.name}.scen").unlink()  # it has one problem, which would be used
+        place.with_name(
+            f"{place.name}.scen"
+        ).unlink()  # it has only one problem, which would be used
     if name == "tiled":
         place.write_text(place.read_text().replace('"walls"', '"solid"'))
     return place

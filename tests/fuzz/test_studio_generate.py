@@ -1,4 +1,4 @@
-"""What the studio shows of a family: a preview, and only parameters that have an effect."""
+"""What the studio shows for a family: a preview, and only parameters that have an effect."""
 
 import pytest
 

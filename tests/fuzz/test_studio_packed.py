@@ -1,6 +1,6 @@
-"""What the studio's campaign page shows that lies in no file of its own.
+"""Contents of the studio's campaign page that are not separate files:
 
-Failures in archives, worlds of behaviours.
+failures in archives, worlds of behaviours.
 """
 
 import json
@@ -17,7 +17,7 @@ from tests.helpers.studio_packed import FAILURES, PACKERS, fill, pack_zip, studi
 from worldgen.files.grid import read_world
 from worldgen.world import World
 
-pytestmark = pytest.mark.nightly  # what they share takes half a minute
+pytestmark = pytest.mark.nightly  # their shared fixture takes half a minute
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,6 @@
-"""What the studio's page is told when something cannot be done.
+"""What the studio's page receives when something cannot be done:
 
-Data, and ways out that its user has.
+data, and remedies that its user can apply.
 """
 
 import json
@@ -25,7 +25,7 @@ AT_TERMINAL = {
     if any(keyword.arg == "at_terminal" for keyword in call.keywords)
     and hasattr(call.args[0], "value")
 }
-"""By code and place of each error whose way out needs a terminal, the names of its facts."""
+"""Return the names of the facts of each error whose remedy needs a terminal, by code and place."""
 
 
 def test_each_way_out_of_the_page_fills_from_the_facts_of_the_errors_that_it_is_for():

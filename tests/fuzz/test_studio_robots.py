@@ -1,4 +1,4 @@
-"""Robots whose options are their own, next to others, as the server answers."""
+"""The server's answers for robots with their own options, next to others."""
 
 from pathlib import Path
 

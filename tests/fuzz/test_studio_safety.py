@@ -1,6 +1,6 @@
-"""What nobody can make the studio do.
+"""What nobody can make the studio do:
 
-Run other code, leave its folder, hang, or leave a question without an answer.
+run other code, leave its folder, hang, or leave a request without an answer.
 """
 
 import base64
@@ -107,7 +107,7 @@ def run_message(**changes):
 
 
 def until(condition):
-    """Waits until it holds; fails after a minute."""
+    """Wait until a condition holds; fail after a minute."""
     end = time.monotonic() + 60
     while not condition():
         assert time.monotonic() < end
@@ -115,7 +115,7 @@ def until(condition):
 
 
 def is_alive(process):
-    """Whether a process is there that is more than a zombie."""
+    """Return whether a process exists and is not a zombie."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
@@ -203,11 +203,11 @@ def test_data_that_are_no_base64_are_the_message_s_fault(page):
     assert page.ask("bring", name="a.txt", data="%%%")["error"]["code"] == "not-base64"
 
 
-# The disk, and files that are not what they seem.
+# The disk, and misleading files.
 
 
 def png_of(side):
-    """A picture of that many pixels a side, in a few bytes."""
+    """Return a picture with this many pixels a side, in a few bytes."""
 
     def part(kind, data):
         return (
@@ -257,7 +257,7 @@ def test_a_small_file_that_says_it_is_huge_is_refused_in_little_memory(page, fol
 
 
 def most_memory():
-    """Of any process of the studio, at any time, in bytes."""
+    """Memory of any process of the studio, at any time, in bytes."""
     told = [
         Path(f"/proc/{worker.pid}/status").read_text()
         for worker in multiprocessing.active_children()
@@ -267,7 +267,7 @@ def most_memory():
 
 @contextlib.contextmanager
 def no_room(bytes_left):
-    """Nothing that the studio's processes write may be longer."""
+    """The studio's processes must not write anything longer."""
     for worker in multiprocessing.active_children():
         resource.prlimit(worker.pid, resource.RLIMIT_FSIZE, (bytes_left, resource.RLIM_INFINITY))
     try:
@@ -298,7 +298,7 @@ def test_a_full_disk_is_told_and_nothing_is_left_half_written(page, folder, do):
 
 @contextlib.contextmanager
 def read_only(folder):
-    """A folder into which nobody can write."""
+    """A read-only folder."""
     if os.geteuid() != 0:
         folder.chmod(0o555)
     elif subprocess.run(
@@ -339,7 +339,7 @@ def test_a_folder_that_nobody_can_write_is_read_and_what_is_written_is_refused(d
     assert [path.name for path in tmp_path.iterdir()] == ["f.grid"]
 
 
-# Every question is answered.
+# Every request is answered.
 
 
 def test_a_message_too_deep_to_hand_on_is_answered(page):
@@ -455,5 +455,5 @@ def test_ctrl_c_while_processes_begin_ends_the_studio_without_a_word(folder):
             _, said = server.communicate(timeout=60)
     said = said.replace(
         "Press Ctrl-C to stop. Saved worlds stay.\n", ""
-    )  # it may have been read with the address
+    )  # somebody may have read it with the address
     assert (server.returncode, said) == (0, "")

@@ -1,4 +1,4 @@
-"""What is saved from the player, and what a failure was before shrinking, as the server answers."""
+"""The server's answers for files saved from the player, and for a failure before shrinking."""
 
 import base64
 import io

@@ -1,4 +1,4 @@
-"""How the studio starts: its host and port, its arguments, and who it knows."""
+"""How the studio starts: its host and port, its arguments, and the controllers that it knows."""
 
 import asyncio
 import errno
@@ -77,7 +77,9 @@ def test_two_studios_have_two_tokens():
 def test_of_two_studios_that_start_at_once_the_second_takes_another_port(monkeypatch):
     class Late(socket.socket):
         def listen(self, *backlog):
-            if self.getsockname()[1] == usual:  # the other one has bound it too, and listened first
+            if (
+                self.getsockname()[1] == usual
+            ):  # the other one is also bound to it, and started listening first
                 raise OSError(errno.EADDRINUSE, "taken")
             super().listen(*backlog)
 

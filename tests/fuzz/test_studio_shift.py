@@ -1,4 +1,4 @@
-"""Walls that change places on request: which worlds the studio can do that to."""
+"""The worlds in which the studio can let walls change places."""
 
 from dataclasses import replace
 from pathlib import Path

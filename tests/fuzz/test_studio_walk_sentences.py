@@ -1,6 +1,6 @@
 """The reader of docs/howto/studio.md.
 
-It performs every sentence of a step, and refuses those it does not know.
+It performs every sentence of a step, and refuses those that it does not know.
 """
 
 import pytest

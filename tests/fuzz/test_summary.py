@@ -1,4 +1,4 @@
-"""What a campaign's summary says of the time that its controller took."""
+"""How a campaign's summary reports the time that its controller took."""
 
 import pytest
 

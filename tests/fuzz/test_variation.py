@@ -1,4 +1,4 @@
-"""What a campaign varies next to the world: read, refused, applied, stored and replayed."""
+"""Variations of a campaign besides the world: parsed, refused, applied, stored and replayed."""
 
 from dataclasses import replace
 

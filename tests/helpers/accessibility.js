@@ -1,4 +1,4 @@
-// What can be said of a page's accessibility from the page itself: each function gives complaints, as sentences.
+// Accessibility checks that run in the page: each function returns complaints, as sentences.
 // The numbers are those of WCAG 2.2: 1.4.3 and 1.4.11 (contrast), 2.5.8 (size of targets).
 (() => {
   const CONTROLS = "button, a[href], input, select, textarea, summary, [tabindex='0']";
@@ -35,7 +35,7 @@
 
   const seen = (element) => element.checkVisibility({ visibilityProperty: true, opacityProperty: true }) && !element.closest(".away");
   const name = (element) => `<${element.tagName.toLowerCase()} ${element.id || element.className}> ${(element.textContent || "").trim().slice(0, 30)}`;
-  // All that can be used now: in front of an open dialog nothing else can.
+  // Everything that can be used now: only the dialog, if one is open.
   const controls = () => {
     const all = (document.querySelector("dialog[open]") || document).querySelectorAll(CONTROLS);
     return [...all].filter((one) => seen(one) && !one.disabled && !one.closest(".skip"));
@@ -62,7 +62,8 @@
     return faint;
   }
 
-  // The edge of a field or a framed button, against what is around it; or its filling, where that stands out by itself.
+  // The contrast of a field's or framed button's edge with its surroundings, or of its filling if
+  // that stands out more.
   function edges() {
     const framed = "select, textarea, button, .button, input:not([type=checkbox], [type=radio], [type=range], [type=file])";
     return [...document.querySelectorAll(framed)].filter((one) => seen(one) && !one.disabled).flatMap((one) => {
@@ -90,13 +91,15 @@
     return ids.filter((id, k) => ids.indexOf(id) !== k);
   }
 
-  // Of the controls those at which Tab should stop: of a group of radio buttons, tabs or tools only the chosen one.
+  // The controls at which Tab should stop: only the chosen one in a group of radio buttons, tabs or
+  // tools.
   function stops() {
     const grouped = (one) => one.matches("input[type=radio]:not(:checked)") || (one.tabIndex < 0 && one.closest("[role=tablist], [role=toolbar]"));
     return controls().filter((one) => !grouped(one));
   }
 
-  // Whether the element with the focus shows it, by an outline that stands out from what is around.
+  // Whether the focused element shows the focus by an outline that stands out from its
+  // surroundings.
   function focus() {
     const one = document.activeElement,
       style = getComputedStyle(one),
@@ -105,7 +108,7 @@
     return wide && contrast(over(rgba(style.outlineColor), around), around) >= 3;
   }
 
-  // What does not fit: the page itself, or words that are cut off and cannot be read in full.
+  // What does not fit: the page itself, or text that is cut off.
   function overflow() {
     const wide = document.documentElement.scrollWidth > innerWidth ? [`the page is ${document.documentElement.scrollWidth} wide`] : [];
     const cut = [...document.querySelectorAll("button, label, th, td, p, legend, h2, h3, .proof, .place")].filter(

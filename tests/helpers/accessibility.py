@@ -1,9 +1,11 @@
-"""What a page of the studio lacks for those who use no mouse, see little, or see colours differently."""
+"""What a page of the studio lacks for people who use no mouse, see little, or see colours
+differently.
+"""
 
 from pathlib import Path
 
 SCRIPT = Path(__file__).with_suffix(".js").read_text("utf-8")
-FINE, COARSE = 24, 44  # px: the least size of what a mouse, or a finger, is to hit
+FINE, COARSE = 24, 44  # px: minimum size of targets for a mouse or a finger
 NAMED = {
     "button", "link", "checkbox", "radio", "combobox", "textbox", "searchbox", "spinbutton", "slider", "tab",
     "application", "image", "Canvas", "dialog", "progressbar", "DisclosureTriangle", "region", "tabpanel",
@@ -11,7 +13,7 @@ NAMED = {
 
 
 def complaints(page, *, least=FINE):
-    """All that can be seen in the page as it stands: sentences, none if nothing is wrong."""
+    """Return all problems visible in the page as sentences; none if nothing is wrong."""
     page.evaluate(SCRIPT)
     said = page.evaluate(
         "least => ({twice: accessibility.twice(), text: accessibility.text(), edges: "
@@ -23,7 +25,7 @@ def complaints(page, *, least=FINE):
 
 
 def nameless(page):
-    """What Chromium's accessibility tree has of controls and pictures without a name."""
+    """Return the controls and pictures without a name in Chromium's accessibility tree."""
     tree = page.context.new_cdp_session(page).send("Accessibility.getFullAXTree")["nodes"]
     shown = [node for node in tree if not node["ignored"] and node["role"]["value"] in NAMED]
     assert shown
@@ -37,7 +39,7 @@ def nameless(page):
 def tab_through(page):
     """Presses Tab until all stops have been met.
 
-    Gives those that were not, or do not show the focus.
+    Return those that were not, or that do not show the focus.
     """
     page.evaluate(SCRIPT)
     page.evaluate("document.activeElement.blur()")

@@ -12,14 +12,14 @@ from worldgen.timeline import CellState
 
 __all__ = ["Opinion", "second_opinion"]
 
-FAR = 100.0  # m; so far the outside reaches
+FAR = 100.0  # m; extent of the outside
 
 
 @dataclass
 class Opinion:
     """Clearance and depths in m.
 
-    The moves, from 0, whose centre line is inside a wall or outside the grid.
+    Return the moves, from 0, whose centre line is inside a wall or outside the grid.
     """
 
     clearance: float = math.inf
@@ -29,7 +29,7 @@ class Opinion:
 
 
 def states_of(world, ix, iy):
-    """When a cell is solid or burning: (since, until, state)."""
+    """Return when a cell is solid or burning: (since, until, state)."""
     state, since = CellState.SOLID if world.walls[iy, ix] else CellState.FREE, -math.inf
     for event in [*world.timeline, None]:
         if event is None or (event.ix, event.iy) == (ix, iy):
@@ -60,7 +60,7 @@ def obstacles(world):
 
 
 def driven(trajectory, move, since, until):
-    """What of a move is driven in [since, until), as a shape; ``None`` if nothing."""
+    """Return the part of a move driven in [since, until), as a shape; ``None`` if there is none."""
     begin, end = trajectory.times[move : move + 2]
     if since > end or until <= begin:
         return None
@@ -75,7 +75,7 @@ def driven(trajectory, move, since, until):
 
 
 def second_opinion(world, trajectory):
-    """What shapely thinks of a trajectory.
+    """Shapely's judgement of a trajectory.
 
     The inside of a cell begins 1e-7 of a cell behind its face.
     """

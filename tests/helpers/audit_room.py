@@ -21,7 +21,7 @@ def path(*samples):
 
 
 def room(*events, walls=(), **changes):
-    """The empty room of 9 x 7 cells of 1 m, disc 0.3 m, with some walls and events."""
+    """Return the room of 9 x 7 cells of 1 m, with a disc of 0.3 m, and some walls and events."""
     solid = ROOM.walls.copy()
     for ix, iy in walls:
         solid[iy, ix] = True

@@ -4,7 +4,7 @@ import contextlib
 import shutil
 from importlib.util import find_spec
 
-WAIT = 180_000  # ms until a wait is given up; far off, because the machine may be busy
+WAIT = 180_000  # ms until a wait is given up; long, because the machine may be busy
 _WINDOW = {"viewport": {"width": 1280, "height": 900}}
 
 
@@ -15,7 +15,7 @@ def chromium():
 
 
 def missing_browser():
-    """Return what the browser tests need and this machine lacks; empty if it has everything."""
+    """Return what this machine lacks for the browser tests; empty if it has everything."""
     if chromium() is None:
         return "no Chromium: pages are not tested in a browser (apt-get install chromium)"
     if find_spec("playwright") is None:

@@ -1,4 +1,4 @@
-"""A building of two floors as a mesh of trimesh's, and files of it as other programs write them."""
+"""A building with two floors as a trimesh mesh, and in files as other programs write them."""
 
 import numpy as np
 import trimesh
@@ -36,7 +36,7 @@ def building(boxes=BUILDING_BOXES):
 
 
 def turned_y_up(mesh):
-    """The same mesh with y up, as glTF has it."""
+    """The same mesh with y up, as in glTF."""
     mesh = mesh.copy()
     mesh.vertices = np.stack(
         [mesh.vertices[:, 0], mesh.vertices[:, 2], -mesh.vertices[:, 1]], axis=1
@@ -52,7 +52,7 @@ def building_file(kind, mesh=None):
     if kind == "gltf":
         files = trimesh.Scene(mesh).export(file_type="gltf", merge_buffers=True, embed_buffers=True)
         return files["model.gltf"] if isinstance(files, dict) else files
-    if kind == "3mf":  # trimesh says millimetres, whatever the mesh's unit is
+    if kind == "3mf":  # trimesh writes millimetres, whatever the mesh's unit is
         mesh = mesh.copy()
         mesh.apply_scale(1000.0)
     data = mesh.export(file_type=kind)
@@ -60,7 +60,7 @@ def building_file(kind, mesh=None):
 
 
 def ground_floor(height, cell=0.1):
-    """The ground floor's cells, as the boxes say."""
+    """The ground floor's cells, according to the boxes."""
     solid = np.zeros((40, 60), np.bool_)
     for low, high in BUILDING_BOXES:
         if low[2] <= height < high[2]:

@@ -1,6 +1,6 @@
-"""A campaign's folder in small.
+"""A small campaign folder.
 
-Three failures of the thesis's robots, one as it was found, and a summary.
+Three failures of the thesis's robots, one of them as found, and a summary.
 """
 
 import json
@@ -55,7 +55,7 @@ def campaign_folder(folder, **summary):
 
 
 def renamed(world, kind):
-    """The failure as one of another class."""
+    """Return the failure with another class."""
     return replace(
         world, failure=replace(world.failure, details={**world.failure.details, "class": kind})
     )

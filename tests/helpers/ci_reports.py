@@ -1,6 +1,6 @@
 """Independent readers of the reports for CI.
 
-Each holds a report against the rules of its format and returns it.
+Each checks a report by the rules of its format and returns it.
 """
 
 import json
@@ -14,7 +14,7 @@ IN_A_CASE = ("properties", "skipped", "failure", "error", "system-out", "system-
 def read_junit(data):
     """JUnit's XML as an element.
 
-    Children in the order that schemas ask for, and counts that are right.
+    Checks that children are in the schema's order and that counts are right.
     """
     suites = ElementTree.fromstring(data)
     assert suites.tag == "testsuites" and [suite.tag for suite in suites] == ["testsuite"]
@@ -42,9 +42,9 @@ def read_junit(data):
 
 
 def read_sarif(data):
-    """The only run of a SARIF log, as GitHub takes it.
+    """Return the only run of a SARIF log that GitHub would accept.
 
-    Rules that exist, places within the repository.
+    Checks that rules exist and that places are in the repository.
     """
     log = json.loads(data)
     assert log["version"] == "2.1.0" and len(log["runs"]) == 1
@@ -78,9 +78,9 @@ def read_sarif(data):
 
 
 def read_markdown(text):
-    """The rows of a summary's table, each a list of cells, and its folds.
+    """Return the rows of a summary's table, each a list of cells, and its collapsed sections.
 
-    Markup of strangers would break either.
+    Markup in names would break either.
     """
     table = re.sub(r"<pre>[^<>]*</pre>", "", text)
     rows = [line.strip("|").split("|") for line in table.splitlines() if line.startswith("|")]

@@ -1,4 +1,4 @@
-"""Runs the command line in this process, exit code and all."""
+"""Run the command line in this process, including the exit code."""
 
 import contextlib
 import io
@@ -13,7 +13,7 @@ from worldgen.errors import WorldgenError
 
 @dataclass
 class Result:
-    """What a command left behind; ``error`` is what it refused its input with, if that ended it."""
+    """The outcome of a command; ``error`` is the error that refused its input, if one ended it."""
 
     code: int
     out: str
@@ -22,12 +22,12 @@ class Result:
 
     @property
     def error_code(self) -> str:
-        """The rule that was broken; empty if the command was not ended by such an error."""
+        """The rule that was broken; empty if no such error ended the command."""
         return "" if self.error is None else self.error.code
 
 
 def worldgen(*args: object) -> Result:
-    """Runs ``worldgen ARGS`` as the console script does."""
+    """Run ``worldgen ARGS`` as the console script does."""
     out, err = io.StringIO(), io.StringIO()
     argv = ["worldgen", *map(str, args)]
     ended_by: list[WorldgenError] = []

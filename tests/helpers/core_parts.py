@@ -72,14 +72,14 @@ def swept_move(
         clear_sq: Squared clear distance, lattice units squared.
         reach: Its root, rounded up.
         ends: Start, a clear lattice pose, and displacement, lattice units: x, y, dx, dy.
-        during: When the move begins and ends, in shares of the step.
-        wall_friction: Share of a slide that the wall takes, 0 to 1.
+        during: When the move begins and ends, as fractions of the step.
+        wall_friction: Fraction of a slide that is lost to the wall, 0 to 1.
         chain: (n, 3) int64; rows x, y, time in the step are filled with the clear lattice points of
             the path after the start.
         count: Rows that are already filled; at most ``MOST_CORNERS`` follow.
 
     Returns:
-        Rows filled then, and the normal of the last contact (0, 0: none).
+        The number of filled rows, and the normal of the last contact (0, 0: none).
 
     Raises:
         ValueError: If the chain has too few rows.
@@ -170,7 +170,7 @@ def window_is_free(near, reach, ends):
 
 
 def beams_with_tables(cells, pose, beams, field, longest):
-    """Return what beams measure that look up how far cells are free, lattice units."""
+    """Return what beams measure when they use the table of free distances, lattice units."""
     settings = ffi.new(
         "WgSettings *", {"beams": beams, "beam_field": field, "beam_range": longest, "metres": 1.0}
     )

@@ -1,9 +1,8 @@
-"""Ways to damage a file: what a reader must answer with a sentence."""
+"""Ways to damage a file; a reader must answer each with an error message."""
 
 from hypothesis import strategies as st
 
-# Words that formats trip over: numbers too large, negative or none, ends of text, ways out of a
-# folder, bombs.
+# Words that formats trip over: bad numbers, ends of text, paths out of a folder, bombs.
 WORDS = (
     b"", b"\0", b"-1", b"0", b"1e999", b"nan", b"99999999999999999999", b"4294967296", b"0x10", b"1_0", b"\xff\xfe",
     b"\xef\xbb\xbf", b"\r", b"\r\n", b"\n\n\n", b"\t", b"[[[[[[[[", b"{{{{{{{{", b"]", b"}", b'"', b"'", b"&a [", b"*a",
@@ -15,7 +14,7 @@ WORDS = (
 
 @st.composite
 def damages(draw):
-    """A way to damage bytes: replaced, cut out, doubled, or with a word put in."""
+    """A way to damage bytes: replace, cut or double them, or insert a word."""
     at = draw(st.floats(0, 1))
     length = draw(st.integers(0, 40))
     kind = draw(st.sampled_from(["cut", "flip", "drop", "double", "word", "number"]))
@@ -43,7 +42,7 @@ def damages(draw):
 
 
 def _with_number(data, place, word):
-    """The first number from a place on, exchanged for a word."""
+    """Replace the first number after a place with a word."""
     digits = b"0123456789.-"
     begin = next((at for at in range(place, len(data)) if data[at] in digits), len(data))
     end = next((at for at in range(begin, len(data)) if data[at] not in digits), len(data))

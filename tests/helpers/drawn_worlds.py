@@ -12,13 +12,15 @@ from worldgen.world import Pose, Target, World
 
 __all__ = ["RADII", "changing_worlds", "drawn", "still_worlds", "tight_worlds"]
 
-# In cells: below, at and just above half of the gaps 1, sqrt(2), 2, sqrt(5), sqrt(8), 3, sqrt(10)
-# and 5.
+# In cells: just below, at and just above half of the gaps 1, sqrt(2), 2, sqrt(5), sqrt(8), 3,
+# sqrt(10) and 5.
 RADII = (0.3, 0.5, 0.51, 0.7, 0.707, 0.71, 1.0, 1.01, 1.1, 1.118, 1.119, 1.41, 1.42, 1.5, 1.58, 2.5)
 
 
 def drawn(text, *, radius=0.07, cell_size=0.1, target_radius=None, **others):
-    """A world from rows of ``#``, ``.``, ``S`` (start) and ``G`` (target), the top row first."""
+    """Return a world from rows of ``#``, ``.``, ``S`` (start) and ``G`` (target), the top row
+    first.
+    """
     rows = text.split()[::-1]
     walls = np.array([[letter == "#" for letter in row] for row in rows])
     places = {letter: (ix, iy) for iy, row in enumerate(rows) for ix, letter in enumerate(row)}
@@ -39,7 +41,9 @@ def drawn(text, *, radius=0.07, cell_size=0.1, target_radius=None, **others):
 
 @st.composite
 def still_worlds(draw):
-    """Worlds of up to 9 x 9 cells that do not change; start and target on halves of cells."""
+    """Worlds of up to 9 x 9 cells that do not change, with start and target at multiples of half a
+    cell.
+    """
     width, height = draw(st.integers(2, 9)), draw(st.integers(2, 9))
     solid = draw(st.sets(st.integers(0, width * height - 1), max_size=width * height // 2))
     walls = np.isin(np.arange(width * height), list(solid)).reshape(height, width)
@@ -87,7 +91,7 @@ def tight_worlds(draw):
 
 @st.composite
 def changing_worlds(draw):
-    """Worlds of up to 6 x 6 cells of 0.1 m that burn, fall shut and open within two seconds."""
+    """Worlds of up to 6 x 6 cells of 0.1 m, some of which burn, close or open within two seconds."""
     width, height = draw(st.integers(3, 6)), draw(st.integers(3, 6))
     cells = st.tuples(st.integers(0, width - 1), st.integers(0, height - 1))
     walls = np.zeros((height, width), bool)

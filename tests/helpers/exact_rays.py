@@ -1,6 +1,6 @@
 """Range beams through a world.
 
-As the simulator's own sensor measures them, for clients to agree with.
+They match the simulator's own sensor, for comparison with clients.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _HEADINGS = heading_table()
 
 
 class Beam(NamedTuple):
-    """Where a beam begins, its direction as a unit vector, and its length at every time asked for.
+    """A beam's origin, its direction as a unit vector, and its length at each requested time.
 
     M, file's frame.
     """
@@ -32,7 +32,7 @@ class Beam(NamedTuple):
 
 
 def solid_at(world, time):
-    """(height, width) bool: what is solid at a time; fire is not."""
+    """(height, width) bool: cells that are solid at a time; fire is not."""
     solid = world.walls.copy()
     for when, ix, iy, state in world.timeline:
         if when <= time:
@@ -64,7 +64,7 @@ def beams(world, count, *, times=(0.0,), origin=(0.0, 0.0)):
 
 
 def _cosine(heading):
-    """As the sensor has it."""
+    """As in the sensor."""
     return float(_HEADINGS[heading % TURN]) / (1 << 30) + float(
         _HEADINGS[TURN + heading % TURN]
     ) / (1 << 60)

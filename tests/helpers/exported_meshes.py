@@ -29,7 +29,7 @@ TINY = World(
 
 @st.composite
 def any_worlds(draw):
-    """A world of any cells, and where its corner lies; its border may be open."""
+    """A world of any cells, and its corner; its border may be open."""
     walls = draw(hnp.arrays(np.bool_, SHAPES, fill=st.nothing()))
     cell = draw(st.sampled_from([0.1, 0.05, 0.3, 1.0]))
     origin = draw(st.tuples(*[st.sampled_from([0.0, -3.7, 12.125])] * 2))
@@ -39,13 +39,15 @@ def any_worlds(draw):
 
 
 def volume(triangles):
-    """Volume within closed shells of (n, 3, 3) corners, from tetrahedra about a corner of theirs."""
+    """Return the volume inside closed shells of (n, 3, 3) corners, from tetrahedra around one of
+    the corners.
+    """
     triangles = triangles - triangles[:1, :1]
     return np.linalg.det(triangles).sum() / 6.0
 
 
 def covered_cells(world):
-    """How many cells the walls cover, with those around an open border."""
+    """Return how many cells the walls cover, including the ring around an open border."""
     ring = closing_boxes(world)
     return world.solid_cells + int(((ring[:, 2] - ring[:, 0]) * (ring[:, 3] - ring[:, 1])).sum())
 

@@ -1,6 +1,6 @@
-"""What exported files say of the plane, read with nothing of ours.
+"""Exported files as maps of the plane, read without any of our code:
 
-Solid or free at a point, and where the start is.
+whether a point is solid, and where the start is.
 """
 
 import io
@@ -26,8 +26,8 @@ class Plan:
     """A file's plane.
 
     Args:
-        shape: What is solid there, as a shapely geometry, m.
-        start: x and y, m, where the file has it as coordinates.
+        shape: The solid part, as a shapely geometry, m.
+        start: x and y, m, if the file has it as coordinates.
     """
 
     shape: object
@@ -39,7 +39,7 @@ class Plan:
 
 
 def rectangles(boxes):
-    """The union, not dissolved, of (n, 4) rectangles: middles and sides."""
+    """Return the union, not dissolved, of (n, 4) rectangles: centres and sides."""
     cx, cy, length, width = np.array(boxes, float).reshape(-1, 4).T
     sides = (cx - length / 2, cy - width / 2, cx + length / 2, cy + width / 2)
     return shapely.geometrycollections(shapely.box(*sides))
@@ -223,7 +223,7 @@ def ros(files):
 
 
 def stage(files):
-    """By Stage's rule, which stretches what the black pixels take over the size."""
+    """Apply Stage's rule, which stretches the area of the black pixels to the size."""
     text = next(iter(files.values())).decode()
     plan = re.search(r"^floorplan\n\((.*?)^\)", text, re.DOTALL | re.MULTILINE)[1]
     length, width = numbers(re.search(r"size \[(.*)\]", plan)[1])[:2]

@@ -1,6 +1,6 @@
 """A rclpy that keeps what is published and answers each scan with one command.
 
-Enough for a bridge, and no more.
+Just enough for a bridge.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ MESSAGES = {
 
 
 class Message:
-    """Any ROS message: its fields are there as soon as somebody looks at them."""
+    """Any ROS message; a field exists as soon as it is accessed."""
 
     def __init__(self, **fields: Any) -> None:
         self.__dict__.update(fields)
@@ -56,7 +56,7 @@ class Node:
 def modules(commands: list[Any]) -> dict[str, ModuleType]:
     """What ``sys.modules`` needs.
 
-    A spin for some time hears the next command, one for no time none.
+    A spin with a timeout receives the next command; one without time receives none.
     """
     made = {
         name: ModuleType(name)

@@ -44,7 +44,7 @@ def passage():
 
 
 class Ahead:
-    """Turns to its target and drives straight at it."""
+    """Turns to its target and drives straight there."""
 
     def reset(self):
         return ()
@@ -55,7 +55,7 @@ class Ahead:
 
 
 class Counting(Ahead):
-    """The same, with a counter in its memory that only grows, as priorities do."""
+    """Does the same, with a counter in its memory that only grows, as priorities do."""
 
     def reset(self):
         return (0.0,)
@@ -65,7 +65,9 @@ class Counting(Ahead):
 
 
 def crowd(rng, most=8):
-    """Return a small hall with some cells filled and up to ``most`` robots of several sizes and speeds."""
+    """Return a small hall with some cells filled and up to ``most`` robots of several sizes and
+    speeds.
+    """
     width, height = rng.integers(10, 18, 2)
     walls = hall(width, height) | (rng.random((height, width)) < 0.06)
     rows, columns = np.nonzero(walls)
@@ -91,10 +93,10 @@ def crowd(rng, most=8):
 def at_times(times, values, wanted):
     """Return a piecewise linear quantity just before and just after some times.
 
-    Both differ where a robot steps aside in no time: then a time comes twice.
+    They differ if a robot steps aside in no time, so that a time occurs twice.
 
     Args:
-        times: (n,) never falling.
+        times: (n,) in ascending order.
         values: (n, 2) at these times.
         wanted: (m,) times.
     """
@@ -109,7 +111,7 @@ def at_times(times, values, wanted):
 
 
 def nearest_to_origin(begin, end):
-    """Return how near the segments from ``begin`` to ``end``, (n, 2) each, get to the origin."""
+    """Return how near the segments from ``begin`` to ``end``, (n, 2) each, come to the origin."""
     way = end - begin
     length_sq = (way * way).sum(axis=1)
     share = -(begin * way).sum(axis=1) / np.where(length_sq > 0.0, length_sq, 1.0)

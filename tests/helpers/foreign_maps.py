@@ -1,11 +1,12 @@
-"""A few small maps of every kind that a census takes, drawn once and written in each format."""
+"""A few small maps in every format that a census accepts, drawn once."""
 
 import numpy as np
 
 from worldgen import Pose, Target, World, write_world
 from worldgen.support.rows import flip_rows
 
-# A gap of one cell between two halls; a disc of more than half a cell does not pass it.
+# A gap of one cell between two halls; a disc with a radius of more than half a cell does not fit
+# through.
 GAP = (
     "#########",
     "#...#...#",
@@ -24,7 +25,7 @@ def solid(rows=GAP):
 
 
 def with_places(rows=GAP, start=START, target=TARGET):
-    """The drawing with S and G in it."""
+    """The drawing with S and G."""
     letters = [list(row) for row in rows]
     letters[start[0]][start[1]], letters[target[0]][target[1]] = "S", "G"
     return ["".join(row) for row in letters]
@@ -65,7 +66,7 @@ def gap_world(rows=GAP):
 def write_each_kind(folder):
     """Five maps of the gap: drawing, MovingAI with a scenario, NumPy, ROS, ``.grid``.
 
-    Three of them name their ends.
+    Three of them have start and target.
     """
     write_text(folder / "drawn.txt", with_places())
     write_octile(folder / "octile.map")

@@ -1,6 +1,6 @@
-"""Small files of every format that is read.
+"""Small files in every format that can be read.
 
-By its own writer where there is one, and as other programs write them.
+They come from our own writer if there is one, and from other programs' output.
 """
 
 import io
@@ -60,7 +60,7 @@ AS_OTHERS_WRITE = {
 
 
 def _room():
-    """A closed room that is not a square, so that exchanged sides are noticed."""
+    """A closed room that is not a square, so that swapped sides are noticed."""
     walls = np.ones((6, 7), np.bool_)
     walls[1:-1, 1:-1] = walls[3, 3] = False
     walls[2, 3] = True
@@ -74,7 +74,7 @@ def _square():
 
 
 def samples(name):
-    """What a format's files look like: dicts of contents by file name, the map first."""
+    """Sample files of a format: dicts of contents by file name, the map first."""
     found = list(AS_OTHERS_WRITE.get(name, ()))
     if name == "grid":
         found += [

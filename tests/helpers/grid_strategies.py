@@ -1,8 +1,7 @@
 """Hypothesis strategies for worlds with every optional part, and for damaged ``.grid`` text.
 
-The worlds are legal, not sensible: a start may lie in a wall and a witness may prove nothing. Use
-    them
-for what must hold for any world at all.
+The worlds are valid but not sensible: a start may be in a wall, and a witness may prove nothing.
+Use them for properties that must hold for every world.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ _indices = st.integers(-(2**63), 2**63 - 1) | st.integers(-1, 12)
 
 
 def values():
-    """Everything that a header's tables can hold."""
+    """Any value that a header's tables can hold."""
     leaves = st.booleans() | _integers | _finite | st.text(max_size=8)
     return st.recursive(
         leaves,
@@ -50,7 +49,7 @@ def values():
 
 
 def _within(limits, size):
-    """Numbers within limits in cells, in m; often ones that a robot has."""
+    """Numbers in m, within limits in cells; often typical of robots."""
     low, high = (limit * size for limit in limits)
     return st.sampled_from([share * size for share in (0.5, 1.0, 3.0)]) | st.floats(low, high)
 
@@ -86,7 +85,7 @@ def _cuts(draw):
 
 @st.composite
 def worlds_with_everything(draw):
-    """Worlds of up to 8 x 8 cells, any optional part there or not."""
+    """Worlds of up to 8 x 8 cells, with or without each optional part."""
     width, height = draw(st.integers(1, 8)), draw(st.integers(1, 8))
     cells = draw(st.lists(st.booleans(), min_size=width * height, max_size=width * height))
     size = draw(_sides)
@@ -142,7 +141,7 @@ def fleets_with_everything(draw):
 
 @st.composite
 def damaged_files(draw):
-    """The bytes of a good file after up to three cuts, swaps, doublings or foreign bytes."""
+    """The bytes of a valid file after up to three cuts, swaps, duplications or insertions."""
     data = dumps(draw(worlds_with_everything() | fleets_with_everything()))
     for _ in range(draw(st.integers(1, 3))):
         separator = draw(st.sampled_from([b"\n", b" ", b""]))

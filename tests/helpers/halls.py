@@ -1,4 +1,4 @@
-"""Small worlds for controllers: a hall with a border of walls, and what stands in it."""
+"""Small worlds for controllers: a hall with a border of walls, and obstacles in it."""
 
 import numpy as np
 
@@ -18,6 +18,6 @@ def hall(*blocks, side=30, start=(0.5, 0.5, 0.0), target=(2.5, 2.5), speed=2.0):
 
 
 def cup(depth=8):
-    """A cup that is open to the left, the robot in it, the target behind its bottom."""
+    """A cup that is open to the left, with the robot inside and the target behind its bottom."""
     blocks = [(20, 8, 1, 14), (20 - depth, 8, depth, 1), (20 - depth, 21, depth, 1)]
     return hall(*blocks, start=(1.05, 1.55, 0.0), target=(2.55, 1.45))

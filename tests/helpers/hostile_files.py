@@ -1,8 +1,7 @@
-"""Reads files that were made to harm, as every format, in a process with bounds.
+"""Read malicious files as every format, in a process with limits.
 
-Prints what came of them as JSON. ``python hostile_files.py FOLDER KIB``: the folder to write them
-    into, and the size of those that are merely large;
-what grows when it is unpacked grows to 256 times that.
+Print the results as JSON. ``python hostile_files.py FOLDER KIB``: the folder to write them into,
+and the size of those that are merely large; files that expand grow to 256 times that.
 """
 
 import json
@@ -24,7 +23,9 @@ from worldgen.interop import FORMATS, read_map  # noqa: E402
 
 
 def png(width, height, data=b"", extra=()):
-    """A PNG of one-bit grey whose header says so; its pixels are what is given, or all zeros."""
+    """Return a one-bit grey PNG with these sizes in its header; its pixels are the given bytes, or
+    zeros.
+    """
 
     def chunk(kind, body):
         return (
@@ -43,7 +44,7 @@ def png(width, height, data=b"", extra=()):
 
 
 def npy(header, body=b""):
-    """An array file with a header of one's own."""
+    """Return an array file with this header."""
     text = header.encode() + b"\n"
     return b"\x93NUMPY\x02\x00" + struct.pack("<I", len(text)) + text + body
 
@@ -142,7 +143,7 @@ OF_ONE = {
 
 
 def bombs_of_tiled():
-    """Layers whose compressed data grow a thousandfold, or are none."""
+    """Layers whose compressed data expand a thousandfold, or are invalid."""
     import base64
 
     for name, packed in (
@@ -158,7 +159,7 @@ def bombs_of_tiled():
 
 
 def main(folder):
-    """Writes the files, reads each, and tells what came of it."""
+    """Write the files, read each, and report the result."""
     os.mkfifo(folder / "pipe")
     (folder / "zero").symlink_to("/dev/zero")
     (folder / "folder").mkdir()
@@ -185,7 +186,9 @@ def main(folder):
 
 
 def _outcome(path, name):
-    """``read``, the sentence of a refusal, or the name of an exception that nobody should see."""
+    """The result is ``read``, the message of a refusal, or the name of an exception that nobody
+    should see.
+    """
     try:
         read_map(path, name)
         return "read"

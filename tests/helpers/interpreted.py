@@ -8,7 +8,7 @@ from tests.reference.sim.library import ACTS
 
 
 class Interpreted:
-    """The same controller as a Python class, nothing of it compiled."""
+    """The same controller as a Python class, with no part of it compiled."""
 
     def __init__(self, controller):
         self._act, self._memory = ACTS[controller.act.name], controller.memory

@@ -48,11 +48,13 @@ class JointMoves:
         return (int(report.robot), int(report.other)) if report.ending == lib.WG_COLLISION else None
 
     def move(self, displacements):
-        """Move all robots; return each one's path, as (x, y, time) after its start, and its contact."""
+        """Move all robots; return each one's path, as (x, y, time) after its start, and its
+        contact.
+        """
         for member, (dx, dy) in zip(self.fleet.members, displacements, strict=True):
             # The core looks as far ahead as the wheels drive.
             member.state.speed = math.ceil(math.hypot(dx, dy)) * lib.WG_SPEED_UNIT
-            member.report.ending = lib.WG_LIMIT  # a robot at its target drives on
+            member.report.ending = lib.WG_LIMIT  # a robot at its target keeps driving
             member.c.robot.corners = 0
             member.c.robot.contact = (0.0, 0.0)
         self.fleet.report.ending = lib.WG_LIMIT
@@ -72,7 +74,7 @@ class JointMoves:
 
 
 def draw_displacements(rng, count):
-    """Return displacements, lattice units: short ones, long ones, some towards the same side, some none."""
+    """Return displacements, lattice units: short, long, some in the same direction, some zero."""
     lengths = rng.choice([0, 1, 40, 300, 900, 3000], count)
     angles = rng.uniform(0.0, 2.0 * math.pi, count)
     if rng.random() < 0.3:

@@ -16,8 +16,8 @@ class Drawn(NamedTuple):
         cells: (height, width) uint8, 1 where solid.
         near: (height, width) int32, the masks of the cells around.
         visited: (height, width) uint8, zeros.
-        solid: How many cells are solid.
-        distance: Cells of a path to the target, an upper bound; -1.
+        solid: Number of solid cells.
+        distance: Cells of a path to the target, an upper bound; -1 if there is none.
     """
 
     cells: Any

@@ -1,4 +1,4 @@
-"""What ROS map_server publishes for a pair of files, by its documentation.
+"""What ROS map_server publishes for a pair of files, according to its documentation.
 
 Shares nothing with the product's reader.
 """
@@ -33,7 +33,7 @@ def published_map(path):
 
 
 def occupied_at(path, x, y):
-    """What the published map says of a point, m: its value, None outside."""
+    """Return the published map's value at a point, m; None outside."""
     resolution, (left, low, yaw), data = published_map(path)
     assert yaw == 0.0
     column, row = int((x - left) // resolution), int((y - low) // resolution)

@@ -1,6 +1,6 @@
 """Shortest octile paths by Dijkstra's algorithm over counts of moves.
 
-Slow, plain, and no code in common.
+Slow and plain, and shares no code with the product.
 """
 
 import heapq

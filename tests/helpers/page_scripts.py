@@ -1,4 +1,4 @@
-"""The pages' scripts in Node: their own tests, and functions called with what the server packs."""
+"""The pages' scripts in Node: their own tests, and functions called with the server's data."""
 
 import json
 import re
@@ -8,12 +8,12 @@ from functools import cache
 from pathlib import Path
 
 FOLDER = Path(__file__).parents[1] / "page"
-_OLDEST = (18, 19)  # the first version that lets a script say where modules are
+_OLDEST = (18, 19)  # the first version in which a script can set where modules are
 
 
 @cache
 def missing_node():
-    """Return what the tests of the pages' scripts need and this machine lacks.
+    """Return what this machine lacks for the tests of the pages' scripts.
 
     Empty if it has everything.
     """
@@ -32,7 +32,7 @@ def missing_node():
 
 
 def run_tests(*names):
-    """Run the tests of some files, or of all; gives the finished process."""
+    """Run the tests in some files, or all of them; return the finished process."""
     files = [FOLDER / name for name in names] or sorted(FOLDER.glob("*.test.mjs"))
     command = ["node", "--test", "--test-reporter=tap", *files]
     return subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
@@ -41,7 +41,7 @@ def run_tests(*names):
 def called(*calls):
     """Call functions of the pages, each as ``(module, function, arguments)``.
 
-    Return what they give, in order. Modules are named like ``player/decode``; arguments and results
+    Return their results, in order. Modules are named like ``player/decode``; arguments and results
     are JSON, and typed arrays come back as lists.
     """
     asked = json.dumps(calls)

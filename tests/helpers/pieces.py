@@ -1,4 +1,4 @@
-"""Hypothesis strategies for pieces: small, of every kind of cell, with events and marks."""
+"""Hypothesis strategies for small pieces, with every kind of cell, events and marks."""
 
 from fractions import Fraction
 
@@ -34,9 +34,9 @@ def pieces(draw, most=7):
 
 
 def states_at(piece, time):
-    """What each cell is at a time.
+    """Return the state of each cell at a time.
 
-    (height, width) of 0 free, 1 solid, 2 burning, 3 nothing said.
+    (height, width) of 0 free, 1 solid, 2 burning, 3 unspecified.
     """
     states = np.where(piece.mask, piece.solid.astype(int), 3)
     for event in piece.timeline:

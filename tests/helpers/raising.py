@@ -1,4 +1,4 @@
-"""What an error must say, as data."""
+"""Check the contents of an error, as data."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ def raises(
     """Expect an error of a class, with a code and some of its facts.
 
     Args:
-        kind: Its class, or one above it.
+        kind: Its class, or a base class.
         code: The rule that was broken.
-        facts: Those of its facts that the test is about; the others are not looked at.
+        facts: The facts that the test is about; others are ignored.
 
     Yields:
         What ``pytest.raises`` gives: ``.value`` is the error, once the block has ended.
@@ -33,7 +33,7 @@ def raises(
 
 
 def check_says(error: WorldgenError, /, code: str, **facts: Any) -> None:
-    """Fail the test if an error has another code, or another value for one of these facts.
+    """Fail the test if an error has a different code, or a different value for one of these facts.
 
     ``line`` is a file's.
     """

@@ -1,4 +1,4 @@
-"""Reads files of recorded runs, and says in a sentence what a line would have to be where it is none."""
+"""Read files of recorded runs, and report what is wrong with invalid lines."""
 
 import gzip
 import json
@@ -12,7 +12,7 @@ from tests.reference.sim.fdlibm import REDUCTION_LIMIT
 
 Recording = dict[str, Any]
 
-# Whole numbers that decide a run: least and greatest value. The upper ends only keep a run finite.
+# Integers that determine a run: least and greatest value. The upper ends only keep a run finite.
 _WHOLE = {
     "n": (3, 2000),
     "rule": (1, 3),
@@ -27,11 +27,11 @@ _OUTCOME = {"verdict": str, "ticks": int, "hash": str}  # without these a replay
 
 
 class NotARecordingError(ValueError):
-    """A line that is not a recording: what came, the rule."""
+    """A line that is not a recording: its contents and the rule."""
 
 
 def read_lines(path: Path) -> Iterator[tuple[int, str]]:
-    """Numbers and texts of the lines that are not blank; of a gzipped file too.
+    """Return numbers and texts of the lines that are not blank, even in a gzipped file.
 
     Raises:
         OSError: If the file can't be read.
@@ -47,7 +47,7 @@ def read_lines(path: Path) -> Iterator[tuple[int, str]]:
 
 
 def parse(line: str) -> Recording:
-    """The recording in a line.
+    """Return the recording in a line.
 
     Raises:
         NotARecordingError: What is wrong with it.

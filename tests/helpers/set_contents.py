@@ -1,4 +1,4 @@
-"""What a set holds, byte for byte."""
+"""The contents of a set, byte for byte."""
 
 
 def contents(place):

@@ -1,4 +1,4 @@
-"""A controller that drives straight at its target and never gives way."""
+"""A controller that drives straight to its target and never gives way."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["Straight"]
 
 @dataclass(frozen=True)
 class Straight:
-    """Turn to the target and drive; all of its state is in the world."""
+    """Turn to the target and drive, without any memory."""
 
     senses = ("target_heading",)
 
@@ -20,6 +20,6 @@ class Straight:
         return ()
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
-        """Aim at the target, at top speed."""
+        """Drive to the target at top speed."""
         turn = observation.target_heading - observation.heading
         return Command(observation.top_speed, turn / observation.time_step), memory

@@ -21,7 +21,7 @@ CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 
 @contextlib.contextmanager
 def studio_of(folder, *, named=(), file=None, port=None):
-    """A studio of a folder, served at a free port, or at one where another was; gives its gate."""
+    """Serve a studio of a folder at a free port, or at a given one; yield its gate."""
     listener = bind("127.0.0.1", port or free_port())
     gate = Gate("127.0.0.1", listener.getsockname()[1])
     app = make_app(Studio(Folder(folder), gate, tuple(named), file))
@@ -62,7 +62,7 @@ def free_port():
 
 
 def get(gate, path="/", *, method="GET", token=True, **headers):
-    """Asks the server over HTTP; gives the answer with its body read."""
+    """Send a request over HTTP; return the answer with its body read."""
     connection = http.client.HTTPConnection("127.0.0.1", gate.port, timeout=120)
     said = {"Cookie": f"{gate.cookie}={gate.cookie_value}"} if token else {}
     said |= {name.replace("_", "-"): value for name, value in headers.items()}
@@ -81,17 +81,17 @@ class Page:
         self.begins = json.loads(socket.recv())
 
     def send(self, do, **message):
-        """Asks and does not wait; gives the question's number."""
+        """Send a request without waiting; return its number."""
         self.number += 1
         self.socket.send(json.dumps({"id": self.number, "do": do, **message}))
         return self.number
 
     def hear(self):
-        """The next thing that the server says."""
+        """Return the server's next message."""
         return json.loads(self.socket.recv(timeout=180))
 
     def ask(self, do, **message):
-        """Asks and waits; gives the answer, with its parts as ``parts``."""
+        """Send a request and wait; return the answer, with its parts as ``parts``."""
         number, parts = self.send(do, **message), []
         while True:
             said = self.hear()

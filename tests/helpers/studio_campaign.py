@@ -1,4 +1,4 @@
-"""Short campaigns as the studio's page begins them."""
+"""Short campaigns, started as by the studio's page."""
 
 import time
 
@@ -14,7 +14,7 @@ class Robot:
         while True:
             time.sleep(0.01)
 """
-"""A controller that never returns, and a file ``acts`` next to it as soon as it was asked."""
+"""A controller that never returns, and writes a file ``acts`` next to it when it is called."""
 
 SHORT = {
     "controller": "turn-right",
@@ -27,7 +27,7 @@ SHORT = {
 
 
 def acts(folder):
-    """Waits until the controller that hangs was asked; it is in that folder."""
+    """Wait until the hanging controller in this folder has been called."""
     until = time.monotonic() + 180
     while not (folder / "acts").exists():
         assert time.monotonic() < until, "it was never asked"
@@ -35,10 +35,10 @@ def acts(folder):
 
 
 def begin(page, folder, **more):
-    """Begins a campaign; gives what the server says."""
+    """Start a campaign; return the server's answer."""
     return page.ask("begin", folder=folder, **(SHORT | more))
 
 
 def watch(page, folder):
-    """Waits until a campaign stands still; gives its state."""
+    """Wait until a campaign has stopped; return its state."""
     return page.ask("watch", folder=folder)["answer"]["state"]

@@ -1,6 +1,6 @@
-"""Questions of the studio's page that are held back.
+"""Hold back requests of the studio's page.
 
-So that a test can look at the page before they are answered.
+This lets a test look at the page before they are answered.
 """
 
 import json
@@ -30,10 +30,12 @@ _HOLDING = """(() => {
 
 
 def hold(page, *kinds):
-    """From the next loading of the page on, holds back what it asks of these kinds."""
+    """Hold back the page's requests of these kinds, from its next reload on."""
     page.add_init_script(_HOLDING.replace("KINDS", json.dumps(kinds)))
 
 
 def let_go(page):
-    """Ask what was held back, hold back nothing more, and return when the page has heard the answers."""
+    """Send the requests that were held back, hold back no more, and return when the page has the
+    answers.
+    """
     page.evaluate("window.letGo()")

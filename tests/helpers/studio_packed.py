@@ -1,4 +1,6 @@
-"""A studio's folder with the same failures as files and in archives, and a campaign of behaviours that is done."""
+"""A studio's folder with the same failures as files and in archives, and a finished campaign of
+behaviours.
+"""
 
 import contextlib
 import io
@@ -30,7 +32,7 @@ def pack_tar(place, files):
 
 
 def pack_dotted_tar(place, files):
-    """As ``tar czf set.tgz .`` names what it packs."""
+    """Named as by ``tar czf set.tgz .``."""
     pack_tar(place, {f"./{name}": data for name, data in files.items()})
 
 

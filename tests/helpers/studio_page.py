@@ -5,14 +5,14 @@ import contextlib
 from tests.helpers.browser import page_in
 
 SECONDS = 180  # the first run on a machine compiles its kernels
-CAMPAIGN = 180_000  # ms that a campaign gets, for its process has to start and to compile
+CAMPAIGN = 180_000  # ms for a campaign, because its process has to start and to compile
 
 
 @contextlib.contextmanager
 def opened(browser, gate, **how):
-    """The page of a studio, in a browser that knows nothing yet.
+    """The page of a studio, in a fresh browser.
 
-    Gives it with what it said on the console.
+    Yield it with its console output.
     """
     with opened_at(browser, gate.address, **how) as page:
         yield page
@@ -20,7 +20,7 @@ def opened(browser, gate, **how):
 
 @contextlib.contextmanager
 def opened_at(browser, address, *, until="#proof.good, #proof.bad", **how):
-    """Likewise, of the address that a studio printed."""
+    """Do the same for the address that a studio printed."""
     with page_in(browser, **({"viewport": {"width": 1280, "height": 720}} | how)) as page:
         page.set_default_timeout(SECONDS * 1000)
         page.goto(address)
@@ -30,7 +30,7 @@ def opened_at(browser, address, *, until="#proof.good, #proof.bad", **how):
 
 
 def place(page, x, y):
-    """Where a point of the world, in cells, is in the window; the whole world is shown."""
+    """Return where a point of the world, in cells, is in the window, if the whole world is shown."""
     box = page.locator("#board").bounding_box()
     columns, rows = (
         int(page.get_by_label(name).first.input_value()) for name in ("Columns", "Rows")
@@ -51,7 +51,7 @@ def drag(page, first, last, *, button="left"):
 
 
 def solid_cells(page):
-    """How many cells are solid, as the page says below the board."""
+    """Return how many cells are solid, according to the text below the board."""
     page.mouse.move(*place(page, 1, 1))
     page.mouse.move(640, 20)
     words = page.locator(".status .place")

@@ -1,10 +1,9 @@
-"""A walk through the studio, performed as its document says.
+"""A walk through the studio, performed as documented.
 
-Real commands, real mouse and keyboard. A document's commands are its ``console`` blocks; what the
-page is asked for are the sentences of its numbered steps. Each sentence has to be one of
-``SENTENCES``: what stands between stars is a name or words on the page, what stands
-between backticks is typed, places are metres. Whatever else a document says stands outside its
-steps.
+Real commands, real mouse and keyboard. A document's commands are its ``console`` blocks; its
+actions on the page are the sentences of its numbered steps. Each sentence has to be one of
+``SENTENCES``: text between stars is a name or words on the page, text between backticks is typed,
+and places are in metres. All other text of a document is outside its steps.
 """
 
 import contextlib
@@ -22,17 +21,17 @@ ROLES = ("button", "link", "tab", "radio", "checkbox")
 
 
 class NotUnderstood(Exception):
-    """A sentence that the walk has no way to perform."""
+    """A sentence that the walk cannot perform."""
 
 
 class Walker:
-    """Who walks through a page."""
+    """Walks through a page."""
 
     def __init__(self, page):
         self.page = page
 
     def perform(self, sentence):
-        """Does what a sentence says."""
+        """Perform a sentence."""
         for pattern, act in SENTENCES.items():
             if found := re.fullmatch(pattern, sentence):
                 act(self, *found.groups())
@@ -46,7 +45,7 @@ class Walker:
         named = [self.page.get_by_role(one, name=_named(name)) for one in roles]
         either = self.page.locator("summary").get_by_text(
             name, exact=True
-        )  # of what opens; it has no role
+        )  # of the part that opens; it has no role
         for one in named:
             either = either.or_(one)
         either.click()  # more than one is an error
@@ -61,7 +60,7 @@ class Walker:
         self.page.mouse.up()
 
     def pixel(self, x, y):
-        """Where a place of the world, in metres, is on the screen."""
+        """Return where a place of the world, in metres, is on the screen."""
         cell = float(self.page.get_by_label("Cell size").first.input_value())
         return place(self.page, float(x) / cell, float(y) / cell)
 
@@ -72,7 +71,7 @@ class Walker:
         field = self.page.get_by_role("spinbutton", name=name).or_(
             self.page.get_by_role("textbox", name=name)
         )
-        field.click()  # which selects what stands in a number's field
+        field.click()  # which selects the contents of a number's field
         self.page.keyboard.type(words)
 
     def choose(self, option, name):
@@ -103,7 +102,9 @@ SENTENCES = {
 
 
 def _named(words):
-    """The accessible name that has these words, behind which a button may say more to a screen reader."""
+    """Match an accessible name that begins with these words; a button may add more for screen
+    readers.
+    """
     return re.compile(f"^{re.escape(words)}(, .*)?$")
 
 
@@ -133,12 +134,12 @@ def commands(text):
 
 
 def fits(line, said):
-    """Whether a line is what the document says, in which ``...`` stands for anything."""
+    """Return whether a line matches the document's, in which ``...`` stands for anything."""
     return re.fullmatch(re.escape(line).replace(r"\.\.\.", ".*"), said) is not None
 
 
 def answered(command, folder):
-    """What a command of the document prints, line by line."""
+    """Return what a command of the document prints, line by line."""
     words = shlex.split(command)
     if words[0] == "worldgen":
         words[:1] = [sys.executable, "-m", "worldgen"]
@@ -150,9 +151,9 @@ def answered(command, folder):
 
 @contextlib.contextmanager
 def begun(command, folder):
-    """The studio as its command starts it, with a browser that opens nothing.
+    """Start the studio by its command, with a browser that opens nothing.
 
-    Gives the address that it prints.
+    Yield the address that it prints.
     """
     words = [sys.executable, "-m", "worldgen", *shlex.split(command)[1:]]
     environment = os.environ | {"BROWSER": "true"}

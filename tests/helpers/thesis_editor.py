@@ -1,4 +1,4 @@
-"""The thesis's map editor, its listing read plainly: what files hold that were drawn step by step.
+"""The thesis's map editor, according to its listing: the contents of maps drawn step by step.
 
 Source: the thesis's listing, ``simWorldCreator``: ``markCell``, ``repositionGoal``, ``clearCells``,
 ``multipleCellNoise``, ``noiseMapGen``, ``removeNoise``, and the listener of the box "Noise Filter".
@@ -15,7 +15,7 @@ class Editor:
 
     Args:
         size: Cells a side.
-        target: Column and row; the program begins with the middle.
+        target: Column and row; the program starts with the middle.
     """
 
     def __init__(self, size, target=None):
@@ -38,7 +38,7 @@ class Editor:
 
     def erase_cell(self, x, y):
         if self._is_inner(x, y):
-            self.cells[x][y] = self.light[x][y]  # what the wall did to others stays
+            self.cells[x][y] = self.light[x][y]  # the wall's effect on other cells stays
 
     def erase_rectangle(self, x0, y0, x1, y1):
         """Corners between cells: x0 <= x < x1, y0 <= y < y1, in either order."""
@@ -58,7 +58,9 @@ class Editor:
         for row in range(1, self.size - 1):
             for column in range(1, self.size - 1):
                 if self.cells[column][row] == WALL:
-                    fresh[column][row] = WALL  # also where the target should be: then there is none
+                    fresh[column][row] = (
+                        WALL  # even where the target should be: then there is no target
+                    )
         self.cells = fresh
         if self.noise:
             self._add_noise()

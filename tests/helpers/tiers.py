@@ -1,4 +1,4 @@
-"""Examples for the default tier of what the gate does with all."""
+"""Examples for the default tier; the gate uses all values."""
 
 from collections.abc import Iterable
 
@@ -8,7 +8,7 @@ import pytest
 def some(values: Iterable[object], count: int = 1) -> list[object]:
     """Give values to ``parametrize``.
 
-    The first ones as they are, the others marked for the gate.
+    The first ones are unchanged, the others are marked for the gate.
     """
     return [value if k < count else _in_the_gate(value) for k, value in enumerate(values)]
 

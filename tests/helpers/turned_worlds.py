@@ -1,4 +1,4 @@
-"""A world turned by quarters and mirrored, witness and all."""
+"""Rotate a world by quarter turns or mirror it, with its witness."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ def mirrored(world: World) -> World:
 
 
 def turned(world: World) -> World:
-    """Turned by a quarter, counter-clockwise."""
+    """Rotated by a quarter turn, counter-clockwise."""
     high = world.height * world.cell_size
 
     def turn(path: Witness) -> Witness:
@@ -44,7 +44,7 @@ def _across(side: float, value: float) -> float:
 
 
 def scaled(world: World, by: float) -> World:
-    """Every length times a number; times too, at the same speed."""
+    """Multiply every length by a number; times too, at the same speed."""
 
     def times(values):
         return np.round(np.asarray(values) * by, 12)

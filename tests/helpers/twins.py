@@ -1,6 +1,6 @@
-"""Interpreted copies of kernels, all the way down.
+"""Interpreted copies of kernels and of all functions that they call.
 
-What numba made of them must have the same bits.
+The compiled kernels must give the same bits.
 """
 
 import types
@@ -9,7 +9,9 @@ from typing import Any
 
 
 def twin(kernel: Callable[..., Any], made: dict[int, Any] | None = None) -> Callable[..., Any]:
-    """The Python function that a kernel was compiled from, calling only such functions itself."""
+    """Return the Python function that a kernel was compiled from, which itself calls only such
+    functions.
+    """
     made = {} if made is None else made
     plain = getattr(kernel, "py_func", kernel)
     if id(plain) not in made:

@@ -1,6 +1,6 @@
-"""Runs the jobs of a GitHub workflow here: every ``run`` with bash, also our action's.
+"""Run the jobs of a GitHub workflow here: every ``run`` with bash, including our action's.
 
-Other actions not at all.
+Other actions are not run.
 """
 
 import os
@@ -18,20 +18,19 @@ BASH = ("bash", "--noprofile", "--norc", "-eo", "pipefail", "-c")
 
 
 def load(path):
-    """A workflow or an action, without what YAML takes ``on`` for."""
+    """Read a workflow or an action, with ``on`` as text and not as a boolean."""
     return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
 
 
 @dataclass
 class Job:
-    """A job in a folder: what its steps said, and whether it has failed.
+    """A job in a folder: the output of its steps, and whether it has failed.
 
     Args:
         folder: The workspace.
-        action: The composite action that ``uses: ./.worldgen`` stands for; it lies in the root of
-            this repository.
+        action: The composite action behind ``uses: ./.worldgen``, in the root of this repository.
         known: Values of contexts by name: ``github.event_name``.
-        env: Variables for every step that hide what the workflow sets.
+        env: Variables for every step that override the workflow's.
     """
 
     folder: Path
@@ -60,7 +59,7 @@ class Job:
         return self
 
     def step(self, step):
-        """Runs one step: a script, or our action; of others only the name is noted."""
+        """Run one step: a script, or our action; for others, only record the name."""
         self.ran.append(step.get("name", step.get("uses", "")))
         if "run" in step and "pip install" not in step["run"]:
             self.script(step)
@@ -115,11 +114,11 @@ class Job:
             self.known[f"steps.{step.get('id')}.outputs.{name}"] = text
 
     def filled(self, text):
-        """A text with the values of its expressions."""
+        """Return a text with its expressions replaced by their values."""
         return re.sub(r"\$\{\{(.*?)\}\}", lambda found: str(self.value(found[1])), text)
 
     def value(self, expression):
-        """The value of an expression; a name that is not known is empty."""
+        """Return the value of an expression; an unknown name is empty."""
         python = NAME.sub(
             lambda found: found[0] if found[0][0] == "'" else f"known({found[0]!r})", expression
         )

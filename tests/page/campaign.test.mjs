@@ -93,7 +93,7 @@ test("a campaign by the clock says how long it has, and when that is over", () =
     made.show({ ...RUNNING, budget: { seconds: 30, units: null }, ...more });
     return /(seed 1)(.*?)900/.exec(line())[2];
   };
-  assert.deepEqual([budget({ elapsed: 12.4 }), budget({ elapsed: 31 }), budget({ running: false, elapsed: null })], ["12 of 30 s, 2 units", "the 30 s are over, finishing current work, 2 units", "2 units"]);
+  assert.deepEqual([budget({ elapsed: 12.4 }), budget({ elapsed: 31 }), budget({ running: false, elapsed: null })], ["12 of 30 s, 2 units", "the 30 s are over; finishing current work, 2 units", "2 units"]);
 });
 
 test("the smallest failure is the best so far, and before there is one the longest way", () => {

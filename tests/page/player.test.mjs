@@ -48,7 +48,7 @@ test("scrubbing is told to a screen reader, also within a period", () => {
   made.go(40);
   assert.equal(scrub.getAttribute("aria-valuetext"), "step 40 of 133, 11 into the period");
   made.go(133);
-  assert.match(scrub.getAttribute("aria-valuetext"), /the state of the entry again/);
+  assert.match(scrub.getAttribute("aria-valuetext"), /the entry state again/);
 });
 
 test("entry and period are marked on the bar", () => {

@@ -1,1 +1,1 @@
-"""Faults that are planted into a copy of the sources, to see which tier of the tests catches each."""
+"""Faults planted in a copy of the sources, to measure which test tier catches each."""

@@ -1,11 +1,11 @@
 """``python -m tests.planted_faults [NAME ...]``.
 
-Plants faults one by one and says which tier of tests catches each. The sources are copied once;
-each fault is put into the copy, the tests run there until one fails, and the fault is taken out
-again; for one in C the cores are compiled each time. The files that the table expects to catch it
-run first; only if they all pass does the whole tier run, and then the next one. The table goes to
-standard output as Markdown. ``--copy FOLDER`` uses a copy that is there already, so that its
-compiled cores are used again; ``--expected`` runs only the files that the table names.
+Plant faults one by one and report which tier of tests catches each. The sources are copied once;
+each fault is put into the copy, the tests run there until one fails, and the fault is removed
+again; for a fault in C, the cores are compiled each time. The files that the table expects to catch
+it run first; only if they all pass does the whole tier run, and then the next one. The table goes
+to standard output as Markdown. ``--copy FOLDER`` uses an existing copy, so that its compiled cores
+are reused; ``--expected`` runs only the files that the table names.
 """
 
 from __future__ import annotations
@@ -67,9 +67,9 @@ def _copy_of_the_sources(there: Path | None) -> Iterator[Path]:
 
 
 def _caught(fault: Fault, copy: Path, *, expected_only: bool) -> tuple[str, str]:
-    """Return the first tier that catches a fault, and the test that does.
+    """Return the first tier that catches a fault, and the test that catches it.
 
-    One that passes without the fault.
+    That test must pass without the fault.
     """
     for tier, marks in TIERS.items():
         for paths in (fault.tests,) if expected_only else (fault.tests, ()):
@@ -79,7 +79,7 @@ def _caught(fault: Fault, copy: Path, *, expected_only: bool) -> tuple[str, str]
                     test = _first_that_fails(copy, marks, paths, failing_anyway)
                 if not test:
                     break
-                if "::" not in test:  # a run that could not begin catches nothing
+                if "::" not in test:  # a run that could not start catches nothing
                     return "none", test
                 if not _first_that_fails(copy, "", (test,)):
                     return tier, test
@@ -100,7 +100,7 @@ def _planted(fault: Fault, copy: Path) -> Iterator[None]:
         file.write_text(before, encoding="utf-8")
         os.utime(
             file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns)
-        )  # what was compiled from it is good again
+        )  # the compiled core is correct again
         _compile(fault, copy)
 
 
@@ -123,10 +123,10 @@ def _first_that_fails(
     command = [sys.executable, "-m", "pytest", *options, *paths]
     here = os.environ | {"PYTHONPATH": str(copy)}
     done = subprocess.run(command, cwd=copy, env=here, capture_output=True, text=True, check=False)
-    if done.returncode in (0, 5):  # all pass, or the tier has none of these
+    if done.returncode in (0, 5):  # all pass, or the tier has none of these tests
         return ""
     failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))]
-    # The name ends where the message begins; it may hold spaces itself.
+    # The name ends where the message begins; it may contain spaces.
     return (
         failed[0].split(" ", 1)[1].split(" - ")[0]
         if failed

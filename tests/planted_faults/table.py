@@ -12,11 +12,11 @@ class Fault:
     """One change of one file that breaks one promise.
 
     Args:
-        name: What the runner calls it.
+        name: Its name in the runner.
         promise: What no longer holds.
         file: The source file, from the repository's root.
-        text: What is there; found exactly once in the file.
-        planted: What takes its place.
+        text: The original text, which occurs exactly once in the file.
+        planted: The text that replaces it.
         tests: Files that are expected to catch it; they run first.
     """
 

@@ -1,4 +1,4 @@
-"""The Gymnasium environments: what the checker asks, what seeds promise, what is refused."""
+"""The Gymnasium environments: the checker's requirements, the effect of seeds, refused arguments."""
 
 import copy
 import pickle
@@ -161,7 +161,7 @@ def assert_same(one, other):
 
 
 def files(tmp_path):
-    """Worlds of different sizes, one of which burns, and one where the robot is there at once."""
+    """Worlds of different sizes, one that burns, and one in which the robot arrives immediately."""
     there = World(np.zeros((5, 9), bool), Pose(0.25, 0.25, 0.0), Target(0.25, 0.2, 0.1))
     worlds = [
         generate("trap", seed=1, size=12),

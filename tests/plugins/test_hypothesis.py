@@ -1,6 +1,6 @@
 """The Hypothesis plug-in.
 
-``World`` is a type that Hypothesis can draw, at no cost to who does not.
+``World`` is a type that Hypothesis can draw, at no cost if it is not used.
 """
 
 import subprocess

@@ -1,4 +1,4 @@
-"""The PettingZoo environment: what its own test asks, and that it moves as the simulator does."""
+"""The PettingZoo environment passes its own test, and moves like the simulator."""
 
 from __future__ import annotations
 

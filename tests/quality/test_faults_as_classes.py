@@ -1,6 +1,6 @@
 """Seeded faults as Python classes.
 
-They run as their compiled functions do, and campaigns find them as soon.
+They run like their compiled functions, and campaigns find them just as soon.
 """
 
 import pytest
@@ -19,7 +19,7 @@ from worldgen import InvalidParameter, generate
 )
 def test_a_fault_runs_the_same_compiled_and_interpreted(fault):
     world = generate("forest", 3)
-    compiled = CONTROLLERS.get(f"fuzz.faults.as_classes:{fault}")
+    compiled = CONTROLLERS.get(f"benchmarks.as_classes:{fault}")
     plain = CONTROLLERS.get(f"tests.reference.fuzz.as_classes:{fault}")
     assert (
         simulate(world, compiled, steps=300).trace_digest
@@ -29,7 +29,7 @@ def test_a_fault_runs_the_same_compiled_and_interpreted(fault):
 
 def test_a_class_without_its_attribute_is_none_of_them():
     with raises(InvalidParameter, "unknown-name", attribute="no_such_fault"):
-        CONTROLLERS.get("fuzz.faults.as_classes:no_such_fault")
+        CONTROLLERS.get("benchmarks.as_classes:no_such_fault")
 
 
 @pytest.mark.nightly

@@ -1,4 +1,4 @@
-"""What short campaigns find for each of the thesis's robots, and how small it gets."""
+"""What short campaigns find for each of the thesis's robots, and how small it becomes."""
 
 import functools
 

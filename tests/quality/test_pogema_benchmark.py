@@ -17,7 +17,7 @@ def swap(*rows: str) -> Instance:
 
 
 def random_instances(count: int) -> list[Instance]:
-    """Small grids with two or three agents, anywhere in them."""
+    """Small grids with two or three agents at random places."""
     rng = np.random.default_rng(1)
     found: list[Instance] = []
     while len(found) < count:
@@ -34,7 +34,7 @@ def random_instances(count: int) -> list[Instance]:
 
 
 def makespan_by_brute_force(instance: Instance) -> int | None:
-    """The same answer from sets of joint states and plain loops."""
+    """Compute the same answer with sets of joint states and plain loops."""
     steps = ((0, 0), (0, 1), (0, -1), (1, 0), (-1, 0))
     layer = {instance.starts}
     seen = set(layer)
@@ -87,7 +87,7 @@ def test_a_proved_recurrence_of_pibt_never_arrives(part: int) -> None:
             assert least_makespan(instance) is not None
             continue
 
-        # Go on for twenty periods, without any rule that recognises a recurrence.
+        # Continue for twenty periods, without any rule that recognises a recurrence.
         targets = instance.numbers(instance.targets)
         distances = [goal_distances(instance.moves, target) for target in targets]
         places = instance.numbers(instance.starts)

@@ -1,4 +1,4 @@
-"""The ten configurations behave as the thesis's table says of the lost ones."""
+"""The ten configurations behave like the lost ones in the thesis's table."""
 
 import csv
 import io
@@ -52,7 +52,7 @@ def test_ranks_and_never_do_not_hang_on_the_seeds(first_seed):
 
 def test_in_configuration_6_the_rules_do_what_the_prose_says():
     world = read_world(FOLDER / "config-06.grid")
-    # The upper one of its two obstacles is the one that comes first.
+    # The upper of its two obstacles comes first.
     inner = np.argwhere(world.walls[1:-1, 1:-1]) + 1
     obstacles = [inner[inner[:, 0] >= 15], inner[inner[:, 0] < 15]]
     touched = {}
@@ -86,7 +86,7 @@ def test_the_published_table_is_whole_and_in_whole_ticks():
     times = [row["time"] for row in rows]
     assert (
         times.count("never") == 5 and len(times) == 31
-    )  # one figure of the text next to the table's thirty
+    )  # one figure from the text, besides the table's thirty
     ticks = [float(time) / TICK for time in times if time != "never"]
     assert all(abs(tick - round(tick)) < 1e-9 for tick in ticks)
 

@@ -1,4 +1,4 @@
-"""The shrunk faults of the thesis's motion, and what docs/explanation/thesis.md says of them."""
+"""The shrunk faults of the thesis's motion, as described in docs/explanation/thesis.md."""
 
 import functools
 import pathlib
@@ -170,7 +170,7 @@ def test_the_two_other_kinds_of_never_last_for_a_hundred_thousand_steps(kind):
 
 
 def console():
-    """Commands of the page with the lines that they print, where the page shows any."""
+    """Return the page's commands with the lines that they print, if the page shows any."""
     for block in re.findall(r"```console\n(.*?)```", PAGE, flags=re.DOTALL):
         for part in block.split("$ worldgen ")[1:]:
             command, _, shown = part.partition("\n")

@@ -1,4 +1,4 @@
-"""Run the commands that README.md and the pages in docs/ show, and compare what they print with what the page shows.
+"""Run the commands in README.md and in the pages of docs/, and compare their output with the page.
 
 Every fenced block of kind ``console`` is run: a line that begins with ``$ `` is a command, the
     lines below it are its
@@ -6,24 +6,24 @@ output, on stdout and stderr together. The blocks of a page share one temporary 
 order. The folder holds ``corpora`` and ``examples``, and every fenced block of the page whose first
 line names a file (``# mine.py``).
 
-- A command below which the page shows nothing only has to work.
-- ``...`` stands for any text within a line, and alone on a line for any number of lines. More dots
-  in a row are themselves: free cells of a map.
+- A command without output on the page only has to work.
+- ``...`` stands for any text within a line and, alone on a line, for any number of lines. More dots
+in a row are literal: free cells of a map.
 - How long a command took, as in ``in 12.9 s``, is not compared.
 - A search with ``--budget`` runs with ``--units 1`` instead: what a budget of seconds finds depends
   on the machine.
 
-Five comments, each alone on a line between the last block and the one that it is for, say more:
+Five comments, each alone on a line above the block that it is for, change how it is run:
 
-- ``<!-- first: COMMAND -->`` runs a command that the reader is not shown, in the page's folder;
+- ``<!-- first: COMMAND -->`` runs a hidden command in the page's folder;
   ``$ROOT`` is the project's own folder.
-- ``<!-- not run: REASON -->`` leaves a block out.
+- ``<!-- not run: REASON -->`` skips a block.
 - ``<!-- file: NAME -->`` says that the next block is the contents of that file.
-- ``<!-- new folder -->`` lets the blocks below run in another folder: the page is several in one.
-- ``<!-- needs: PROGRAM -->`` leaves a block out where that program is not installed.
+- ``<!-- new folder -->`` runs the blocks below in a new folder, as if they were another page.
+- ``<!-- needs: PROGRAM -->`` skips a block if that program is not installed.
 
-``python -m tests.repo.documented_commands PAGE...`` prints what differs; ``--update`` writes what
-is printed into the pages.
+``python -m tests.repo.documented_commands PAGE...`` prints the differences; ``--update`` writes the
+current output into the pages.
 """
 
 from __future__ import annotations
@@ -62,24 +62,24 @@ _NEEDS = re.compile(r"<!-- needs: (\S+) -->")
 _NEW_FOLDER = "<!-- new folder -->"
 _SECONDS = re.compile(
     r"\bin \d+(?:\.\d+)? s\b"
-)  # a witness's time is hidden with it; its digest is not
+)  # this also hides a witness's time, but not its digest
 _SKIPPED = re.compile(r"(?<!\.)\.{3}(?!\.)")  # more dots in a row are cells of a map
 _BUDGET = re.compile(r"(worldgen (?:fuzz|find)\b.*)--budget[ =]\S+")
 _WENT_WRONG = (
-    2  # the exit code of a command that could not do its work; 1 says that a check did not hold
+    2  # the exit code of a command that could not do its work; 1 means that a check failed
 )
 
 
 @dataclass
 class Command:
-    """A command of a page, and what the page shows below it.
+    """A command on a page, and its output there.
 
     Args:
         text: The command, as a shell would get it.
-        line: Number of its line in the page, from 1 on.
+        line: Number of its line in the page, from 1.
         first: Number of the first line below it that is not part of the command.
         shown: The lines that the page shows as its output.
-        hidden: Whether the reader does not see it.
+        hidden: True if the reader does not see it.
     """
 
     text: str
@@ -94,9 +94,9 @@ class Block:
     """A block of commands.
 
     Args:
-        commands: What it shows, and before that what the reader is not shown.
-        not_run: Why it is if omitted, if it is.
-        needs: Programs without which it is left out.
+        commands: Its visible commands, after the hidden ones.
+        not_run: Why it is skipped, if it is.
+        needs: Programs without which it is skipped.
     """
 
     commands: list[Command]
@@ -105,13 +105,13 @@ class Block:
 
     @property
     def runs_here(self) -> bool:
-        """Whether the block is to be run, and can be."""
+        """Return whether the block should be run and can be."""
         return self.not_run is None and all(map(shutil.which, self.needs))
 
 
 @dataclass
 class Page:
-    """A page's blocks of commands, and the files that its other blocks are."""
+    """A page's blocks of commands, and the files in its other blocks."""
 
     path: Path
     blocks: list[Block]
@@ -120,7 +120,7 @@ class Page:
 
 @dataclass
 class Done:
-    """A command that was run: its exit code, and what it printed."""
+    """A command that was run: its exit code and output."""
 
     command: Command
     code: int
@@ -128,7 +128,7 @@ class Done:
 
     @property
     def fault(self) -> str | None:
-        """What is wrong, in words; None if the page is right."""
+        """Return what is wrong, in words; None if the page is right."""
         command = self.command
         if self.code > _WENT_WRONG or (self.code == _WENT_WRONG and not command.shown):
             return f"{command.text}: exit code {self.code}\n" + "\n".join(self.printed)
@@ -145,9 +145,9 @@ def read_page(path: Path) -> Page:
 
 
 def read_parts(path: Path) -> list[Page]:
-    """Return the parts of a page that run in folders of their own; line numbers are the page's."""
+    """Return the parts of a page that run in separate folders; line numbers are the page's."""
     parts = path.read_text(encoding="utf-8").split(_NEW_FOLDER)
-    # Empty lines in place of what is above keep the numbers of lines.
+    # Empty lines in place of the text above keep line numbers right.
     above = [sum(part.count("\n") for part in parts[:at]) for at in range(len(parts))]
     return [parse_page("\n" * count + part, path) for count, part in zip(above, parts, strict=True)]
 
@@ -163,8 +163,8 @@ def parse_page(text: str, path: Path) -> Page:
     """Return the commands and files of a page with this text.
 
     Raises:
-        ValueError: If a block of commands begins with something else, or shows what a budget of
-            seconds found.
+        ValueError: If a block of commands begins with something else, or shows the result of a
+            budget in seconds.
     """
     page = Page(path, [], {})
     first: list[Command] = []
@@ -193,13 +193,15 @@ def parse_page(text: str, path: Path) -> Page:
 
 
 def _name_in(lines: list[str]) -> str | None:
-    """Return the name of the file that a block's first line says it is."""
+    """Return the name of the file in a block's first line."""
     found = _FILE.fullmatch(lines[0]) if lines else None
     return found[1] if found else None
 
 
 def _parts(text: str) -> Iterator[tuple[str | None, int, list[str]]]:
-    """Fenced blocks and single lines: kind (None for a line), number of the first line, lines without indentation."""
+    """Fenced blocks and single lines: kind (None for a line), number of the first line, lines
+    without indentation.
+    """
     lines = text.splitlines()
     at = 0
     while at < len(lines):
@@ -246,10 +248,10 @@ def _check_budgets(block: Block, path: Path) -> None:
 
 
 def matches(shown: list[str], printed: list[str]) -> bool:
-    """Return True if the output is as the page shows it, apart from ``...`` and from how long it took."""
+    """Return True if the output matches the page, apart from ``...`` and from durations."""
     lines = [_SECONDS.sub("in 0 s", line.rstrip()) for line in printed]
-    # Numbers of printed lines that the lines shown so far may stand for; one pattern for all would
-    # take forever.
+    # Numbers of printed lines that the lines shown so far may match; a single pattern would take
+    # forever.
     reached = {0}
     for line in shown:
         if line.strip() == "...":
@@ -262,7 +264,7 @@ def matches(shown: list[str], printed: list[str]) -> bool:
 
 
 def run_page(page: Page, folder: Path) -> Iterator[Done]:
-    """Run a page's commands in a folder, in order, and give what each printed."""
+    """Run a page's commands in a folder, in order, and return their output."""
     for name in ("corpora", "examples"):
         shutil.copytree(ROOT / name, folder / name)
     for name, text in page.files.items():
@@ -280,7 +282,7 @@ def run_page(page: Page, folder: Path) -> Iterator[Done]:
 
 
 def run_parts(path: Path, folder: Path) -> Iterator[Done]:
-    """Run a page's commands, each part of it in a folder of its own."""
+    """Run a page's commands, each part in its own folder."""
     for number, part in enumerate(read_parts(path)):
         own = folder / str(number)
         own.mkdir()
@@ -319,22 +321,22 @@ def _run_here(argv: list[str]) -> tuple[int, str]:
 
 
 def faults(path: Path, folder: Path) -> list[str]:
-    """Return what is wrong with a page, a text for each command whose output is not as shown."""
+    """Return what is wrong with a page, a text for each command whose output differs."""
     return [fault for done in run_parts(path, folder) if (fault := done.fault)]
 
 
 def updated(text: str, done: list[Done]) -> str:
     """Return a page's text with the output that its commands print today.
 
-    Lines that a page leaves out with ``...`` stay left out: as many lines as it shows above and
-        below are kept.
+    Lines that a page elides with ``...`` stay elided: as many lines as it shows above and below are
+    kept.
     """
     lines = text.splitlines()
     for one in reversed(done):
         command = one.command
         if command.hidden or not command.shown or matches(command.shown, one.printed):
             continue
-        if one.code >= _WENT_WRONG:  # the page's command is wrong, not what it shows
+        if one.code >= _WENT_WRONG:  # the page's command is wrong, not its output
             continue
         printed = one.printed
         skips = [k for k, line in enumerate(command.shown) if line.strip() == "..."]
@@ -350,7 +352,7 @@ def updated(text: str, done: list[Done]) -> str:
 
 
 def main() -> int:
-    """Compare pages with what their commands print, or update them."""
+    """Compare pages with the output of their commands, or update them."""
     parser = argparse.ArgumentParser(
         prog="python -m tests.repo.documented_commands", description=__doc__
     )

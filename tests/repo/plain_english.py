@@ -1,4 +1,4 @@
-"""Find constructions that mark English as translated, in all that users and developers read.
+"""Find constructions that mark English as translated, in everything that users and developers read.
 
 ``python -m tests.repo.plain_english`` prints each mark with its file and line, then the number of
 marks per 10,000 words. Arguments narrow it to files and folders. Hypothesis, click, NumPy, SciPy,
@@ -40,7 +40,7 @@ _COUNTED = r"(?:cells|steps|seconds|worlds|bytes|times|units|as)"
 _COMPARED = r"(?:longer|more|fewer|less|better|worse|larger|smaller|way to)"
 _NAMELESS = r"(?:is|was|are|has|comes|lies|stands|goes|came|cannot|can|it|they|a|an|the)"
 
-#: What marks a sentence as translated (a pattern), and what a native writer would put there.
+#: A pattern that marks a sentence as translated, and what a native speaker would write instead.
 MARKS: dict[str, tuple[str, str]] = {
     "for ever": (r"\bfor ever\b", "forever, endlessly"),
     "beside": (r"\bbeside\b", "next to, in addition to"),

@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def commands(readme: str) -> list[str]:
-    """The fenced ``sh`` blocks that begin with making a virtual environment, in order."""
+    """The fenced ``sh`` blocks that begin by making a virtual environment, in order."""
     blocks = re.findall(r"```sh\n(.*?)```", readme, flags=re.DOTALL)
     return [block.strip() for block in blocks if block.startswith("python3 -m venv")]
 

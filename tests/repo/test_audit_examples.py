@@ -1,6 +1,6 @@
 """Trajectories recorded in IR-SIM and MuJoCo.
 
-What the audit says of them, without those simulators.
+The audit's result for them, without those simulators.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The C cores: no finding of clang-tidy, and no code that prover and simulator share."""
+"""The C cores: clang-tidy reports nothing, and prover and simulator share no code."""
 
 import re
 import shutil
@@ -41,7 +41,7 @@ def test_clang_tidy_finds_nothing(options):
 
 
 def headers_of(folders):
-    """Names of the headers in some folders."""
+    """Return the names of the headers in some folders."""
     return {file.name for folder in folders for file in (ROOT / folder).rglob("*.h")}
 
 

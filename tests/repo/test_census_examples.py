@@ -60,7 +60,7 @@ def test_every_generators_adapter_is_tested_here():
 
 @pytest.fixture
 def barn(tmp_path):
-    """Two worlds of posts 0.15 m apart in a row across the way.
+    """Two worlds with posts 0.15 m apart in a row across the path.
 
     One with a gap of 0.6 m, one without.
     """

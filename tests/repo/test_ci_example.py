@@ -37,7 +37,7 @@ def project(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def broken(tmp_path_factory):
-    """The job of a pull request in which the robot turns back to walls in too wide a curve."""
+    """The job of a pull request after which the robot turns back to walls in too wide a curve."""
     with pytest.MonkeyPatch.context() as monkeypatch:
         project = checked_out(tmp_path_factory.mktemp("broken"), monkeypatch)
         source = (project / "robot.py").read_text(encoding="utf-8")
@@ -59,7 +59,7 @@ def checked_out(folder, monkeypatch):
 
 
 def job(project, name, **inputs):
-    """Runs a job of the workflow, our action with other inputs if wanted."""
+    """Run a job of the workflow, optionally with other inputs for our action."""
     event = "pull_request" if name == "pull-request" else "schedule"
     plan = load(project / WORKFLOW)["jobs"][name]
     for step in plan["steps"]:
@@ -72,7 +72,7 @@ def job(project, name, **inputs):
 
 
 def action(project, **inputs):
-    """Runs our action alone."""
+    """Run only our action."""
     done = Job(project, load(ROOT / "action.yml"), {}, {})
     return done.run([{"uses": "./.worldgen", "id": "worldgen", "with": QUICK | inputs}])
 

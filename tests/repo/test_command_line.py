@@ -15,7 +15,7 @@ HEAVY = ("numpy", "scipy", "numba", "shapely", "trimesh", "hypothesis", "PIL", "
 
 
 def modules_after(*args):
-    """Top-level modules that are loaded once a command has run, in a process of its own."""
+    """Return the top-level modules that are loaded after a command has run in its own process."""
     code = (
         "import sys\nfrom worldgen.cli.main import main\n"
         f"sys.argv = ['worldgen', *{list(map(str, args))!r}]\n"
@@ -67,6 +67,12 @@ def test_every_command_ends_its_help_with_examples_of_itself(name):
     commands = command.commands.values() if isinstance(command, click.Group) else [command]
     for one in commands:
         assert f"worldgen {name}" in (one.epilog or ""), one.name
+
+
+def test_the_command_of_a_family_ends_its_help_with_examples():
+    assert worldgen("maze", "--help").out.endswith(
+        "  worldgen maze --where 'detour > 2' --out w.grid\n"
+    )
 
 
 def test_version_names_what_a_bug_report_needs():

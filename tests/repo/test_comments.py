@@ -1,4 +1,4 @@
-"""Functions explain their phases and reasons in comments of their own lines."""
+"""Functions explain their phases and reasons in comments on separate lines."""
 
 import ast
 import io
@@ -14,14 +14,14 @@ from tests.repo.plain_english import readable_files
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("worldgen", "sim", "fuzz", "worldgen_plugins", "build_tools", "benchmarks", "examples")
 
-#: A function of more statements has phases, and a comment above them.
+#: A function with more statements has phases, each with a comment above it.
 MOST_STATEMENTS = 20
 LEAST_COMMENTS = 2
-#: Functions of more statements count as code that is not trivial.
+#: Functions with more statements count as non-trivial code.
 TRIVIAL_STATEMENTS = 8
 #: Comment lines per 1,000 lines of such functions.
 LEAST_DENSITY = 40
-#: Packages with fewer lines of such code are too small for a rate.
+#: Packages with fewer lines of such code are too small for a meaningful rate.
 LEAST_LINES = 500
 
 _DIRECTIVE = re.compile(r"#\s*(type:|noqa|fmt:|pragma)")

@@ -1,6 +1,6 @@
-"""The source archive and the wheel are whole.
+"""The source archive and the wheel are complete.
 
-What one can do from a checkout, one can do from them.
+Everything that works from a checkout also works from them.
 """
 
 import os
@@ -17,7 +17,7 @@ from build_tools.cores import CORES, suffix
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("worldgen", "sim", "fuzz", "corpora", "worldgen_plugins")
 
-# As on a machine that has Python and pip and nothing else: the build fetches a compiler.
+# As on a machine that only has Python and pip: the build fetches a compiler.
 WITHOUT_COMPILER = {name: value for name, value in os.environ.items() if name != "CC"} | {
     "PATH": ""
 }
@@ -27,7 +27,7 @@ WITHOUT_COMPILER = {name: value for name, value in os.environ.items() if name !=
 def checkout(tmp_path_factory):
     """A copy of the tracked files.
 
-    So that nothing that happens to lie in this folder gets into an archive.
+    This keeps untracked files out of the archives.
     """
     folder = tmp_path_factory.mktemp("source") / "worldgen"
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=False)
@@ -71,9 +71,9 @@ def sources(checkout):
 
 
 def is_compiled(name):
-    """Whether a file goes into the compiled modules.
+    """Return whether a file goes into the compiled modules.
 
-    C, and the headers that no user's controller includes.
+    That is C code, and the headers that users' controllers do not include.
     """
     return "/core/" in name or name.startswith("worldgen/include/")
 

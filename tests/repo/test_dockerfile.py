@@ -1,4 +1,4 @@
-"""The image: it can't be built in a test, but what its file names must exist."""
+"""The image can't be built in a test, but everything that its file names must exist."""
 
 import re
 import tomllib

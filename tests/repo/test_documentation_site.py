@@ -1,4 +1,4 @@
-"""The documentation site builds, and its pages are where a reader looks for them."""
+"""The documentation site builds, and its pages are where readers look for them."""
 
 import subprocess
 import sys

@@ -1,6 +1,6 @@
 """Every error that a user can cause is raised as a code, templates and facts.
 
-It programs can read.
+Programs can read it.
 """
 
 import ast
@@ -16,10 +16,10 @@ ROOT = Path(__file__).parents[2]
 BASE = "WorldgenError"
 KEBAB = "[a-z0-9]+(-[a-z0-9]+)*"
 IN_FILES = {"FormatError", "NotAGrid"}
-OPTION = r"(?<![\w-])--(?!flag\b)[a-z][a-z-]*"  # --flag stands for an option of a user's program
+OPTION = r"(?<![\w-])--(?!flag\b)[a-z][a-z-]*"  # --flag is an option of a user's program
 COMMAND = r"`worldgen [a-z-]+|(?<![\w`./])worldgen (?:fuzz|run|replay|studio|verify|show|import)\b"
 OF_A_TERMINAL = f"{OPTION}|{COMMAND}"
-PLACES = {"line", "source"}  # of an error in a file: keywords that are not facts
+PLACES = {"line", "source"}  # for an error in a file: keywords that are not facts
 
 
 def _nodes() -> list[tuple[Path, ast.ClassDef | ast.Call]]:
@@ -58,7 +58,9 @@ MESSAGES = _messages()
 
 
 def _texts(node: ast.expr) -> list[str] | None:
-    """Return every text that an expression can be, or None where that cannot be told without running it."""
+    """Return every text that an expression can be, or None if that cannot be determined without
+    running it.
+    """
     if isinstance(node, ast.Constant):
         return [str(node.value)]
     if isinstance(node, ast.IfExp):

@@ -1,4 +1,6 @@
-"""The gallery shows every family with all its words, and its commands make the worlds of its pictures."""
+"""The gallery shows every family with all its choices, and its commands make the worlds in its
+pictures.
+"""
 
 import importlib.util
 import re

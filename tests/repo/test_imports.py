@@ -1,4 +1,4 @@
-"""The arrows between the packages hold."""
+"""The packages import each other only as allowed."""
 
 import subprocess
 import sys

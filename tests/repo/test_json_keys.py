@@ -29,7 +29,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def answers(folder):
-    """What each command prints; the campaign's failures are those that are replayed."""
+    """The output of each command; the replayed failures are the campaign's."""
     world = folder / "w.grid"
     found = folder / "found"
     search = (

@@ -1,4 +1,4 @@
-"""What docs/reference/verdicts.md shows works, command by command, with the oracle of ten lines that it teaches."""
+"""The commands in docs/reference/verdicts.md work, with its oracle of ten lines."""
 
 import re
 import shlex

@@ -1,4 +1,4 @@
-"""The example of a user's own family, installed as a user installs it, in an environment of its own."""
+"""The example of a user's own family, installed as a user would, in its own environment."""
 
 import shutil
 import subprocess
@@ -20,7 +20,7 @@ UNREACHABLE = (
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """Python of an environment that has the example, and sees what is installed here."""
+    """The Python of an environment that has the example and the packages installed here."""
     folder = tmp_path_factory.mktemp("own")
     venv.create(folder / "env", with_pip=False)
     python = folder / "env" / "bin" / "python"

@@ -1,6 +1,6 @@
 """The scripts and styles of studio, report and replay.
 
-Modules without cycles, nothing in them that nobody uses.
+Modules have no cycles, and export nothing unused.
 """
 
 import functools
@@ -41,7 +41,9 @@ def imported(path):
 
 
 def exported(path):
-    """The names that others may import, each of ``export const a = 1,`` and the lines that go on with it."""
+    """Return the names that others may import, from ``export const a = 1,`` and the lines that
+    continue it.
+    """
     for first, more in re.findall(
         rf"^export {DECLARED}((?: = [^,;]+,\n  \w+)*)", code(path), re.MULTILINE
     ):
@@ -49,7 +51,7 @@ def exported(path):
 
 
 def cycle_from(path, above=()):
-    """A chain of imports that comes back to where it has been."""
+    """Return a cycle of imports, if there is one."""
     if path in above:
         return [part.name for part in (*above[above.index(path) :], path)]
     for part in sorted({module for module, _ in imported(path)}):
@@ -59,7 +61,7 @@ def cycle_from(path, above=()):
 
 
 def times(script, name):
-    """How often a script has a name, other than as part of something else."""
+    """Return how often a script contains a name as a whole word."""
     return len(re.findall(rf"(?:(?<=\.\.\.)|(?<![\w.])){name}(?!\w)", script))
 
 

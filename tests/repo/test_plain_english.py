@@ -32,7 +32,7 @@ def test_marks_are_found_in_prose_with_their_lines(tmp_path, monkeypatch, name, 
 
 
 #: Marks per 10,000 words that a folder may have; Hypothesis, NumPy and SciPy have up to 2.2, and
-#: some constructions are plain English in their place.
+#: some constructions are plain English in context.
 LIMIT = 15.0
 
 

@@ -1,6 +1,6 @@
-"""What the README says next to its console commands.
+"""Check the README's statements besides its console commands.
 
-It ``test_documented_commands.py`` runs, holds.
+``test_documented_commands.py`` runs the commands.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""The bridge to ROS 2: angles, frames, lock step; rclpy itself is a fake here."""
+"""The bridge to ROS 2: angles, frames, lockstep; rclpy is a fake here."""
 
 import importlib
 import json
@@ -42,7 +42,7 @@ def room(**changes) -> World:
 
 
 class Recorder:
-    """Says one command forever and keeps what it sees."""
+    """Sends the same command forever and keeps its observations."""
 
     def __init__(self, speed, turn_rate):
         self.command, self.seen = Command(speed, turn_rate), []
@@ -56,7 +56,7 @@ class Recorder:
 
 
 class Ports:
-    """A driver that says a list of commands; None where it says nothing in time."""
+    """A driver that sends a list of commands; None if it sends nothing in time."""
 
     def __init__(self, *commands):
         self.commands, self.situations, self.grids = list(commands), [], []
@@ -263,7 +263,7 @@ def test_one_exchange_publishes_the_robot_and_hears_its_driver(bridge, node_modu
     assert node.qos["/map"].durability == "transient local"
     assert (
         node.qos["/scan"] == 10
-    )  # a depth alone is reliable, which subscribers of both kinds match
+    )  # a depth alone means reliable, which matches both kinds of subscribers
     assert len(node.on("/scan")[0].ranges) == 4
     assert node.on("/odom")[0].header.stamp.sec == node.on("/clock")[0].clock.sec
     assert node.on("/goal_pose")[0].pose.position.x == pytest.approx(2.5, abs=0.001)

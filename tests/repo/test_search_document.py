@@ -1,4 +1,4 @@
-"""What docs/explanation/search.md shows can be run as it stands."""
+"""The examples in docs/explanation/search.md run as they are."""
 
 import re
 

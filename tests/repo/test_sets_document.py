@@ -1,4 +1,4 @@
-"""What docs/howto/sets.md shows works, command by command."""
+"""The commands in docs/howto/sets.md work."""
 
 import re
 import shlex

@@ -1,4 +1,6 @@
-"""Limits that keep the sources easy to live in; ruff holds those on lines, statements and parameters."""
+"""Limits that keep the sources easy to live in; ruff holds those on lines, statements and
+parameters.
+"""
 
 import ast
 import functools
@@ -10,15 +12,15 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("worldgen", "sim", "fuzz", "worldgen_plugins")
 
-#: Files and folders that may be next to each other.
+#: Limit on files and folders in one folder.
 MOST_SIBLINGS = 22
 MORE_SIBLINGS = {
-    # One module for each format, so this folder grows with the formats that we read and write.
+    # There is one module per format, so this folder grows with the formats.
     "worldgen/interop/formats": 30,
     # The table of contents of a package: the nouns of ARCHITECTURE.md, and a folder for each part.
     **dict.fromkeys(("worldgen", "sim", "fuzz"), 25),
 }
-#: Each is a file that `worldgen init` copies, so it holds the whole of a user's controller.
+#: `worldgen init` copies each of these files, so each contains a user's whole controller.
 TEMPLATES = ("sim/controllers/examples/",)
 
 _sources = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
@@ -37,7 +39,7 @@ def _names(node: ast.AST) -> set[str]:
 
 
 def packed_assignments(tree: ast.AST) -> list[int]:
-    """Return the lines of tuple assignments such as ``a, b = 1, 2``, which say two things in one line.
+    """Return the lines of tuple assignments such as ``a, b = 1, 2``, which do two things in one line.
 
     One that reads what it assigns, such as ``a, b = b, a``, needs to be one statement.
     """
@@ -82,7 +84,7 @@ def test_a_folder_can_be_looked_over():
         for package in PACKAGES
         for kind in kinds
         for file in (ROOT / package).rglob(kind)
-        if not file.name.startswith("__") and file.name != "_core.py"  # stands in for compiled code
+        if not file.name.startswith("__") and file.name != "_core.py"  # replaces compiled code
     ]
     folders = {folder for file in files for folder in file.parents}
     siblings = Counter(path.parent.as_posix() for path in (*files, *folders))

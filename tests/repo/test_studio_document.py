@@ -1,4 +1,4 @@
-"""What is written about the studio names what there is."""
+"""The studio's documentation matches its page."""
 
 import re
 from importlib.resources import files

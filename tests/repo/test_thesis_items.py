@@ -1,4 +1,4 @@
-"""The thesis page's table of items counts right, and every command in it runs."""
+"""The counts in the thesis page's table of items are right, and every command in it runs."""
 
 import re
 import shlex

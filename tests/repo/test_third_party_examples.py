@@ -1,6 +1,6 @@
-"""What is stored of other people's controllers, without their packages.
+"""The stored failures of other people's controllers, without their packages.
 
-tests/clients lets them drive.
+tests/clients runs the controllers themselves.
 """
 
 import ast

@@ -1,4 +1,4 @@
-"""The example of a trained policy: it arrives as its README says, and what traps it replays."""
+"""The example of a trained policy arrives as its README states, and its failures replay."""
 
 import re
 import shutil

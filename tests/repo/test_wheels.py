@@ -20,7 +20,7 @@ FROM_PYTHON = {
     .read_text(encoding="utf-8")
     .splitlines()[2:]
 }
-# Of the C library, as ELF names them.
+# Symbols of the C library, with their ELF names.
 FROM_C = {
     "_ITM_deregisterTMCloneTable", "_ITM_registerTMCloneTable", "_exit", "bcmp", "bzero", "calloc", "ceil",
     "clock_getcpuclockid", "clock_gettime", "close", "dup2", "floor", "fmax", "fmin", "fmod", "fork", "free",
@@ -59,7 +59,7 @@ def check_windows(module):
 
 
 def check_unix(module, target):
-    """Every symbol is one of Python's stable ABI or of an old C library."""
+    """Every symbol belongs to Python's stable ABI or to an old C library."""
     names = {symbol.name for symbol in module.imported_symbols if symbol.name}
     if target.is_macos:
         names = {name.removeprefix("_") for name in names}
@@ -78,8 +78,8 @@ def check_unix(module, target):
         assert max(versions) <= OLDEST_GLIBC
 
 
-# What a build is asked for: worlds of every family with their proofs, and runs of every controller
-# in them.
+# The checks of a build: worlds of every family with their proofs, and runs of every controller in
+# them.
 DIGESTS = """
 import hashlib
 from sim import simulate
@@ -100,7 +100,7 @@ print(digest.hexdigest())
 
 
 def digest_of_build(compiler, folder):
-    """Compile a copy of the checkout with some compiler and ask it for worlds and runs."""
+    """Compile a copy of the checkout with a compiler, and make worlds and runs with it."""
     skip = shutil.ignore_patterns(
         ".*", "build", "dist", "*.so", "*.pyd", "*.egg-info", "__pycache__", "docs", "corpora"
     )

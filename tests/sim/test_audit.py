@@ -1,4 +1,6 @@
-"""Audits: a recorded trajectory was possible in a world, or it is said where, when and by how much it was not."""
+"""Audits: whether a recorded trajectory was possible in a world and, if not, where, when and by how
+much.
+"""
 
 import itertools
 import math
@@ -27,7 +29,7 @@ FREE, SOLID, BURNING = CellState
 
 
 def small_room(size, walls=()):
-    """The same room with cells of another size, m."""
+    """The same room with a different cell size, m."""
     start, target = Pose(size, size), replace(ROOM.target, x=size, y=size)
     return room(walls=walls, start=start, target=target, cell_size=size, robot_radius=0.3 * size)
 
@@ -45,9 +47,9 @@ def only(world, *samples, **options):
 
 
 def recorded(episode, *, corners=False):
-    """An episode as a recording of its steps' ends.
+    """Return an episode as a recording of the ends of its steps.
 
-    With the corners inside steps, at times by their length.
+    It includes the corners within steps, with times in proportion to length.
     """
     trace, step = episode.trace, episode.trace.time_step
     times = np.arange(len(trace.x)) * step
@@ -69,9 +71,9 @@ def recorded(episode, *, corners=False):
 
 @st.composite
 def recordings(draw, worlds):
-    """A world and a trajectory: wild ones in and around the grid, short walks in it.
+    """A world and a trajectory: arbitrary ones in and around the grid, or short walks in it.
 
-    Some samples at one time.
+    Some samples share a time.
     """
     world = draw(worlds)
     side, grain = world.cell_size, draw(st.sampled_from([1, 2, 50]))
@@ -118,7 +120,7 @@ def test_every_move_that_shapely_sees_inside_a_wall_is_in_a_finding(recording):
 
 
 def on_a_face(world, finding):
-    """Whether the centre is between two cells, where shapely sees the inside of neither."""
+    """Return whether the centre is between two cells, which shapely counts as inside neither."""
     return any(
         abs(place / world.cell_size - round(place / world.cell_size)) < 1e-6
         for place in (finding.x, finding.y)

@@ -181,7 +181,7 @@ def test_bad_input_is_one_line(files, arguments, message):
 
 @pytest.fixture
 def fleet(tmp_path):
-    """A world of two robots, and what ``run`` recorded in it."""
+    """A world with two robots, and the trace of a ``run`` in it."""
     write_world(generate("doorway", 5, robots=2), tmp_path / "d.grid")
     trace = ["--trace", tmp_path / "own.csv"]
     done = worldgen("run", tmp_path / "d.grid", "--controller", "turn-right", *trace)

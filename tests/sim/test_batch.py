@@ -1,4 +1,6 @@
-"""Many runs at once are the single runs, bit for bit, in any order and with any number of threads."""
+"""Many runs in a batch equal the single runs, bit for bit, in any order and with any number of
+threads.
+"""
 
 from dataclasses import replace
 

@@ -1,4 +1,6 @@
-"""Behaviours compose: by priority, by vote, by learning; in C, in Python, and as the thesis's robots."""
+"""Behaviours compose: by priority, by vote, by learning; in C, in Python, and as the thesis's
+robots.
+"""
 
 import json
 from dataclasses import replace
@@ -62,7 +64,7 @@ class Tires(Back):
 
 
 def path_of(world, controller, options):
-    """Return what a run's poses, contacts and acting behaviours are, without the memory."""
+    """Return a run's poses, contacts and acting behaviours, without the memory."""
     episode = simulate(world, controller, options, record=True)
     trace = episode.trace
     poses = np.column_stack((trace.x, trace.y, trace.heading, trace.bump))

@@ -1,4 +1,4 @@
-"""Comparisons: every number is that of the runs behind it, and an earlier table stands next to it."""
+"""Comparisons: every number matches its runs, and an earlier table is shown next to them."""
 
 import csv
 import io
@@ -340,7 +340,7 @@ def test_each_controller_drives_all_robots_of_a_world():
                 episode.time,
                 episode.area_covered,
             )
-    # A world with one robot has the same cells in any company.
+    # A world with one robot has the same cells whatever other worlds are compared.
     assert mixed.cells[1] == alone.cells[0]
     right_hand, naive, chance = mixed.cells[0]
     assert right_hand.arrives and right_hand.time == right_hand.runs[0].time
@@ -358,7 +358,7 @@ def test_the_legend_of_a_picture_is_never_cut_off():
     names = ["bug2", "three-layer+beam_noise=0.1", "thesis-3+slip=0.2"]
     drawn = draw_comparison(compare([EMPTY], scenarios(*names, motion="swept"), steps=5))
     picture = np.asarray(Image.open(io.BytesIO(drawn)).convert("L"))
-    # In the legend's line, something is drawn up to near the right edge, and nothing on it.
+    # The legend's line is drawn to near the right edge, but not beyond it.
     ink = np.flatnonzero((picture[14:36] < 250).any(axis=0))
     assert picture.shape[1] - 40 < ink.max() < picture.shape[1] - 2
 
@@ -373,7 +373,7 @@ def test_the_command_compares_fleets_as_text_csv_json_and_picture(tmp_path):
     arguments = ["compare", folder, "--controller", "right-hand,naive"]
     told = worldgen(*arguments, "--csv", table, "--picture", sheet)
     assert told.code == 0 and "never (deadlock, 1 of 3 arrive)" in told.out
-    # The table agrees with itself, as that of single robots does.
+    # The table agrees with itself, like that for single robots.
     again = worldgen(*arguments, "--against", table, "--json")
     found = json.loads(again.out)
     fleet = next(row for row in found["worlds"] if row["world"] == "fleet")
@@ -387,8 +387,8 @@ def test_a_controller_has_one_colour_for_all_robots_that_it_drives():
     picture = draw_comparison(compare([FLEET], scenarios("right-hand", "naive", motion="swept")))
     sheet = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"))
     # Below the legend, only paths and the dots at their ends have a controller's pure colour. The
-    # last controller's are on top. The third robot's path is a metre above the others', a quarter
-    # of the panel's width.
+    # last controller's paths are on top. The third robot's path is a metre above the others', a
+    # quarter of the panel's width.
     rows = np.flatnonzero((sheet[40:] == rgb(COLOURS[1])).all(axis=2).any(axis=1))
     assert np.ptp(rows) > 50
 

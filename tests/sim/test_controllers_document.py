@@ -1,6 +1,6 @@
-"""docs/reference/controllers.md: its tables are those of the code.
+"""docs/reference/controllers.md: its tables match the code.
 
-Its commands run with all documented commands.
+Its commands run together with all documented commands.
 """
 
 import io

@@ -15,7 +15,7 @@ from tests.sim.test_episode import cup
 
 @dataclass(frozen=True)
 class KeepsWhatItSees:
-    """Drives ahead, and keeps the very arrays that it is given."""
+    """Drives ahead, and keeps references to its argument arrays."""
 
     kept: list[Observations] = field(default_factory=list, compare=False)
     senses = ("beams",)
@@ -48,7 +48,7 @@ def test_an_arena_keeps_its_table_of_rays():
     for forgets in (False, True):
         arena = run.arena()
         if forgets:
-            # What a second thread does that makes the same table at the same time.
+            # A second thread makes the same table at the same time.
             core_calls.ray_table.cache_clear()
         episode = CoreEpisode(arena, run.settings, Driver(controller, controller.memory))
         episode.run_to_the_end()

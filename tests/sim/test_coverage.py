@@ -1,4 +1,4 @@
-"""A coverage task ends when every cell that can be reached was visited, and not before."""
+"""A coverage task ends when every reachable cell has been visited, and not before."""
 
 import json
 from dataclasses import replace

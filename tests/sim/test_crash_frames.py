@@ -13,9 +13,9 @@ class Robot:
 
 
 def raised_through(library):
-    """What is raised by a function of a library's file.
+    """The exception is raised in a library's file,
 
-    It a function of the user's file calls.
+    in a function that the user's file calls.
     """
     names = {}
     exec(compile("def solve():\n    return 1 / 0\n", library, "exec"), names)

@@ -1,6 +1,6 @@
-"""What a dying program's stderr says.
+"""Parse the stderr of a crashed program:
 
-The reports of sanitizers, assertions, panics and tracebacks.
+reports of sanitizers, assertions, panics and tracebacks.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""What a person sees who debugs a controller.
+"""What a user sees when debugging a controller:
 
-The line that raised, the contract, transcripts, hints.
+the line that raised, the contract, transcripts, hints.
 """
 
 from __future__ import annotations

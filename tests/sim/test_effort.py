@@ -1,4 +1,4 @@
-"""How much time goes into controllers' own code."""
+"""Measuring the time spent in controllers' own code."""
 
 import itertools
 
@@ -13,7 +13,7 @@ from worldgen import generate
 
 @pytest.fixture
 def clock(monkeypatch):
-    """A clock on which a second passes with each look."""
+    """A clock that advances by a second whenever it is read."""
     seconds = itertools.count()
     monkeypatch.setattr(module.time, "perf_counter", lambda: float(next(seconds)))
 

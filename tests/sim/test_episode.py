@@ -114,7 +114,7 @@ class Counter:
 
 
 class Waits(Circle):
-    """Stands for 200 steps, says nothing of it in memory, then drives to the target."""
+    """Waits for 200 steps without recording that in its memory, then drives to the target."""
 
     def __init__(self):
         self.counter = Counter()
@@ -216,7 +216,7 @@ class Straight:
 
 
 class Faulty:
-    """Raises after a while."""
+    """Raises an exception after a while."""
 
     def reset(self):
         return ()
@@ -247,7 +247,7 @@ class Quitting(Straight):
 
 
 class Forgetful(Straight):
-    """Has no memory to start with."""
+    """Has no initial memory."""
 
     def reset(self):
         return None
@@ -515,7 +515,7 @@ def test_what_a_class_raises_is_told_in_one_line_of_bounded_length():
 
 
 def _jot(observation, memory, command):
-    """Goes ahead after five steps that it counts where it senses nothing."""
+    """Drives ahead after counting five steps in which it senses nothing."""
     jotted = observation[layout.OBS_SIGNAL]
     observation[layout.OBS_SIGNAL] = 1.0 if math.isnan(jotted) else jotted + 1.0
     command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED] if jotted > 5.0 else 0.0
@@ -526,11 +526,13 @@ def test_an_observation_is_no_memory():
     run = prepare(arena(), jot, RunOptions())
     assert (
         run.run(100, find_loop=False, record=False).path_length == 0.0
-    )  # what it counts would make a loop a lie
+    )  # its counter would make a reported loop wrong
 
 
 class Follower:
-    """Plans a way of two points in ``reset``, around the wall of ``planned_world``, and follows it."""
+    """Plans a path of two points in ``reset``, around the wall of ``planned_world``, and follows
+    it.
+    """
 
     def reset(self, world):
         assert world.certificate is None and world.provenance is None and world.failure is None

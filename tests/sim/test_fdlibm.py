@@ -1,6 +1,6 @@
 """fdlibm's sine, cosine and arc tangent.
 
-Known bits, near the true value, same in the core and its reference.
+They have known bits, are near the true value, and are the same in the core and its reference.
 """
 
 import math
@@ -16,9 +16,9 @@ from tests.reference.sim import fdlibm as reference
 
 ANGLES = st.floats(-13.0, 13.0)
 
-# x, and what Java 17's StrictMath returns for sin, cos and atan. First the edges of fdlibm's cases;
-# then arguments for which the C library of a common Linux differs in the last bit of at least two
-# of the three.
+# x, and what Java 17's StrictMath returns for sin, cos and atan. First the boundaries of fdlibm's
+# cases; then arguments for which a common Linux C library differs in the last bit of at least two
+# of the three functions.
 KNOWN = [
     (-0.0, "-0x0.0p+0", "0x1.0000000000000p+0", "-0x0.0p+0"),
     (0.2, "0x1.96dff233dd2bcp-3", "0x1.f5cb49577627ap-1", "0x1.94441f8f7260cp-3"),
@@ -35,7 +35,7 @@ KNOWN = [
         "0x1.fec1340a0e388p-16",
         "-0x1.fffffffc04f9ap-1",
         "0x1.8ab7cd946a82fp+0",
-    ),  # one piece of pi/2, as the table says
+    ),  # one piece of pi/2, according to the table
     (100.0, "-0x1.03425b78c4db8p-1", "0x1.b981dbf665fdfp-1", "0x1.8f905eb2def22p+0"),
     (823549.5, "-0x1.4f8bacd318ed0p-3", "0x1.f914ccf71fcccp-1", "0x1.921fa0e5121f7p+0"),
     (-5.157, "0x1.ce38ec3f05ee3p-1", "0x1.b86de7627257cp-2", "-0x1.611753ac55276p+0"),
@@ -71,7 +71,7 @@ def test_arc_tangent_of_infinity_is_a_quarter_turn_and_of_nan_is_nan():
 
 
 def taylor(x, first):
-    """Sum of x**k/k! with alternating signs, in exact fractions, until far below a double's last bit."""
+    """Sum x**k/k! with alternating signs, in exact fractions, until far below a double's last bit."""
     exact, term, total, k = Fraction(x), Fraction(1), Fraction(0), 0
     while k < 90:
         if k % 2 == first:

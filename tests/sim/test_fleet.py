@@ -12,7 +12,7 @@ from sim import simulate
 from sim.controllers import Command, controller_of
 from sim.drawing.picture import trails_of
 from sim.fleet import FleetRun
-from sim.fleet.run import robot_seed, world_of_robot
+from sim.fleet.run import robot_seed
 from sim.options.run import options_of
 from sim.verdict import Verdict
 from tests.helpers.fleets import (
@@ -51,7 +51,7 @@ def test_a_robot_far_from_others_drives_as_alone(motion, controller):
     for number, together in enumerate(fleet.robots):
         seed = robot_seed(world, number, 0)
         alone = simulate(
-            world_of_robot(world, number),
+            world.alone(number + 1),
             controller,
             motion=motion,
             steps=together.steps,
@@ -142,7 +142,7 @@ def test_a_counter_that_only_grows_is_never_a_proof():
 
 
 class Hidden(Ahead):
-    """Keeps its counter where no state shows it."""
+    """Keeps a counter outside its memory."""
 
     def __init__(self):
         self.steps = 0

@@ -78,9 +78,9 @@ def test_a_comma_may_be_part_of_a_controller():
 @pytest.mark.parametrize(
     ("option", "way_out"),
     [
-        ("pushes=0.5:0.1:0:0", "drift and decoys disturb several"),
-        ("push_places=1:1:0.1:0:0", "drift and decoys disturb several"),
-        ("task=cover", "in a world of its own"),
+        ("pushes=0.5:0.1:0:0", "drift and decoys also work with several"),
+        ("push_places=1:1:0.1:0:0", "drift and decoys also work with several"),
+        ("task=cover", "use a world with one robot"),
     ],
 )
 def test_what_is_for_one_robot_is_refused_in_one_sentence_with_a_way_out(grid, option, way_out):
@@ -107,7 +107,7 @@ def test_options_follow_each_controller(grid):
 
 
 def walled_in():
-    """Return a hall with a wall from side to side, on whose far side robot 2 has its target."""
+    """Return a hall with a wall all the way across, and robot 2's target on the far side."""
     walls = hall()
     walls[:, 20] = True
     return fleet_world(

@@ -1,4 +1,4 @@
-"""What robots sense of each other, in all forms of a controller."""
+"""What robots sense of each other, in all kinds of controllers."""
 
 import json
 import math
@@ -30,7 +30,7 @@ def in_a_row():
 
 
 class Keeping:
-    """Stands still and keeps what ``look`` makes of its observation in its memory."""
+    """Stands still, and stores the result of ``look`` on its observation in its memory."""
 
     size = 1
 
@@ -96,7 +96,7 @@ def test_only_robots_within_range_are_sensed(settings, count):
 
 
 class Speaking(Keeping):
-    """Sends the number of the step, and keeps what the nearest neighbour sent."""
+    """Sends the number of the step, and stores the nearest neighbour's message."""
 
     size = 2
 
@@ -112,7 +112,7 @@ def test_a_message_arrives_in_the_next_step():
 
 
 class SpeakingMany:
-    """The same for many robots."""
+    """Does the same for many robots."""
 
     def reset(self):
         return (0.0, 0.0)
@@ -168,7 +168,7 @@ class Saying(Keeping):
 
 
 class SayingToMany:
-    """The same for many robots."""
+    """Does the same for many robots."""
 
     def __init__(self, message):
         self.message = message
@@ -286,7 +286,7 @@ def test_a_program_for_each_robot_hears_the_others(tmp_path):
 
 def test_messages_belong_to_the_joint_state():
     class Talking(Ahead):
-        """Never says the same twice, while it stands still forever."""
+        """Never sends the same message twice, while it stands still forever."""
 
         needs = RobotOptions(neighbour_range=1.0, message=1)
 
@@ -306,7 +306,7 @@ def test_too_many_numbers_are_refused():
 
 
 class AllNearest(Keeping):
-    """Keeps where its neighbours are, nearest first, and how many there are."""
+    """Stores the places of its neighbours, nearest first, and their number."""
 
     size = 41
 
@@ -320,7 +320,7 @@ class AllNearest(Keeping):
 )
 def test_the_neighbours_are_those_that_a_look_at_every_pair_finds(count, reach):
     rng = np.random.default_rng(count)
-    # A crowd in a corner and a few robots far away, so that cells of any grid are empty or full.
+    # A crowd in a corner and a few robots far away, so that any grid has empty and full cells.
     spots = np.stack(np.meshgrid(np.arange(20), np.arange(20)), -1).reshape(-1, 2)
     near = rng.permutation(spots)[: count - 2] * 0.2 + 0.2 + rng.uniform(0, 0.04, (count - 2, 2))
     places = np.vstack((near, [[9.5, 0.5], [4.7, 9.7]]))

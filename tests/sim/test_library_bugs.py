@@ -1,6 +1,6 @@
 """Wall followers and bug algorithms.
 
-They arrive, compiled and interpreted alike, and the fuzzer finds nothing.
+They arrive, both compiled and interpreted, and the fuzzer finds no failures.
 """
 
 import math
@@ -45,7 +45,7 @@ DIAGONAL_GAP = """
 ...........
 .G.........
 ...........
-"""  # between the two corners is 0.014 cells more room than the robot needs
+"""  # the gap between the two corners is 0.014 cells wider than the robot
 ISLAND = """
 ...........
 .........G.

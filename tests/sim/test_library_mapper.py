@@ -1,6 +1,6 @@
 """The mapping controller.
 
-It arrives if its memory is large enough, and shows what too little of it does.
+It arrives if its memory is large enough, and shows the effect of too little memory.
 """
 
 from dataclasses import replace

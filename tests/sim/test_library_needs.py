@@ -1,4 +1,4 @@
-"""Controllers that say which robot they need."""
+"""Controllers that declare which robot they need."""
 
 import numpy as np
 

@@ -41,7 +41,7 @@ def hall(robots, *, width=12, height=8, walls=()):
 
 
 def open_map(width, height, walls=()):
-    """A map of so many clear nodes, from (1, 1) on, with a rim that is not clear."""
+    """A map with this many clear nodes, starting at (1, 1), and a rim that is not clear."""
     columns = width + 2
     clear = [
         0 < x <= width and 0 < y <= height and (x, y) not in walls
@@ -66,7 +66,7 @@ def moves_of(grid, agents, others=()):
 
 
 def nearest(one, move, other, other_move):
-    """How near two agents come during their moves, from 1,000 points in time."""
+    """Return how near two agents come during their moves, from 1,000 points in time."""
     return min(
         math.hypot(
             other.node[0] - one.node[0] + share * (other_move[0] - move[0]),
@@ -125,14 +125,15 @@ def test_an_agent_that_cannot_leave_is_not_forgotten_by_those_who_push_it():
 
 @given(st.lists(NODES, min_size=2, max_size=60, unique=True), NODES)
 def test_the_highest_priority_always_gets_nearer_among_narrow_robots(nodes, target):
-    # Lemma 1 of the paper: on a graph in which each edge lies on a cycle. A robot of radius 0.3
+    # Lemma 1 of the paper: on a graph in which each edge is on a cycle. A robot of radius 0.3
     # edges can follow another one around a corner.
     grid = open_map(10, 10)
     agents = [agent(k, node, target, 0.3) for k, node in enumerate(nodes)]
     first = agents[-1]
     move = moves_of(grid, agents)[first]
     distances = pibt._distances(grid, first.target)
-    assert distances.get(first.after(move)) == max(0, distances.get(first.node) - 1)
+    before, after = (pibt._edges_from(node, distances) for node in (first.node, first.after(move)))
+    assert after == max(0, before - 1)
 
 
 def test_robots_that_meet_in_a_passage_both_arrive_because_one_backs_out():
@@ -197,7 +198,7 @@ def test_alone_it_takes_a_shortest_path_of_the_grid(radius):
     grid = pibt._Map(*pibt_memory_map(world))
     target = pibt._Target(world.target.x / edge, world.target.y / edge, world.target.radius / edge)
     start = (round(world.start.x / edge), round(world.start.y / edge))
-    length = pibt._distances(grid, target).get(start) * edge
+    length = pibt._edges_from(start, pibt._distances(grid, target)) * edge
     # It ends as soon as its centre is in the target, whose radius is one edge.
     rounding = 2 * world.cell_size / 1024
     assert episode.path_length == pytest.approx(length - world.target.radius, abs=rounding)
@@ -222,7 +223,7 @@ def test_messages_of_another_length_do_not_crash_it(numbers):
 
 @dataclass(frozen=True)
 class Shouting:
-    """Stands, and sends numbers that mean something else."""
+    """Stands still, and sends numbers with a different meaning."""
 
     numbers: tuple[float, ...] = ()
     senses = ("time_step",)

@@ -1,4 +1,6 @@
-"""The library's Q-learning robot: that its table is what training gives, and what it has learnt."""
+"""The library's Q-learning robot: its table is the result of training, and the robot has learned
+something.
+"""
 
 import re
 

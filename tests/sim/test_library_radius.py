@@ -1,4 +1,4 @@
-"""Robots of other sizes: a controller is told its radius, and the library's go by it."""
+"""Robots of other sizes: a controller gets its radius, and the library's controllers adapt to it."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ NOTCH = """
 ...........#...
 ...########....
 ...#...........
-"""  # below its lower arm the robot that is larger than a cell touches arm and border at once
+"""  # below its lower arm, a robot larger than a cell touches the arm and the border together
 POST = "\n".join(
     ["." * 25] * 12 + ["." * 11 + "##" + "." * 12] * 2 + [".S" + "." * 21 + "G."] + ["." * 25] * 12
 )

@@ -1,4 +1,4 @@
-"""TangentBug: it sees ahead, is quicker than its relatives that do not, and pays for being a disc."""
+"""TangentBug sees ahead, is quicker than bugs that do not, and fails where a disc does not fit."""
 
 import pytest
 
@@ -46,7 +46,7 @@ def test_it_reaches_the_end_of_nearly_every_corridor():
 
 
 def test_it_takes_for_free_only_what_the_whole_of_it_can_drive():
-    """A wall that is just out of sight stops a disc before the end of its sight."""
+    """A wall that is just out of sight stops a disc before the end of its range."""
     worlds = [generate("trap", seed, robot_radius=0.14) for seed in range(100, 108)]
     assert [simulate(world, tangent_bug).verdict for world in worlds] == ["reached"] * 8
 

@@ -1,6 +1,6 @@
 """The controllers that see by range beams.
 
-What each manages, where it fails, and that its bits are Python's.
+Where each succeeds and fails, and that its bits are the same as in Python.
 """
 
 import math
@@ -26,7 +26,7 @@ from tests.reference.sim.controllers._directions import angle_of, wrap
 from worldgen.generation import generate
 
 ALL = [potential_field, vfh, dynamic_window, three_layer]
-POST = (14, 16, 2, 3)  # a post off the straight way
+POST = (14, 16, 2, 3)  # a post off the straight line
 
 
 @pytest.mark.gate
@@ -150,7 +150,7 @@ def _plan(memory, here, target):
 def test_the_plan_goes_round_what_is_closed():
     memory = np.zeros(layers.MEMORY)
     assert _plan(memory, (4, 4), (6, 4)) == (5, 4)
-    memory[layers.RIGHT + 4] = float(1 << 4)  # the way from column 4 to 5 in row 4
+    memory[layers.RIGHT + 4] = float(1 << 4)  # the passage from column 4 to 5 in row 4
     assert _plan(memory, (4, 4), (6, 4)) in [(4, 5), (4, 3)]
 
 

@@ -1,4 +1,4 @@
-"""Whatever a user's file does while it is loaded, the answer is a sentence."""
+"""Whatever a user's file does while it is loaded, the result is an error message."""
 
 import subprocess
 import sys

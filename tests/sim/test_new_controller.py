@@ -1,4 +1,4 @@
-"""``worldgen new-controller``: what it writes runs at once, and drives alike in all ways."""
+"""``worldgen new-controller`` writes controllers that run immediately, and all kinds drive alike."""
 
 import json
 import shlex
@@ -23,7 +23,7 @@ KINDS = (*BUILT, "compiled", "python", "vector", "process")
 
 
 def make(*arguments):
-    """Runs the command; its errors are raised."""
+    """Run the command; raise its errors."""
     return (
         CliRunner().invoke(new_controller, list(map(str, arguments)), catch_exceptions=False).stdout
     )
@@ -37,7 +37,7 @@ def made(folder, kind, name="my-robot"):
 
 
 def build(line):
-    """Runs a line that builds a shared library, as a shell would."""
+    """Run a line that builds a shared library, as a shell would."""
     words = shlex.split(line.replace('-I"$(worldgen --include)"', f"-I{include_folder()}"))
     subprocess.run(words, check=True)
 

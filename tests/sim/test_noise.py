@@ -1,4 +1,4 @@
-"""Noise in a sense that a controller does not read changes nothing: neither a run nor its proof."""
+"""Noise in a sense that a controller does not read changes neither a run nor its proof."""
 
 import pytest
 

@@ -1,6 +1,6 @@
 """Programs as controllers.
 
-The protocol, every way to misbehave, and that nothing of them is left behind.
+The protocol, every kind of misbehaviour, and that no process is left behind.
 """
 
 import json
@@ -48,9 +48,9 @@ linux = pytest.mark.skipif(
 
 
 def program(do="", at=3):
-    """Command of a program that drives in a circle.
+    """Return the command of a program that drives in a circle.
 
-    If asked to, it does something else in one step of each episode.
+    Optionally it does something else in one step of each episode.
     """
     return [
         *PYTHON,
@@ -132,7 +132,7 @@ def test_drips_of_an_answer_do_not_put_off_the_deadline():
     )
     assert (
         run(program(do), deadline=0.3).verdict == "hang"
-    )  # a crash if the drips were waited for to their end
+    )  # a crash if worldgen waited for the last drip
 
 
 def test_a_flood_of_stderr_does_not_put_off_the_deadline():
@@ -140,7 +140,7 @@ def test_a_flood_of_stderr_does_not_put_off_the_deadline():
     flood = program(f"until = time.monotonic() + 60\n{do}")
     assert (
         run(flood, deadline=0.3).verdict == "hang"
-    )  # a crash if the flood was waited for to its end
+    )  # a crash if worldgen waited for the end of the flood
 
 
 def test_an_answer_that_is_there_when_we_look_late_counts(monkeypatch):
@@ -349,7 +349,7 @@ def test_of_a_command_line_only_what_stands_before_the_colon_varies_the_run():
 
 
 def heard(tmp_path, steps):
-    """What a program is told in two episodes, line by line, and how often it was started."""
+    """Return the lines that a program gets in two episodes, and how often it was started."""
     log = tmp_path / "log"
     code = SERVE.replace("AT", "0").replace(
         'if "reset"', "open(sys.argv[1], 'a').write(line)\n    if \"reset\""
@@ -373,7 +373,7 @@ def test_one_program_serves_many_episodes_and_hears_of_each(tmp_path):
 
 def test_a_program_is_told_what_a_python_controller_sees_to_the_last_bit(tmp_path):
     class Listens:
-        """Notes what it sees."""
+        """Records its observations."""
 
         senses = Observation._fields
 
@@ -582,7 +582,7 @@ def test_ctrl_c_in_a_campaign_leaves_no_program(tmp_path):
         try:
             assert waits_for(
                 lambda: len(pids(tmp_path)) >= 3, 180
-            )  # that of the first try, and the workers'
+            )  # the process of the first try, and the workers'
         finally:
             campaign.send_signal(signal.SIGINT)
             campaign.communicate(timeout=180)

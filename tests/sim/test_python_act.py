@@ -1,6 +1,6 @@
 """A Python class in the loop of the core.
 
-What it is given, what it may answer, and that nothing of either leaks.
+Its arguments, its valid answers, and that neither leaks.
 """
 
 import gc
@@ -24,12 +24,12 @@ class Numbers(NamedTuple):
 
 
 class Slower(Command):
-    """A command by inheritance."""
+    """A subclass of Command."""
 
 
 @dataclass
 class Zigzag:
-    """Drives and turns with the random number, and answers in some form."""
+    """Drives and turns with the random number, and answers in the given form."""
 
     form: object
     memories: list = field(default_factory=list, compare=False)
@@ -130,7 +130,7 @@ def test_a_robot_without_beams_sees_an_empty_tuple():
 
 @dataclass
 class Answers:
-    """Answers the same in each step."""
+    """Gives the same answer in each step."""
 
     answer: object
     memory: tuple = ()
@@ -143,7 +143,7 @@ class Answers:
 
 
 def observations():
-    """Count the observations that are somewhere in memory."""
+    """Count the observations in memory."""
     return sum(type(thing) is Observation for thing in gc.get_objects())
 
 

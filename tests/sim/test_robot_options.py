@@ -1,6 +1,6 @@
 """Dynamics, sensors and events of the lattice robot.
 
-Each does what it says, and keeps every promise.
+Each works as documented, and keeps every promise.
 """
 
 import math
@@ -25,7 +25,7 @@ STEP = 0.015
 
 @dataclass(frozen=True)
 class Drive:
-    """Commands one speed and one rate of turning for so many steps, then stands."""
+    """Commands one speed and one turn rate for this many steps, then stops."""
 
     speed: float = 2.0
     rate: float = 0.0
@@ -40,7 +40,7 @@ class Drive:
 
 
 class Eyes:
-    """Keeps every observation that it gets, and drives ahead."""
+    """Stores every observation, and drives ahead."""
 
     senses = Observation._fields
 
@@ -206,7 +206,7 @@ def test_walls_weaken_or_block_the_signal():
 
 
 def smoky(*events):
-    """A hall in which cells burn, between the robot and its target, 10 cells ahead, or elsewhere."""
+    """A hall in which cells burn between the robot and its target, 10 cells ahead, or elsewhere."""
     return replace(arena(20, (0.55, 1.05, 0.0), (1.55, 1.05)), timeline=Timeline.of(events))
 
 
@@ -286,7 +286,7 @@ def falling(time, cell, state=CellState.SOLID, **changes):
 
 
 def front(world, **switches):
-    """How far the front of a robot that drives along the row gets."""
+    """Return how far the front of a robot gets that drives along the row."""
     episode = simulate(world, Drive(1.0), record=True, steps=60, **switches)
     return episode, float(episode.trace.x.max()) + world.robot_radius
 
@@ -304,7 +304,7 @@ def test_debris_stops_the_robot_only_if_it_falls_before_the_robot_is_there():
 def test_the_robot_is_where_it_should_be_when_fire_breaks_out(time):
     world = falling(time, (12, 29), CellState.BURNING)
     episode = simulate(world, Drive(1.0), record=True, steps=80)
-    reach = 0.55 + max(time - STEP, 0.0)  # where the centre is then
+    reach = 0.55 + max(time - STEP, 0.0)  # the place of the centre at that time
     there = reach + 0.07 > 1.2
     assert episode.verdict == "burned"
     step = episode.evidence.step
@@ -325,7 +325,7 @@ def test_no_path_cuts_a_wall_that_stands_at_that_moment(events, rate, speed):
     trace, caught = (
         episode.trace,
         episode.verdict == "burned",
-    )  # and then the wall stands where the path ends
+    )  # and then the wall is at the end of the path
     times = path_times(trace)
     assert (np.diff(times) >= 0).all() and len(np.unique(trace.path_step)) == len(trace.x)
     for k in range(1, len(times) - caught):
@@ -372,7 +372,7 @@ def state_at(world, cell, time):
 
 
 def walls_at(world, time, ix, iy):
-    """For each cell round a place, whether it is solid at a time."""
+    """Return for each cell around a place whether it is solid at a time."""
     return [
         state_at(world, (ix + i, iy + j), time) == CellState.SOLID
         for i in (-1, 0, 1)

@@ -1,4 +1,4 @@
-"""Scenarios: what the command line writes behind a controller's name, read, written, refused."""
+"""Scenarios: options after a controller's name are parsed, written and refused."""
 
 import pytest
 from hypothesis import given

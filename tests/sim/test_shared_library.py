@@ -1,42 +1,26 @@
 """Controllers in shared libraries.
 
-What they offer, what is refused, and what happens when they crash or hang.
+Their declarations, refused ones, and what happens when they crash or hang.
 """
 
 import os
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from build_tools.cores import compiler
 from fuzz.studio.starting import check_controller
 from sim import CONTROLLERS, RobotOptions, containment, simulate
-from sim.controllers.shared.object_file import include_folder
 from tests.helpers.command_line import worldgen
+from tests.helpers.faulty_library import compile_faulty
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate
-
-SOURCE = Path(__file__).parents[1] / "data" / "controllers" / "faulty.c"
 
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     """The library of faulty controllers, by its whole path."""
-    made = tmp_path_factory.mktemp("library") / "faulty.so"
-    words = [
-        "-std=c17",
-        "-O1",
-        "-shared",
-        "-fPIC",
-        f"-I{include_folder()}",
-        str(SOURCE),
-        "-o",
-        str(made),
-    ]
-    subprocess.run([*compiler(), *words], check=True)
-    return made
+    return compile_faulty(tmp_path_factory.mktemp("library"))
 
 
 @pytest.fixture

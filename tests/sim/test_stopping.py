@@ -1,4 +1,4 @@
-"""Runs that end when the time is over, also in the middle of a step that does not."""
+"""Runs that end when the time is up, even in the middle of a step that does not end."""
 
 import signal
 
@@ -11,17 +11,17 @@ from sim.scenario import Scenario
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate
 
-TICKS = 5  # more than any step is left
+TICKS = 5  # longer than any remaining step
 
 
 def tick():
-    """Let the clock look at a step that takes forever."""
+    """Let the clock check a step that takes forever."""
     for _ in range(TICKS):
         signal.raise_signal(signal.SIGALRM)
 
 
 class TakesForever:
-    """In its third step the time is over, and the step goes on."""
+    """In its third step the time is up, and the step continues."""
 
     def __init__(self):
         self.steps = 0
@@ -39,7 +39,7 @@ class TakesForever:
 
 
 class Swallows(TakesForever):
-    """Catches whatever it can."""
+    """Catches every exception that it can."""
 
     def act(self, observation, memory):
         try:

@@ -1,6 +1,6 @@
-"""The switches of the thesis's simulator.
+"""The options of the thesis's simulator.
 
-Each does what it says, by a reference of its own or by the evidence.
+Each works as documented, according to a separate reference or to the evidence.
 """
 
 import math
@@ -28,7 +28,9 @@ SIDE = 14
 
 
 def hall(target, n=30, walls=()):
-    """A closed square hall, the thesis's start, and the target in a cell (x, y) counted from the upper left."""
+    """A closed square hall, the thesis's start, and the target in cell (x, y), counted from the
+    upper left.
+    """
     cells = np.zeros((n, n), bool)
     cells[[0, -1], :] = cells[:, [0, -1]] = True
     for x, y in walls:
@@ -50,7 +52,7 @@ def run(world, controller="thesis-1", **switches):
         ("A3", 92, 170),
         ("A4", 97, 184),
         ("A5", 123, 251),
-        ("A6", 107, 198),  # nothing is touched on the way
+        ("A6", 107, 198),  # the robot touches nothing on its path
     ],
 )
 def test_every_reading_of_the_arbiter_takes_the_ticks_that_were_worked_out_from_the_listing(
@@ -86,7 +88,7 @@ def test_an_interruptible_robot_begins_its_escape_afresh_at_each_collision():
 
 
 def clear(walls, x, y):
-    """Whether the thesis's disc is clear of cells, by distances alone."""
+    """Return whether the thesis's disc is clear of cells, using only distances."""
     gaps = [
         math.hypot(max(10 * i - x, 0, x - 10 * i - 10), max(10 * j - y, 0, y - 10 * j - 10))
         for i, j in walls
@@ -166,9 +168,9 @@ def test_endless_runs_that_are_no_exact_loop_drift_or_are_confined():
 
 
 def speeds(**switches):
-    """Way per tick, px, along a free run straight to the right.
+    """Distance per tick, px, of an unobstructed run straight to the right.
 
-    The thesis's robot wants 3 px a tick.
+    The thesis's robot drives 3 px per tick.
     """
     world = replace(hall((27, 3)), start=Pose(0.35, 2.65, 0.0))
     trace = simulate(
@@ -180,7 +182,7 @@ def speeds(**switches):
 def test_acceleration_bounds_the_gain_of_speed_and_friction_its_loss():
     plain, heavy = speeds(), speeds(acceleration=2.0, friction=2.0)
     assert plain.max() > 1.9 and (np.diff(plain) > 1.9).any()
-    # 2 m/s2 is 0.45 px more in each tick of 15 ms; whole pixels are driven
+    # 2 m/s2 adds 0.45 px per tick of 15 ms; only whole pixels are driven
     assert heavy.max() > 1.9 and np.diff(heavy).max() < 1.1 and np.diff(heavy).min() > -1.1
 
 
@@ -252,7 +254,7 @@ def test_a_wall_in_the_way_hides_the_target_so_the_robot_heads_for_a_lit_cell():
 
 
 def test_a_signal_is_worth_half_behind_each_wall_cell():
-    # from cell (7, 6): (8, 6) is 16 off behind two walls, so 64; (8, 5) is 17 off behind one, so 34
+    # from cell (7, 6): (8, 6) is at 16 behind two walls, so 64; (8, 5) is at 17 behind one, so 34
     cells = lit([(9, 6), (10, 6)])
     assert sensed(cells, 75.0, 65.0) == math.pi
     assert sensed(cells, 75.0, 65.0, signal=thesis_parts.WEAKENED) == bearing(10.0, -10.0)
@@ -262,7 +264,7 @@ def test_a_directed_sensor_sees_only_what_lies_ahead():
     ahead = sensed(lit(), 65.0, 65.0, heading=math.pi, sensor_field=1.0)
     away = sensed(lit(), 65.0, 65.0, heading=0.0, sensor_field=1.0)
     assert ahead == pytest.approx(math.pi)
-    assert away == bearing(0.0, 0.0)  # nothing better in sight than where it is: its own cell
+    assert away == bearing(0.0, 0.0)  # no better cell in sight than its own
 
 
 def test_a_noisy_sensor_errs_anew_in_each_tick_and_the_same_again():
@@ -277,8 +279,8 @@ def test_a_noisy_sensor_errs_anew_in_each_tick_and_the_same_again():
 
 
 def test_a_coarse_map_makes_the_robot_head_for_the_middle_of_blocks():
-    # blocks of 4 cells: from cell (2, 2) the best neighbour holds the cells (4..7, 4..7), its
-    # middle is (60, 60) px
+    # blocks of 4 cells: from cell (2, 2) the best neighbour has the cells (4..7, 4..7); its middle
+    # is (60, 60) px
     assert sensed(lit(), 25.0, 25.0, map_scale=4) == bearing(60.0 - 25.0, 60.0 - 25.0)
     assert (
         sensed(lit(), 125.0, 78.0, map_scale=4) == math.pi / 2
@@ -372,7 +374,7 @@ def test_a_robot_that_rolls_out_or_is_interrupted_drives_in_every_escape(switche
     states = run(world, record=True, steps=3000, **switches).trace.states
     assert (
         states[:, STATE_FIELDS.index("old_speed")].copy().view(float) > 0
-    ).all()  # the speed that an escape goes back to
+    ).all()  # the speed that an escape returns to
 
 
 @pytest.mark.parametrize("noise", [False, True])

@@ -1,4 +1,4 @@
-"""The recorded runs of the thesis's program come out again, bit for bit."""
+"""The recorded runs of the thesis's program are reproduced, bit for bit."""
 
 import json
 from dataclasses import replace

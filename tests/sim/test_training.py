@@ -1,4 +1,4 @@
-"""A learner that a world traps is taught in it, and is no longer trapped."""
+"""A learner that is trapped in a world trains in it, and is no longer trapped."""
 
 import json
 import re
@@ -138,7 +138,7 @@ def test_what_cannot_be_trained_is_refused(tmp_path):
 
 @pytest.fixture
 def escaper(tmp_path, monkeypatch):
-    """The class of the page, in a file of the working directory, and a world."""
+    """The class from the page, in a file in the working directory, and a world."""
     page = Path(__file__).parents[2] / "docs/reference/behaviours.md"
     source = re.search(r"```python\n(# learner\.py\n.*?)```", page.read_text("utf-8"), re.DOTALL)
     (tmp_path / "learner.py").write_text(source[1])

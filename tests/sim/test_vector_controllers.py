@@ -1,6 +1,6 @@
 """Controllers that act for many robots at once.
 
-Their runs in lockstep are the single runs, bit for bit.
+Their runs in lockstep equal the single runs, bit for bit.
 """
 
 import math
@@ -23,7 +23,7 @@ STEP = 0.015  # s
 
 @dataclass(frozen=True)
 class TurnsAway:
-    """Ahead; after a bump to the left for some steps, as many as chance says."""
+    """Drives ahead; after a bump, turns left for a random number of steps."""
 
     senses = ("bump", "random")
     chance: float = 20.0
@@ -42,7 +42,7 @@ class TurnsAway:
 
 @dataclass(frozen=True)
 class AlwaysTheSame(TurnsAway):
-    """A right angle to the left after a bump, then a rest; no chance, so that it loops."""
+    """Turns left by a right angle after a bump, then pauses; without randomness, so that it loops."""
 
     senses = ("bump",)
 
@@ -56,7 +56,7 @@ class AlwaysTheSame(TurnsAway):
 
 @dataclass(frozen=True)
 class OneByOne:
-    """The same as a Python class for one robot."""
+    """The same controller as a Python class for one robot."""
 
     many: TurnsAway
     senses = ("bump", "random")
@@ -139,7 +139,7 @@ def test_one_that_raises_crashes_where_it_does_alone():
                 raise ValueError("unlucky")
             return super().act_many(observation, memory)
 
-    with pytest.warns(UserWarning, match="Raises raised for some of many robots"):
+    with pytest.warns(UserWarning, match="Raises raised an exception for some of its robots"):
         runs = simulate_many(arena(), Raises(), seeds=20, steps=1)
     assert 2 <= (runs.verdicts == "crash").sum() <= 12 and set(runs.verdicts) == {
         "crash",
@@ -201,10 +201,12 @@ def test_memory_and_commands_must_keep_their_shapes():
             return Commands(observation.beams[:, :0].sum(axis=1) + np.ones((1, 1))), memory
 
     assert (
-        "came back in shape (1,), but was given in shape (1, 1)"
+        "returned memory has shape (1,), but its shape was (1, 1)"
         in simulate(arena(), Flat()).evidence.error
     )
-    assert "speed is of shape (1, 1) for 1 robots" in simulate(arena(), Wide()).evidence.error
+    assert (
+        "speed has shape (1, 1), but there are 1 robots" in simulate(arena(), Wide()).evidence.error
+    )
 
 
 def loops(world):
@@ -222,7 +224,7 @@ def test_nonsense_gets_the_verdict_that_it_gets_alone(speed, verdict):
 
     assert simulate(arena(), Nonsense()).verdict == verdict
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # that it is run one by one
+        warnings.simplefilter("ignore", UserWarning)  # the warning that it is run one by one
         runs = simulate_many(arena(), Nonsense(), seeds=3)
     assert runs.verdicts.tolist() == [verdict] * 3
 

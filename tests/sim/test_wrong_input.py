@@ -1,6 +1,6 @@
-"""What is handed to the simulator from Python.
+"""Arguments passed to the simulator from Python:
 
-Classes and objects alike, and a sentence for what does not fit.
+classes and objects are accepted, and unsuitable ones give an error message.
 """
 
 import math

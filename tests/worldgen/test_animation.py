@@ -1,4 +1,4 @@
-"""What the frames of an animated GIF show."""
+"""The frames of an animated GIF."""
 
 import dataclasses
 import io
@@ -25,7 +25,7 @@ def world(**changes):
 
 
 def eastwards(steps=40, loop_from=None):
-    """From x = 0.35 to 1.55 m at y = 0.75 m, a step each second."""
+    """From x = 0.35 to 1.55 m at y = 0.75 m, one step per second."""
     times = np.arange(steps + 1.0)
     trail = Trail(0.35 + 1.2 * times / steps, np.full(steps + 1, 0.75), loop_from)
     return Drive("east", trail, times, np.zeros(steps + 1), 1.0)

@@ -1,4 +1,6 @@
-"""Gazebo worlds of posts: BARN's idiom both ways, others' shapes, and XML that is meant to hurt."""
+"""Gazebo worlds of posts: reading and writing BARN's form, shapes in other files, and malicious
+XML.
+"""
 
 import numpy as np
 import pytest
@@ -35,7 +37,7 @@ def posts(places, radius="0.075000"):
 
 @pytest.fixture
 def found(tmp_path):
-    """Reads a world with these models in it."""
+    """Read a world with these models."""
 
     def read(models, **options):
         path = tmp_path / "w.world"
@@ -102,7 +104,11 @@ def test_what_stops_no_robot_is_left_out_and_what_is_not_read_is_named(found):
         back.walls.all()
         and "2 shapes that lie flat on the floor, or above 2 m, are ignored" in back.notes
     )
-    assert back.unread == ("1 model of other files", "1 shape of <mesh>", "1 tilted shape of <box>")
+    assert back.unread == (
+        "1 model from other files",
+        "1 shape of <mesh>",
+        "1 tilted shape of <box>",
+    )
 
 
 @pytest.mark.parametrize(
@@ -165,9 +171,9 @@ BOMB = (
 )
 def test_xml_that_is_meant_to_hurt_is_refused_with_its_line(data, expected):
     with raises(FormatError, **expected):
-        read_xml(data, "w")
+        read_xml(data)
 
 
 def test_text_and_attributes_are_read_whatever_piece_they_came_in():
-    root = read_xml(b"<a b='1'><c>" + b"x" * 200_000 + b"<d/>y&amp;z</c></a>", "w")
+    root = read_xml(b"<a b='1'><c>" + b"x" * 200_000 + b"<d/>y&amp;z</c></a>")
     assert root.attributes == {"b": "1"} and root.word("c") == "x" * 200_000 + "y&z"

@@ -1,4 +1,4 @@
-"""Merged boxes against what trying everything finds."""
+"""Merged boxes are compared with an exhaustive search."""
 
 import functools
 
@@ -22,7 +22,7 @@ def masks(height, width):
 
 @functools.cache
 def fewest(bits):
-    """How many boxes cover the bits of a grid of ``SIDES``, each once.
+    """Return how many boxes cover the bits of a grid of ``SIDES``, each exactly once.
 
     Some box has the first cell as a corner.
     """

@@ -1,4 +1,4 @@
-"""A census: what is asked of every map, what a point on the grid can do, and how it is counted."""
+"""A census: the questions about every map, the paths of a point on the grid, and the counts."""
 
 from collections import deque
 from dataclasses import replace
@@ -66,7 +66,7 @@ def questions(draw):
 
 
 def flooded(free, start, target, moves):
-    """Whether moves over free cells lead from one to the other: a planner of few words."""
+    """Return whether moves over free cells lead from one to the other: a minimal planner."""
     seen, left = {start}, deque([start] if free[start] else [])
     while left:
         row, column = left.popleft()
@@ -80,7 +80,9 @@ def flooded(free, start, target, moves):
 
 
 def inflated(walls, blocks):
-    """Free cells of which no solid one, nor one of the ring outside, is near enough to block them."""
+    """Return the free cells that no solid cell, or cell of the ring outside, is near enough to
+    block.
+    """
     padded = np.pad(walls, 1, constant_values=True)
     solid_cells = np.argwhere(padded) - 1
     free = np.zeros_like(walls)
@@ -228,12 +230,12 @@ def test_ctrl_c_keeps_what_was_found():
 def test_a_map_without_two_free_cells_is_refused_and_the_next_one_judged():
     census = take_census([rows_map("#.", "##", name="full"), rows_map(*GAP)])
     assert [refused.name for refused in census.refused] == ["full"] and census.maps == 1
-    assert "no two free cells" in census.refused[0].reason
+    assert "not have two free cells" in census.refused[0].reason
 
 
 def test_a_map_without_room_for_the_largest_disc_is_refused_where_clear_ends_are_asked_for():
     census = asked(rows_map(*GAP), Radius(9.0, True), clear_ends=True)
-    assert "no two free cells in which a disc of 9 cells has room" in census.refused[0].reason
+    assert "not have two free cells in which a disc of 9 cells has room" in census.refused[0].reason
 
 
 def test_shares_come_with_clopper_and_pearsons_interval():

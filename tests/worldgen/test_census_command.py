@@ -1,4 +1,4 @@
-"""``worldgen census``: what a user types, sees, and is told about a source that is none."""
+"""``worldgen census``: its options, its output, and its errors for invalid sources."""
 
 import csv
 import io
@@ -231,7 +231,7 @@ def test_maps_in_metres_are_checked_like_the_others(generator):
     assert {one["name"]: one["reason"].split("; ")[0] for one in found["refused"]} == {
         "list": "the walls have shape (0,) and type float64",
         "flat": "the walls have shape (4,) and type bool",
-        "greys": "walls hold numbers other than 0 and 1",
+        "greys": "the walls have values other than 0 and 1",
         "none": "cell_size=nan m is outside 1e-06 to 1e+06 m",
         "word": "cell_size='1 m' is not a number",
     }
@@ -294,7 +294,7 @@ WRONG = [
     (["GEN:breaks_at_once"], "failed: RuntimeError: no mazes"),
     (["GEN:leaves"], "ends Python (SystemExit: 3)"),
     (["./none.py:maps"], "no such file"),
-    (["EMPTY", "--option", "side=3"], "option is for a generator, and none is named"),
+    (["EMPTY", "--option", "side=3"], "an option is for a generator, but none is named"),
     (["GEN:few", "--out", "EMPTY/words.md"], "is a file; name a folder"),
     (["GEN:few", "--out", "EMPTY"], "is not empty; give --force"),
     (["GEN:few", "--csv", "EMPTY/words.md"], "already exists"),

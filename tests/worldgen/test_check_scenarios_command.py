@@ -1,4 +1,4 @@
-"""``worldgen check-scenarios``: published lengths agree, and what does not is told."""
+"""``worldgen check-scenarios``: published lengths agree, and differences are reported."""
 
 import csv
 import io
@@ -24,7 +24,7 @@ def problems(*rows, version="1", size=(5, 5), name="here.map"):
 
 @pytest.fixture
 def check(tmp_path):
-    """Gives what the command prints as JSON of a map and a scenario file, and its exit code."""
+    """Return the command's JSON output for a map and a scenario file, and its exit code."""
 
     def run(scenario, rows=ROWS, options=()):
         (tmp_path / "here.map").write_text(octile(rows))
@@ -51,7 +51,10 @@ def test_paths_stay_on_ground_on_water_or_among_trees(check):
 def test_a_wrong_length_is_told_with_ours(check):
     found, code = check(problems((0, 0, 4, 0, 4), (0, 0, 4, 0, 4.001)))
     assert (found["agree"], found["differ"], code) == (1, 1, 1)
-    assert "the shortest path has 4 cells, published are 4.001" in found["reports"][0]["fault"]
+    assert (
+        "the shortest path has 4 cells, the published length is 4.001"
+        in found["reports"][0]["fault"]
+    )
 
 
 def test_two_decimals_are_enough_in_version_1_0(check):
@@ -91,7 +94,7 @@ def test_rows_are_drawn_by_seed(check):
                                                                                   "each"),
         (problems((0, 0, 1, 0, 1), size=(99999, 99999)), "sides of 1 to"),
         (problems((0, 0, 1, 0, 1), size=(8000, 8000)), "the limit for solving"),
-        ("version 2\n", "belongs"),
+        ("version 2\n", "in place of"),
     ],
     ids=["outside", "no-map", "two-maps", "two-sizes", "beyond", "too-large", "no-scenario"],
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What docs/howto/compose.md shows is so."""
+"""The statements in docs/howto/compose.md are true."""
 
 import re
 from pathlib import Path

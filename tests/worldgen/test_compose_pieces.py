@@ -1,4 +1,4 @@
-"""Pieces: operations that undo each other, and what two pieces make together."""
+"""Pieces: operations that undo each other, and combinations of two pieces."""
 
 import dataclasses
 

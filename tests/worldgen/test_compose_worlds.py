@@ -24,7 +24,7 @@ def test_the_independent_checker_accepts_the_witness_of_a_composed_world(
 
     try:
         world = first_solvable(build, seed)
-    except (GenerationFailed, InvalidWorld):  # the piece may leave no way, in every layout
+    except (GenerationFailed, InvalidWorld):  # the piece may close the path in every layout
         reject()
     report = check_certificate(world)
     assert isinstance(world.certificate, Witness) and report.valid, report.reason

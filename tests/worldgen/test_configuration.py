@@ -24,7 +24,7 @@ class Robot:
 
 @pytest.fixture
 def project(tmp_path, monkeypatch):
-    """A folder with a controller, and what writes its ``pyproject.toml``."""
+    """A folder with a controller, and a function that writes its ``pyproject.toml``."""
     (tmp_path / "robot.py").write_text(BLIND)
     monkeypatch.chdir(tmp_path)
     configuration._project.cache_clear()
@@ -134,7 +134,7 @@ def test_a_file_that_a_stranger_put_above_the_folder_is_not_read(project, monkey
 
 @pytest.fixture
 def stranger(monkeypatch):
-    """Another user, to whom everything belongs whose name begins with pyproject."""
+    """Another user, who owns every file whose name begins with pyproject."""
     strange = os.geteuid() + 1
 
     def owned(status):
@@ -231,7 +231,7 @@ def test_a_hidden_package_is_an_error_even_if_quiet(monkeypatch, capsys):
 
 
 def commands(group, *names):
-    """Every command below a group with the names that lead to it; of the families one."""
+    """Return every command below a group with its full name; only one of the families."""
     context = click.Context(group)
     families = registered("worldgen.families") if group is cli else []
     for name in group.list_commands(context):

@@ -1,4 +1,4 @@
-"""Ctrl-C is heard, wherever it falls."""
+"""Ctrl-C is noticed, whenever it is pressed."""
 
 import _thread
 import gc
@@ -16,7 +16,7 @@ from worldgen.cli.ctrl_c import no_ctrl_c_lost
 
 @pytest.fixture(autouse=True)
 def usual():
-    """Ctrl-C as Python has it, whatever the tests were started with."""
+    """Restore Python's handling of Ctrl-C, however the tests were started."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -103,7 +103,7 @@ def test_one_that_falls_where_nobody_can_catch_it_is_heard_once_after_it(
             fall(press)
             time.sleep(60)
             happened.append("waited to the end")
-        until_nobody_repeats_it()  # a second one would be raised in here
+        until_nobody_repeats_it()  # a second one would be raised here
     assert happened == ["pressed"]
 
 

@@ -1,4 +1,4 @@
-"""Metrics of worlds whose answers are known by hand."""
+"""Metrics of worlds with known values."""
 
 import math
 from dataclasses import replace

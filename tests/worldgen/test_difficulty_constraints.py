@@ -1,4 +1,4 @@
-"""Constraints about metrics: what they mean, and what is not a constraint."""
+"""Constraints on metrics: their meaning, and invalid ones."""
 
 import math
 
@@ -34,7 +34,7 @@ FALSE = [
     "2 < detour < 3",
     "bottleneck < 1.2r",
     "detour > 9 and length > 5",
-    "concavity < 1",  # which these worlds lack
+    "concavity < 1",  # which these worlds do not have
     "not concavity < 1",
     "concavity == concavity",
     "detour / 0 > 1",

@@ -1,4 +1,6 @@
-"""Each metric against a second way to it, against worlds known by hand, and under turning, mirroring and scaling."""
+"""Each metric, compared with a second computation and with known worlds, and under rotation,
+mirroring and scaling.
+"""
 
 import itertools
 import math
@@ -87,7 +89,7 @@ def test_a_u_before_the_robot_is_a_pocket_as_deep_as_its_arms():
     ]
     world = drawn(*rows, "#.........#", "#....S....#", "###########", radius=0.3)
     found = measure(replace(world, certificate=None))
-    # Under the crossbar the robot is 3 from the target; past an arm's foot it comes at 3.5 aside
+    # Under the crossbar the robot is 3 from the target; it passes an arm's foot at 3.5 to the side
     # and 5 below.
     assert found.concavity == pytest.approx(math.hypot(3.5, 5.0) - 3.0, rel=1e-5)
     assert found.retreat == pytest.approx(math.hypot(3.5, 5.0) - 6.0, rel=1e-5)
@@ -100,7 +102,7 @@ def test_where_every_way_leads_back_it_is_said_how_far():
     assert found.retreat == pytest.approx(farthest - math.hypot(3, 2), rel=1e-5)
     assert found.concavity == pytest.approx(
         farthest - 2.0, rel=1e-5
-    )  # the blind end is right below the target
+    )  # the dead end is right below the target
 
 
 @pytest.mark.nightly
@@ -114,7 +116,9 @@ def test_pockets_are_those_of_a_search_over_levels(name, seed):
 
 
 def _by_levels(world, nodes):
-    """Concavity and retreat by asking, for every level, which nodes are connected below it."""
+    """Compute concavity and retreat by finding, for every level, which nodes are connected below
+    it.
+    """
     clear, middle = nodes.graph.clear, nodes.graph.middle
     tx, ty = (float(value) / 512 for value in target_disc(world)[:2])
     reach = float(target_disc(world).radius) / 512
@@ -165,7 +169,7 @@ def test_decisions_in_a_perfect_maze_are_the_junctions_on_its_way(monkeypatch, p
 
 
 def _junctions(world, links, pitch):
-    """Chambers with three or more openings on the way over the tree from start to target."""
+    """Chambers with three or more openings on the path along the tree from start to target."""
     start, target = (
         (int((end.x / world.cell_size - 1) // pitch), int((end.y / world.cell_size - 1) // pitch))
         for end in (world.start, world.target)

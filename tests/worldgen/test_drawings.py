@@ -1,4 +1,4 @@
-"""Drawings and arrays on the way out; on the way in they are tested with the command."""
+"""Writing drawings and arrays; reading them is tested with the command."""
 
 import io
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Errors as data: what a program reads of them, and how they read."""
+"""Errors as data: what a program can read from them, and how they read as text."""
 
 import json
 import pickle

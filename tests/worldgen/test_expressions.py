@@ -1,4 +1,4 @@
-"""Expressions that stand for a number: their values, and faults with a mark under the place."""
+"""Expressions that compute a number: their values, and errors with a mark under the place."""
 
 import pytest
 from hypothesis import given

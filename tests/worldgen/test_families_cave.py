@@ -1,4 +1,4 @@
-"""Caves: all floor is the robot's, halls hang together, shapes differ, and nothing needs luck."""
+"""Caves: the robot can reach all floor, halls are connected, shapes differ, and every seed works."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""``worldgen FAMILY``: options from the family, worlds to files or stdout, nothing made is lost."""
+"""``worldgen FAMILY``: options from the family, worlds to files or stdout, no world is lost."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""Corridors: exactly the bends, blind ends and loops that were asked for."""
+"""Corridors have exactly the requested bends, dead ends and loops."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from worldgen.families.builtin.corridor import corridor
 from worldgen.family import stream_for
 
 SEEDS = st.integers(0, 2**64 - 1)
-THIN = {"robot_radius": 0.05}  # one cell wide: every free cell is a step of the way
+THIN = {"robot_radius": 0.05}  # one cell wide: every free cell is a step of the path
 STEPS = ((0, 1), (1, 0), (0, -1), (-1, 0))
 
 
@@ -28,7 +28,7 @@ def ways_from(walls, at):
 
 
 def counted(world):
-    """Bends on the way from start to target of a one-cell corridor without side ways."""
+    """Bends on the path from start to target in a one-cell corridor without branches."""
     at, end, bends = cell(world, world.start), cell(world, world.target), 0
     (heading,) = ways_from(world.walls, at)
     while at != end:
@@ -41,7 +41,7 @@ def counted(world):
 
 
 def network(world):
-    """Free cells, links between them, and cells with one link, of a one-cell network."""
+    """Return the free cells, links between them, and cells with one link, of a one-cell network."""
     free = ~world.walls
     links = int((free[1:] & free[:-1]).sum() + (free[:, 1:] & free[:, :-1]).sum())
     around = sum(np.roll(free, shift, axis) for shift in (1, -1) for axis in (0, 1))

@@ -1,4 +1,4 @@
-"""Corridors with a plan, narrow places, and widths in widths of the robot."""
+"""Corridors with a plan, narrow places, and widths in robot widths."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,9 @@ def layout(seed=0, **params):
 
 
 def degrees(world):
-    """Of each free cell, how many of its four neighbours are free, of a corridor one cell wide."""
+    """Return for each free cell how many of its four neighbours are free, in a corridor one cell
+    wide.
+    """
     free = ~world.walls
     return np.where(
         free, sum(np.roll(free, shift, axis) for shift in (1, -1) for axis in (0, 1)), 0
@@ -32,7 +34,7 @@ def degrees(world):
 
 
 def corners(world):
-    """Free cells with one free neighbour in x and one in y and no more."""
+    """Return free cells with exactly one free neighbour in x and one in y."""
     free = ~world.walls
     beside = [sum(np.roll(free, shift, axis).astype(int) for shift in (1, -1)) for axis in (0, 1)]
     return int((free & (beside[0] == 1) & (beside[1] == 1)).sum())

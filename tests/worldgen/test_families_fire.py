@@ -1,4 +1,4 @@
-"""Fire: it spreads from cell to cell, closes and opens ways, and leaves the robot a chance."""
+"""Fire spreads from cell to cell, closes and opens paths, and leaves the robot a path."""
 
 import dataclasses
 
@@ -28,7 +28,7 @@ def layout(seed=0, **params):
 
 
 def burning(world):
-    """When each cell catches, and when and as what it comes out of the fire."""
+    """Return when each cell catches fire, and when and in which state it stops burning."""
     caught, out = {}, {}
     for event in world.timeline:
         place = event.iy, event.ix
@@ -163,13 +163,13 @@ def test_without_burn_through_no_wall_changes():
 @pytest.mark.gate
 @every_ground
 def test_burn_through_opens_ways_that_the_disc_fits_through(over):
-    """Holes alone, without debris: some of them make the way from start to target shorter."""
+    """Only holes, without debris: some of them shorten the path from start to target."""
     shorter = 0
     for seed in range(20):
         world = layout(seed, over=over, debris=0.0, burn_through=8, size=40)
         ground = dataclasses.replace(world, timeline=Timeline())
         now, later = (decide(each).certificate.length for each in (ground, in_the_end(world)))
-        assert later <= now + 0.1  # a shortened way is a little random
+        assert later <= now + 0.1  # the length of a shortened path varies a little
         shorter += later < now - 0.1
     assert shorter >= 3
 
@@ -200,7 +200,9 @@ def test_what_is_left_in_the_end_lets_the_robot_through(
 @pytest.mark.gate
 @pytest.mark.parametrize("robot_radius", [0.05, 0.15, 0.2])
 def test_debris_never_shuts_the_target_in(robot_radius):
-    """A robot as wide as whole cells has nothing to spare; its target may lie between two cells."""
+    """A robot that is a whole number of cells wide has no room to spare; its target may be between
+    two cells.
+    """
     for seed in range(40):
         world = layout(
             seed, over="trap", size=25, robot_radius=robot_radius, debris=1.0, spread_cells=1000
@@ -224,7 +226,7 @@ def test_every_hole_joins_floor_to_floor(seed, over):
 @pytest.mark.gate
 @every_ground
 def test_fire_is_in_the_way_of_most_robots(over):
-    """The witness takes longer than it would without fire: it waits, or goes round."""
+    """The witness takes longer than it would without fire: it waits, or makes a detour."""
     late = 0
     for seed in range(20):
         world = generate("fire", seed, over=over)

@@ -1,4 +1,6 @@
-"""What fire can be told: where it breaks out, how it spreads, what it leaves, and how late the robot may be."""
+"""Options of fire: where it breaks out, how it spreads, what it leaves, and how late the robot may
+be.
+"""
 
 import itertools
 import math
@@ -22,7 +24,7 @@ GROUNDS = st.sampled_from(STILL)
 
 
 def outbreaks(world):
-    """Cells that catch from no other, by time."""
+    """Return the cells that do not catch fire from another cell, by time."""
     caught, _ = burning(world)
     alone = [
         place

@@ -1,4 +1,4 @@
-"""Forests: gaps are exact, trunks round and as thick as asked, and nothing needs luck."""
+"""Forests: gaps are exact, trunks are round and as thick as requested, and every seed works."""
 
 import subprocess
 import sys
@@ -28,12 +28,14 @@ def layout(seed=0, **params):
 
 
 def trunks(world):
-    """Each cell's trunk, 0 where there is none; only for gaps of more than one cell."""
+    """Return each cell's trunk, 0 if there is none; only for gaps of more than one cell."""
     return ndimage.label(np.pad(world.walls[1:-1, 1:-1], 1), np.ones((3, 3)))
 
 
 def least_gap_sq(world):
-    """Squared least distance between the cells of two trunks, or of a trunk and the border, in cells."""
+    """Return the squared least distance between the cells of two trunks, or of a trunk and the
+    border, in cells.
+    """
     labels, count = trunks(world)
     labels[[0, -1], :] = labels[:, [0, -1]] = count + 1
     cells = np.argwhere(labels)
@@ -52,7 +54,7 @@ def test_no_two_trunks_are_closer_than_the_gap(seed, growth, gap, robot_radius):
 def test_the_gap_is_not_larger_than_it_must_be():
     assert (
         min(least_gap_sq(layout(seed, gap=1.0)) for seed in range(5)) == 2
-    )  # 1.4 cells asked, the root of 2 kept
+    )  # 1.4 cells requested, the root of 2 kept
 
 
 @given(SEEDS, GROWTHS, st.integers(1, 6), st.integers(0, 4))

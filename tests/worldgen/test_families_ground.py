@@ -1,4 +1,4 @@
-"""The ground of a world that changes: any family, with parameters of its own."""
+"""The ground of a world that changes: any family, with its own parameters."""
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def test_a_grounds_own_parameters_can_be_set(name, over, same, monkeypatch):
 
 
 class _Spy:
-    """A family whose build is watched."""
+    """A family that records its calls."""
 
     def __init__(self, below, build):
         self._below, self.build = below, build

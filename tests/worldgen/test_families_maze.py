@@ -1,4 +1,6 @@
-"""Mazes: uniform where promised, filled, braided as asked, the same however many words a call gets."""
+"""Mazes: uniform where promised, filled, braided as requested, and independent of the number of
+words per call.
+"""
 
 import dataclasses
 import re
@@ -23,7 +25,7 @@ from worldgen.families.parts.mazes import (
     grow,
     open_sides,
     shape_mask,
-    spanning_tree,
+    winding_tree,
 )
 from worldgen.families.parts.mazes.board import ROOT, links_of_parents
 from worldgen.families.parts.mazes.shapes import LEAST
@@ -48,7 +50,7 @@ def full(rows, columns):
 
 
 def chi_square(algorithm, draws=40 * SPANNING_TREES_OF_3_BY_3):
-    """Distance of the 3 x 3 trees drawn from all being equally often; 191 degrees of freedom."""
+    """Return how far the 3 x 3 trees drawn are from equal frequencies; 191 degrees of freedom."""
     counts = Counter(
         grow(RandomStream(seed), full(3, 3), algorithm).tobytes() for seed in range(draws)
     )
@@ -66,7 +68,7 @@ def test_every_tree_is_drawn_equally_often(algorithm):
 @pytest.mark.nightly
 @pytest.mark.parametrize("algorithm", some(BIASED, 2))
 def test_the_others_favour_some_trees(algorithm):
-    assert chi_square(algorithm) > 350.0  # a fair sampler does not come so far in 10**9 tries
+    assert chi_square(algorithm) > 350.0  # a fair sampler does not get this far in 10**9 tries
 
 
 def test_there_are_as_many_trees_as_kirchhoff_counts():
@@ -102,7 +104,7 @@ def assert_is_a_tree(links, mask):
 
 
 class SameStream(RandomStream):
-    """A stream whose children are itself."""
+    """A stream that returns itself as its children."""
 
     def child(self, *labels):
         return self
@@ -134,11 +136,10 @@ def test_a_mask_in_two_parts_is_refused():
             grow(RandomStream(1), mask, algorithm)
 
 
-@pytest.mark.parametrize("algorithm", ["wilson", "backtracker"])
-def test_a_spanning_tree_names_parents_up_to_one_root(algorithm):
-    tree = spanning_tree(RandomStream(2), 5, 4, algorithm)
+def test_a_winding_tree_names_parents_up_to_one_root():
+    tree = winding_tree(RandomStream(2), 5, 4)
     assert tree.shape == (4, 5) and (tree == ROOT).sum() == 1
-    assert np.array_equal(links_of_parents(tree), grow(RandomStream(2), full(4, 5), algorithm))
+    assert np.array_equal(links_of_parents(tree), grow(RandomStream(2), full(4, 5), "backtracker"))
 
 
 @pytest.mark.parametrize("algorithm", some(ALGORITHMS))

@@ -1,4 +1,4 @@
-"""Office plans: every room has a door, sizes are as asked for, shut doors leave one way."""
+"""Office plans: every room has a door, sizes are as requested, shut doors leave one path."""
 
 import subprocess
 import sys
@@ -31,7 +31,7 @@ def run_lengths(cells):
 
 
 def window_components(world, side):
-    """Components of the places at which a square of so many cells is free."""
+    """Return the components of the places at which a square of this many cells is free."""
     return ndimage.label(ndimage.binary_erosion(~world.walls, np.ones((side, side))))[1]
 
 

@@ -1,4 +1,6 @@
-"""Collapsed buildings: ruined where they should be, a survivor in a pocket, and always a way in."""
+"""Collapsed buildings: ruined where they should be, a survivor in a pocket, and always a path to
+it.
+"""
 
 import subprocess
 import sys

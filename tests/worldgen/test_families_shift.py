@@ -1,4 +1,4 @@
-"""The thesis's world shifter: mirrored cells change places, now and then, and never the target's."""
+"""The thesis's world shifter: mirrored cells swap at times, but never the target's."""
 
 import dataclasses
 
@@ -81,9 +81,9 @@ def test_the_targets_cells_stay_as_they_are(seed, over):
 
 
 def test_about_one_draw_in_ten_swaps():
-    """Of the draws that would swap a wall and a free cell.
+    """Share of the draws that would swap a wall and a free cell.
 
-    The more are swapped, the fewer cells differ.
+    The more cells are swapped, the fewer differ.
     """
     params = {"over": "corridor", "size": 20, "duration": 600.0}
     tenth, every = (
@@ -101,7 +101,7 @@ def test_without_chance_or_time_nothing_changes(params):
 @pytest.mark.gate
 @pytest.mark.parametrize(("over", "interval"), [("trap", 0.02), ("corridor", 0.2), ("maze", 0.1)])
 def test_often_enough_swaps_are_in_the_way_of_a_robot_that_knows_nothing_of_them(over, interval):
-    """The witness of the world as it is at first does not hold; the one that is given does."""
+    """The witness of the initial world does not hold, but the given one does."""
     struck = 0
     for seed in range(8):
         world = generate("shift", seed, over=over, interval=interval, chance=1.0, duration=6.0)

@@ -1,4 +1,4 @@
-"""Traps: depth, mouth and turn are what was asked for, and the trap lies between start and target."""
+"""Traps: depth, mouth and turn are as requested, and the trap is between start and target."""
 
 from typing import get_args
 
@@ -25,7 +25,7 @@ def layout(seed=0, **params):
 
 
 def obstacle(world, turn):
-    """The obstacle alone, cut out of the arena and turned back so that its mouth opens to +x."""
+    """Return the obstacle, cut out of the arena and rotated so that its mouth opens to +x."""
     inside = np.rot90(world.walls[1:-1, 1:-1], turn)  # rows go up, so this is clockwise
     rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
     return inside[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
@@ -55,7 +55,7 @@ def run_lengths(cells):
 
 
 def corners(cells):
-    """Turns of a wall one cell thick."""
+    """Count the turns of a wall one cell thick."""
     wall = np.pad(cells, 1)
     beside = (np.roll(wall, 1, 1) | np.roll(wall, -1, 1)) & (
         np.roll(wall, 1, 0) | np.roll(wall, -1, 0)

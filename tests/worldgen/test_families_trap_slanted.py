@@ -1,6 +1,6 @@
-"""Later shapes of traps, and all of them at any angle: closed.
+"""Other shapes of traps, and all shapes at any angle: closed,
 
-As large as asked, between start and target.
+as large as requested, between start and target.
 """
 
 import math
@@ -31,7 +31,7 @@ def layout(seed=0, **params):
 
 
 def obstacle(world):
-    """The obstacle alone, cut out of the arena."""
+    """Return the obstacle, cut out of the arena."""
     inside = world.walls[1:-1, 1:-1]
     rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
     return inside[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
@@ -99,7 +99,7 @@ def test_a_v_is_pointed_and_closed(seed, depth, mouth, thickness):
     )
     assert ndimage.label(cells)[1] == 1
     gaps = [np.diff(np.flatnonzero(column)).max() - 1 for column in cells.T if column.sum() > 1]
-    assert gaps[0] < gaps[-1] and gaps[-1] >= mouth  # widens to its mouth
+    assert gaps[0] < gaps[-1] and gaps[-1] >= mouth  # becomes wider towards its mouth
 
 
 @given(SEEDS, SHAPES, st.integers(1, 89), st.sampled_from([1, 2]))

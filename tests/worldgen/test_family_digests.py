@@ -1,8 +1,8 @@
-"""Families: every seed yields the bytes that it yielded when its digest was stored.
+"""Families: every seed yields the same bytes as when its digest was stored.
 
 ``tests/data/family_digests.json`` holds a digest of the layouts of 200 seeds for each family and
-many of its parameters. A family whose layouts change on purpose gets a new version, and its digests
-are stored again.
+many of its parameters. If a family's layouts change on purpose, raise its version and store its
+digests again.
 """
 
 import hashlib
@@ -21,7 +21,7 @@ STORED = json.loads(
 
 
 def parameters(family, words):
-    """Return a family's parameters from ``name=value``, the rest as its defaults."""
+    """Return a family's parameters from ``name=value``, with defaults for the rest."""
     types = {parameter.name: type(parameter.default) for parameter in family.parameters}
     given = dict(word.split("=", 1) for word in words)
     return family.complete({name: types[name](value) for name, value in given.items()})

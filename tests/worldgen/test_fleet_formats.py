@@ -39,12 +39,12 @@ robots:
 
 @pytest.fixture(scope="module")
 def fleet():
-    """Three robots, each with start and target in cells of its own."""
+    """Three robots, each with start and target in its own cells."""
     return generate("warehouse", 3, robots=3, robot_radius=0.04, size=20, aisle=1, shelf_depth=1)
 
 
 def exported(world, name, tmp_path, file):
-    """The main file of an export, written with all that belongs to it but the sidecar."""
+    """Return the main file of an export, written with all of its files except the sidecar."""
     export = export_world(world, name, file=file, sidecar=False)
     for beside, data in export.files.items():
         (tmp_path / beside).write_bytes(data)
@@ -288,7 +288,7 @@ def test_a_fault_in_a_robots_table_is_one_message(tmp_path, old, new, code, line
     _, path = pogema_with_sidecar(tmp_path)
     sidecar = tmp_path / "w.pogema.worldgen.toml"
     text = sidecar.read_text()
-    # A table of that name can be there only once.
+    # There can be only one table with that name.
     if new == "[robot]":
         text = text.rpartition("\n[[robot]]")[0] + "\n"
     assert old in text

@@ -1,7 +1,7 @@
 """Folders of other people's maps.
 
 ``WORLDGEN_FOREIGN_MAPS=FOLDER python -m pytest -m nightly`` reads them all. docs/howto/census.md
-says which ones were read, and what came of it.
+lists which ones were read, and the results.
 """
 
 import os
@@ -28,7 +28,7 @@ _RULES = ("negate", "occupied_thresh", "free_thresh")
 
 
 def ros_pairs():
-    """YAML files that have a map's keys and whose picture is there."""
+    """Return YAML files that have a map's keys and whose picture exists."""
     files = sorted(Path(FOLDER or ".").rglob("*.y*ml")) if FOLDER else []
     for path in files:
         try:
@@ -44,7 +44,7 @@ def ros_pairs():
 def expected(keys, picture):
     """Solid cells, row 0 the lowest, as map_server publishes them.
 
-    What it does not know is solid.
+    Unknown cells are solid.
     """
     with Image.open(picture) as image:
         colours = image.convert("RGBA")

@@ -1,4 +1,4 @@
-"""What holds for every registered format; each has tests of its own next to this."""
+"""Properties of every registered format; each also has its own tests."""
 
 import re
 import shutil
@@ -41,13 +41,12 @@ from worldgen.world import Pose, Target, World
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "formats.md").read_text()
 BOTH_WAYS = [name for name in FORMATS if FORMATS.get(name).direction == "both"]
 WRITTEN = [name for name in FORMATS if FORMATS.get(name).write is not None]
-# Families have these sizes; a micromouse's maze and the thesis's maps ask for odd and for even
-# ones.
+# Families have these sizes; micromouse mazes need odd ones and the thesis's maps need even ones.
 SIZES = (13, 16)
 
 
 def room(**changes):
-    """A closed room of 6 x 6 cells that every format takes but the micromouse's."""
+    """A closed room of 6 x 6 cells that every format except micromouse accepts."""
     walls = np.ones((6, 6), np.bool_)
     walls[1:-1, 1:-1] = False
     return replace(
@@ -57,7 +56,7 @@ def room(**changes):
 
 @st.composite
 def family_worlds(draw):
-    """A world of any family, its other numbers as odd as a file may have to hold them."""
+    """A world of any family, with numbers as unusual as a file may have to hold."""
     size = draw(st.sampled_from(SIZES))
     world = generate(draw(st.sampled_from(FAMILIES.names())), draw(st.integers(0, 3)), size=size)
     return replace(
@@ -75,7 +74,7 @@ origins = st.tuples(*[st.sampled_from([0.0, -10.0, 1.25]) | st.floats(-1e4, 1e4)
 
 
 def back(folder, world, name, **options):
-    """The world that comes back from a file, and the map as its file has it."""
+    """Return the world that is read from a file, and the map as stored in the file."""
     export = export_world(world, name, **options)
     path = write_export(export, folder, force=True)[0]
     assert find_format(path).name == name
@@ -92,7 +91,7 @@ def test_import_after_export_is_the_same_world(name, tmp_path, world, origin):
     except InvalidWorld as refusal:
         assert (
             len(str(refusal)) > 20
-        )  # the thesis's maps are closed squares, a micromouse's maze has posts
+        )  # the thesis's maps are closed squares, and micromouse mazes have posts
         return
     assert np.array_equal(again.walls, frozen_at(world, 0.0).walls)
     assert again.start == world.start and again.target == world.target
@@ -164,7 +163,7 @@ def test_the_table_of_formats_has_a_row_with_way_and_command(name):
 
 
 def commands_of_the_table():
-    """Those of the page's table, by the format of their row."""
+    """Return the commands in the page's table, by the format of their row."""
     return re.findall(r"^\| `(\w+)` \|.*`worldgen ((?:ex|im)port [^`]*)` \|$", PAGE, re.MULTILINE)
 
 
@@ -174,7 +173,7 @@ def test_the_table_has_a_command_for_every_format():
 
 @pytest.fixture(scope="module")
 def world_of_the_page(tmp_path_factory):
-    """The world that the page makes before all else, as its first command does."""
+    """The world that the page's first command makes."""
     folder = tmp_path_factory.mktemp("page")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
@@ -197,7 +196,7 @@ def test_the_tables_command_works_on_the_world_of_the_page(
         Path(words[1]).write_bytes(building_file("gltf"))
     done = worldgen(*words)
     assert done.code == 0, done.err
-    # The reader of barn takes every file of Gazebo's, and so those of sdf.
+    # The reader of barn reads every Gazebo file, including those of sdf.
     is_read_back = FORMATS.get(name).read is not None or name == "sdf"
     if words[0] == "export" and is_read_back:
         imported = worldgen("import", words[-1], "--out", "back.grid")

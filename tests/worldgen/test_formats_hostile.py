@@ -19,11 +19,11 @@ from worldgen.errors import WorldgenError
 from worldgen.interop import find_format, import_world, read_map
 from worldgen.interop.foreign_map import MAX_CELLS
 
-_LARGEST = 2_000  # cells of a damaged map that a robot is still put into
+_LARGEST = 2_000  # largest damaged map, in cells, in which a robot is placed
 
 
 def read_or_sentence(path, name):
-    """The map, checked, or the sentence why there is none."""
+    """Return the map, checked, or the error message."""
     try:
         found = read_map(path, name)
         height, width = found.walls.shape
@@ -99,7 +99,7 @@ def test_a_file_cut_after_any_byte_is_read_or_refused_in_one_sentence(name, tmp_
 
 @pytest.mark.parametrize("kib", [128, pytest.param(4096, marks=pytest.mark.nightly)])
 def test_hostile_files_are_refused_within_bounds_of_time_and_memory(kib, tmp_path):
-    """In a process that is ended after 120 s of processor time, and gets 3 GiB of addresses."""
+    """Run in a process that is limited to 120 s of processor time and 3 GiB of address space."""
     script = Path(__file__).parents[1] / "helpers" / "hostile_files.py"
     command = [sys.executable, str(script), str(tmp_path), str(kib)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)

@@ -1,4 +1,4 @@
-"""What is immutable shares its arrays with what is made of it, and never with a writer."""
+"""Immutable objects share their arrays with copies made from them, and never with a writer."""
 
 import copy
 import dataclasses

@@ -1,4 +1,4 @@
-"""The script that goes out beside SDF worlds that change, against a stand-in for Gazebo's command."""
+"""The script exported with SDF worlds that change, run with a stand-in for Gazebo's command."""
 
 import json
 import os
@@ -12,8 +12,7 @@ from tests.helpers.drawn_worlds import drawn
 from worldgen.interop import export_world
 from worldgen.timeline import CellState, Timeline
 
-# Answers as the command does, keeps the simulated time in a file, and notes at which time which
-# models are moved.
+# Answers like the command, keeps the simulated time in a file, and records when models are moved.
 STAND_IN = """#!{python}
 import json, pathlib, re, sys
 state = pathlib.Path(r"{state}")
@@ -47,7 +46,7 @@ def tiny():
 
 
 def played(tmp_path, name, command="ign"):
-    """What the script does to a world called so.
+    """Return what the script does to a world with this name.
 
     The state of the stand-in, which runs a world called tiny.
     """

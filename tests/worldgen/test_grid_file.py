@@ -1,4 +1,4 @@
-"""The .grid file: what is written is read back, whatever it is; canonical bytes; files on disk."""
+"""The .grid file: any world is read back as written; canonical bytes; files on disk."""
 
 import gzip
 import json
@@ -118,7 +118,7 @@ def _no_minus_zero(value):
 @settings(max_examples=300)
 @given(st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
 def test_any_bytes_give_a_world_or_a_complaint_with_a_line(data):
-    assert world_or_complaint(data) is not None  # the magic is too much for chance
+    assert world_or_complaint(data) is not None  # chance would never find the magic
 
 
 _PIECES = [

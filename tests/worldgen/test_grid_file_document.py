@@ -1,4 +1,4 @@
-"""docs/reference/grid-format.md and the code say the same."""
+"""docs/reference/grid-format.md agrees with the code."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The .grid file of several robots: canonical, strict, and never written for one."""
+"""The .grid file for several robots: canonical, strict, and never written for one."""
 
 from dataclasses import replace
 
@@ -57,7 +57,7 @@ INLINE = GOOD.replace(
     "  { start = [0.5, 0.3, 0], target = [0.1, 0.3, 0.1], radius = 0.04 }]\n",
 )
 
-# name: (old, new, line, what the message says)
+# name: (old, new, line, part of the message)
 FAULTS = {
     "no-robots": (ROBOTS, "", 12, {"code": "missing-key", "key": "robot"}),
     "not-tables": ("[[robot]]", "[robot]", 9, {"code": "not-toml"}),

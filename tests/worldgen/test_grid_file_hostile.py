@@ -1,4 +1,4 @@
-"""Files that are wrong: each gets one message, at its line, saying what came and what to do."""
+"""Invalid files: each gets one message, with the line, the value and the remedy."""
 
 import pytest
 
@@ -41,7 +41,7 @@ CUT = GOOD.replace('"witness"', '"cut"').replace(
 )
 DRAWN = "%worldgen-grid 1\ncell_size = 0.1\nrobot_radius = 0.04\n%cells\nS..\n..G\n%end\n"
 
-# name: (old, new, line, what the message says)
+# name: (old, new, line, part of the message)
 HEADER_FAULTS = {
     "magic": ("%worldgen-grid 1", "hello", 1, {"code": "not-a-grid", "came": "hello"}),
     "version": ("%worldgen-grid 1", "%worldgen-grid 3", 1, {"code": "other-version"}),

@@ -24,7 +24,7 @@ _SLOW_FOR_TOML = {
 }
 
 
-_IN_LINEAR_TIME = {"quotes", "open strings", "deep keys", "many tables"}  # these tomllib may read
+_IN_LINEAR_TIME = {"quotes", "open strings", "deep keys", "many tables"}  # tomllib may read these
 
 
 @pytest.mark.gate

@@ -1,6 +1,6 @@
 """Maps of POGEMA, MiniGrid, micromouse contests and PointMaze.
 
-What is written, what is read, and each fault.
+Writing, reading, and each error.
 """
 
 import json

@@ -1,6 +1,6 @@
-"""A user's folder or file called ``sim`` or ``fuzz``.
+"""A user's folder or file called ``sim`` or ``fuzz``:
 
-The program works next to it, a test run reports it.
+the program works next to it, and a test run reports it.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ def test_an_import_that_our_package_hides_says_so(tmp_path, monkeypatch):
     (tmp_path / "mine.py").write_text("import sim.motors\n")
     with raises(InvalidParameter, "hidden-module", module="sim.motors", folder="sim"):
         CONTROLLERS.get("./mine.py:Robot")
-    # A module that nobody has is the user's own mistake.
+    # A module that does not exist is the user's own mistake.
     (tmp_path / "other.py").write_text("import sim.wheels\n")
     with raises(InvalidParameter, "code-failed"):
         CONTROLLERS.get("./other.py:Robot")

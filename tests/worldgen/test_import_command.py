@@ -30,7 +30,7 @@ PROBLEMS = str(MAPS / "maze-32-32-2-even-1.scen")
 
 @pytest.fixture
 def run(tmp_path, capsys):
-    """Runs the command with --json; gives the object, the world and stderr."""
+    """Run the command with --json; return the object, the world and stderr."""
 
     def run_import(*args):
         out = tmp_path / "w.grid"
@@ -128,6 +128,16 @@ def test_people_get_three_lines_and_the_origin_as_a_note(tmp_path, capsys):
     assert "the world's (0, 0) is the map's (-3.16, -9.36) m" in captured.err
 
 
+def test_places_may_be_given_in_the_coordinates_of_the_file(run):
+    _, of_corner, _ = run(HALL, "--start", "8,9,0.5", "--target", "2.25,1.25,0.1")
+    _, of_map, _ = run(
+        HALL, "--frame", "map", "--start", "4.84,-0.36,0.5", "--target=-0.91,-8.11,0.1"
+    )
+    start, target = of_map.start, of_map.target
+    assert start == of_corner.start and start.heading == 0.5
+    assert target == of_corner.target and target.radius == 0.1
+
+
 def test_equal_seeds_place_equally_and_the_file_is_the_same_to_the_byte(run, tmp_path):
     run(HALL, "--seed", 9)
     once = (tmp_path / "w.grid").read_bytes()
@@ -169,8 +179,8 @@ def test_a_map_of_rooms_behind_narrow_doors_is_warned_of(tmp_path, run):
     answer, _, err = run(
         drawing(tmp_path, "...@...@...", "...........", "...@...@..."), "--radius", 0.07
     )
-    assert "finds 3 separate regions" in answer["warnings"][0]
-    assert "warning: a disc of radius 0.07 m" in err
+    assert "there are 3 separate regions" in answer["warnings"][0]
+    assert "warning: for a disc of radius 0.07 m" in err
 
 
 def test_one_free_spot_gives_a_world_and_a_warning(tmp_path, run):
@@ -455,7 +465,7 @@ MESH = (
 
 
 def gazebo(tmp_path, *parts):
-    """A world of Gazebo: two walls of 6 m, 6 m apart, and what is given."""
+    """A Gazebo world: two walls of 6 m, 6 m apart, and the given elements."""
     walls = [BOX.format(name=f"wall{x}", size="0.2 6 1", pose=f"{x} 0") for x in (-3, 3)]
     path = tmp_path / "shelf.world"
     path.write_text(
@@ -490,10 +500,10 @@ def test_what_was_not_read_cannot_open_a_world_that_is_blocked_without_it(tmp_pa
 @pytest.mark.parametrize(
     ("part", "unread"),
     [
-        ("<include><uri>model://shelf</uri></include>", "1 model of other files"),
+        ("<include><uri>model://shelf</uri></include>", "1 model from other files"),
         (
             "<model name='m'><include><uri>model://shelf</uri></include></model>",
-            "1 model of other files",
+            "1 model from other files",
         ),
         ("<population name='p'/>", "1 population of models"),
         (MESH.replace("mesh>", "heightmap>"), "1 shape of <heightmap>"),

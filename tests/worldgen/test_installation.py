@@ -1,4 +1,6 @@
-"""Messages name the place that worldgen was installed from, for it may be in no package index."""
+"""Messages name the place that worldgen was installed from, because it may not be in a package
+index.
+"""
 
 import json
 from importlib.metadata import PathDistribution
@@ -11,7 +13,9 @@ from worldgen.plugins.installation import origin, pip_install, requirement
 
 @pytest.fixture
 def installed(tmp_path, monkeypatch):
-    """Pretends that worldgen was installed with this record of its origin, none or text that may be damaged."""
+    """Pretend that worldgen was installed with this record of its origin, which may be None or
+    damaged.
+    """
 
     def pretend(record):
         checkout = tmp_path / "checkout.egg-info"

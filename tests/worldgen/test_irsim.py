@@ -1,4 +1,4 @@
-"""IR-SIM worlds: the idiom that goes out, and what others' files become."""
+"""IR-SIM worlds: the exported form, and the import of other files."""
 
 import io
 import math
@@ -83,7 +83,7 @@ def test_a_step_longer_than_a_cell_is_said():
 
 @pytest.fixture
 def found(tmp_path):
-    """Reads a world of 1 m x 0.6 m with more lines behind."""
+    """Read a world of 1 m x 0.6 m with additional lines."""
 
     def read(text, head="world:\n  width: 1\n  height: 0.6\n", **options):
         path = tmp_path / "w.yaml"
@@ -160,7 +160,7 @@ def test_cells_are_as_large_as_the_rectangles_let_them_be(found):
 
 @pytest.fixture
 def picture(tmp_path):
-    """Writes an obstacle map of 4 x 2 pixels and gives the lines of a world of 2 m x 1 m with it."""
+    """Write an obstacle map of 4 x 2 pixels and return the lines of a world of 2 m x 1 m with it."""
     grey = np.array([[0, 127, 128, 255], [255, 255, 100, 255]], np.uint8)
     Image.fromarray(grey).save(tmp_path / "m.png")
     return "world:\n  width: 2\n  height: 1\n  obstacle_map: 'm.png'\n"
@@ -269,7 +269,7 @@ def test_outlines_that_would_take_minutes_are_refused_at_once(tmp_path, corners,
     angle = 2 * math.pi / corners
     turns = (
         7 if corners == 500 else 1
-    )  # several times round crosses itself; once, in and out, does not
+    )  # a path that winds around several times crosses itself; one that winds once, in and out, does not
     points = [
         f"[{50 + far * math.cos(turns * angle * n):.5f}, "
         f"{50 + far * math.sin(turns * angle * n):.5f}]"

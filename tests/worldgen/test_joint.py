@@ -1,4 +1,4 @@
-"""Joint plans: found where there is one, checked by other code, and never claimed where there is none."""
+"""Joint plans: found if there is one, checked by separate code, and never claimed if there is none."""
 
 import itertools
 from dataclasses import replace
@@ -35,7 +35,9 @@ BENT = ["#########", "#.......#", "#######.#", "#######.#", "#########"]
 
 
 def fleet(rows, *ends, radius=0.04, **changes):
-    """A world of rows of cells, top row first, with robots from cell to cell, counted from the lowest left."""
+    """A world from rows of cells, top row first, with robots between cells counted from the lower
+    left.
+    """
     walls = np.array([[sign == "#" for sign in row] for row in rows])[::-1]
     robots = [
         Robot(
@@ -53,7 +55,7 @@ def fleet(rows, *ends, radius=0.04, **changes):
 
 
 def proved(world, **asked):
-    """The decision, once its proof was checked."""
+    """Return the decision, after checking its proof."""
     decision = decide(world, **asked)
     if decision.certificate is not None:
         radius = asked.get("radius")
@@ -343,7 +345,7 @@ def test_robots_are_planned_to_arrive_as_early_as_those_before_them_permit(world
 
 
 def _check_arrivals(world):
-    """Compare each robot's arrival with a search of every node in every tick, with no C."""
+    """Compare each robot's arrival with a search of every node in every tick, without any C."""
     question = joint_question(world, k=2, radius=None, margin=0.0)
     if question is None:
         return
@@ -419,7 +421,7 @@ def _earliest(world, question, nodes):
 
 
 def _solvable(world, question):
-    """Breadth first over all joint states, with fractions and nothing of the C."""
+    """Search all joint states breadth first, with fractions and without any C."""
     classes = sorted(set(question.radii))
     graphs = [question.rasters.ever(classes.index(radius)) for radius in question.radii]
     starts = tuple(end.node for end in question.ends)
@@ -461,7 +463,7 @@ def _steps(graph, node, distances, target):
 
 
 def _all_apart(question, state, following, robots=None):
-    """Whether robots, all of them unless some are given, keep apart from the others in a tick."""
+    """Return whether robots (all, unless some are given) keep apart from the others in a tick."""
     for one, other in itertools.combinations(range(len(state)), 2):
         if robots is not None and one not in robots and other not in robots:
             continue

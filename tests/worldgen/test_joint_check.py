@@ -1,4 +1,6 @@
-"""The checker of joint witnesses: paths alone, distances in pairs, the right robot in every reason."""
+"""The checker of joint witnesses: single paths, distances in pairs, the right robot in every
+reason.
+"""
 
 from dataclasses import replace
 
@@ -15,7 +17,9 @@ LEFT, RIGHT = (0.15, 0.25), (1.05, 0.25)
 
 
 def meeting(*, lane=0.25, radius=0.07, speed=2.0):
-    """Two robots in an empty room, the second on a line at height ``lane`` and in the other direction."""
+    """Two robots in an empty room, the second on a line at height ``lane`` and in the other
+    direction.
+    """
     return World(
         np.zeros((5, 12), bool),
         Pose(*LEFT),
@@ -25,7 +29,7 @@ def meeting(*, lane=0.25, radius=0.07, speed=2.0):
 
 
 def crossing(lane, *, wait=0.0):
-    """The paths straight ahead; the second robot sets out after a while."""
+    """Paths straight ahead; the second robot sets out after a while."""
     first = Witness([0.0, 1.0], [0.15, 1.05], [0.25, 0.25], 0.07)
     second = Witness([0.0, wait, wait + 1.0], [1.05, 1.05, 0.15], [lane, lane, lane], 0.0399)
     return JointWitness((first, second))
@@ -147,7 +151,7 @@ def test_a_path_across_its_target_does_not_hold():
 
 
 def test_a_path_past_its_target_holds():
-    # The first piece passes the target at its radius.
+    # The first piece passes the target at a distance of its radius.
     world = replace(meeting(lane=0.45), target=Target(0.65, 0.3, 0.05))
     joint = crossing(0.45)
     past = Witness([0.0, 1.0, 2.0], [0.15, 1.05, 0.7], [0.25, 0.25, 0.3], 0.05)

@@ -1,4 +1,4 @@
-"""``worldgen measure``: one world as a list, several as a table, and what programs read."""
+"""``worldgen measure``: one world as a list, several as a table, and output for programs."""
 
 import csv
 import io

@@ -188,7 +188,7 @@ def test_a_file_that_is_cut_off_is_refused(kind, share, tmp_path):
     except FormatError as error:
         assert error.code
     else:
-        # A text without an end mark can only be read as far as it goes.
+        # A text without an end mark is read to its end.
         assert kind == "obj" and found.walls.size
 
 

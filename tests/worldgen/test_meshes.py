@@ -154,8 +154,8 @@ def test_a_floor_lies_below_walls_and_border():
     )
 
 
-# What is in these files has been read by the programs of tests/clients; a change here wants them to
-# read it again.
+# The programs of tests/clients have read these files; after a change here, they have to read them
+# again.
 @pytest.mark.parametrize(
     ("name", "digest"),
     [

@@ -1,4 +1,4 @@
-"""MJCF out; MuJoCo itself is asked in tests/clients."""
+"""Writing MJCF; MuJoCo itself is tested in tests/clients."""
 
 import ast
 import json
@@ -49,7 +49,7 @@ def test_a_tiny_world_is_these_bytes():
 
 
 def cells_of(geom, origin, size):
-    """Cells that a box covers; the box must lie on the cells' edges, exactly."""
+    """Return the cells that a box covers; the box must be exactly on the cells' edges."""
     spans = []
     for axis in (0, 1):
         middle, half = (Fraction(geom.get(key).split()[axis]) for key in ("pos", "size"))

@@ -1,4 +1,4 @@
-"""MovingAI maps and scenarios: what each character means, and what each fault is called."""
+"""MovingAI maps and scenarios: the meaning of each character, and the code of each error."""
 
 import importlib.resources
 
@@ -38,7 +38,7 @@ def write(tmp_path):
 
 
 def rows_of(found):
-    """Top row first, # solid: the picture that the file drew."""
+    """Return the map as drawn in the file, top row first, # solid."""
     return ["".join("#" if solid else "." for solid in row) for row in found.walls[::-1]]
 
 

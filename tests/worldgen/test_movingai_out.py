@@ -1,4 +1,4 @@
-"""MovingAI maps on the way out, and the scenario next to a map."""
+"""Writing MovingAI maps, and the scenario next to a map."""
 
 import math
 

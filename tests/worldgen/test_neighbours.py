@@ -1,4 +1,4 @@
-"""A user's file imports the files next to it, and only its own folder's."""
+"""A user's file can import the files next to it, and only those."""
 
 from __future__ import annotations
 

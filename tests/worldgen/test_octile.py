@@ -1,4 +1,4 @@
-"""Shortest octile paths, against a plain search that shares no code."""
+"""Shortest octile paths, compared with a plain search that shares no code."""
 
 import math
 

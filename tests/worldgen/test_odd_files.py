@@ -1,6 +1,6 @@
-"""Files as they are met in the wild.
+"""Unusual files found in practice.
 
-Each gives the right world, or a sentence that says what to do.
+Each gives the right world, or an error message that explains what to do.
 """
 
 import cmath
@@ -30,7 +30,7 @@ BOM = b"\xef\xbb\xbf"
 
 @pytest.fixture
 def ros(tmp_path):
-    """Reads a pair, of which one file or both are odd."""
+    """Read a pair in which one or both files are unusual."""
 
     def read(text=YAML, pixels=PGM):
         (tmp_path / "p.pgm").write_bytes(pixels)
@@ -151,7 +151,7 @@ def test_an_odd_pgm_is_the_same_map(pixels, ros):
 
 
 def interlaced(pixels):
-    """A PNG in Adam7's seven passes, which Pillow reads and does not write."""
+    """Return a PNG in Adam7's seven passes, which Pillow can read but not write."""
     passes = [
         (0, 0, 8, 8),
         (4, 0, 8, 8),
@@ -236,7 +236,7 @@ def test_a_picture_that_loses_or_moves_pixels_is_refused(kind, ros):
     ],
 )
 def test_a_map_turned_by_quarters_lies_where_its_yaw_says(yaw, corner, ros):
-    """Each cell's centre, turned as the yaw says, is solid where the cell is."""
+    """Each cell's centre, rotated by the yaw, is solid if the cell is."""
     found = ros(
         YAML.replace("0.0]", f"{yaw}]"), b"P5\n3 2\n255\n" + bytes([0, 254, 254, 254, 254, 254])
     )

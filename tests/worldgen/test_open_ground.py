@@ -1,4 +1,4 @@
-"""Places, steps, digging and sight: as the reference, and as plain definitions say."""
+"""Places, steps, digging and sight agree with the reference and with plain definitions."""
 
 import numpy as np
 import pytest

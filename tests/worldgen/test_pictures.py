@@ -1,4 +1,4 @@
-"""Pictures alone: what is dark is solid, and what a picture of ours says besides."""
+"""Pictures without a map file: dark pixels are solid, and our own pictures store more."""
 
 import io
 

@@ -26,7 +26,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def area(ring):
-    """Twice the area within a ring of whole numbers; negative where it runs clockwise."""
+    """Return twice the area of a ring with integer coordinates; negative if it runs clockwise."""
     return sum(
         ax * by - bx * ay for (ax, ay), (bx, by) in zip(ring, [*ring[1:], ring[0]], strict=True)
     )

@@ -1,4 +1,4 @@
-"""What takes long says so, and nothing else is printed."""
+"""Slow work is reported, and nothing else is printed."""
 
 import logging
 
@@ -12,7 +12,7 @@ from worldgen.support.progress import Display, display_on_stderr, set_verbosity,
 
 
 class Clock:
-    """A clock that goes on only when it is told to."""
+    """A clock that only moves on request."""
 
     def __init__(self):
         self.now = 0.0
@@ -22,7 +22,7 @@ class Clock:
 
 
 class Watched:
-    """A display without its thread, which is looked at by hand, and what it has printed."""
+    """A display without its thread, updated by hand, and its output."""
 
     def __init__(self, terminal, capsys):
         self.clock = Clock()
@@ -30,7 +30,7 @@ class Watched:
         self._capsys = capsys
 
     def at(self, now):
-        """Look at the clock at this time."""
+        """Read the clock at this time."""
         self.clock.now = now
         self._display.tick()
 
@@ -45,7 +45,9 @@ def clock():
 
 @pytest.fixture
 def watched(request, monkeypatch, capsys):
-    """A display on the command line's standard error: no terminal, unless a test asks for one."""
+    """A display on the command line's standard error, which is not a terminal unless a test
+    requires one.
+    """
     monkeypatch.setattr(Display, "_watch", lambda self, over: None)
     made = Watched(getattr(request, "param", False), capsys)
     monkeypatch.setattr(progress, "_display", made._display)
@@ -200,7 +202,7 @@ def test_placing_robots_says_which_of_how_many_layouts_is_tried(watched, monkeyp
         generate("rooms", 1, robots=10, size=12)
     said = watched.printed()
     assert "placing 10 robots in layout 2 of at most 12: placement 1 of 4 (" in said
-    # With few robots the first layout seldom takes long.
+    # With few robots, the first layout seldom takes long.
     assert "layout 1 of" not in said
 
 

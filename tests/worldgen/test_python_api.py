@@ -1,6 +1,6 @@
-"""What a programmer meets in a Python session.
+"""What a programmer sees in a Python session:
 
-Names that are listed, families to call, worlds that show themselves.
+listed names, callable families, and representations of worlds.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def small():
 @pytest.mark.parametrize("name", PACKAGES)
 def test_dir_lists_the_public_names_and_nothing_else(name):
     package = importlib.import_module(name)
-    # Modules of worldgen that need no import of their own.
+    # Modules of worldgen that need no separate import.
     modules = ["compose", "families", "interop", "render", "testing"] if name == "worldgen" else []
     public = [word for word in dir(package) if not word.startswith("__")]
     assert public == sorted([*package.__all__, *modules])

@@ -1,4 +1,4 @@
-"""Random numbers: the published vectors, and that each way of drawing keeps its promise."""
+"""Random numbers: the published vectors, and the promises of each way of drawing."""
 
 from collections import Counter
 

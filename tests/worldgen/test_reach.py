@@ -1,4 +1,4 @@
-"""Worlds that do not change: a witness or a cut, exactly."""
+"""Worlds that do not change: an exact witness or cut."""
 
 import dataclasses
 import itertools
@@ -48,7 +48,7 @@ BEND = """
 
 
 def decided(world, **options):
-    """The decision, once the checker agrees with its certificate."""
+    """Return the decision, after the checker has confirmed its certificate."""
     decision = decide(world, **options)
     report = check_certificate(world, decision.certificate, **options)
     assert report.valid, (decision.reason, report.reason)
@@ -222,7 +222,9 @@ def distances(world):
 
 
 def joins(world, clear, neighbours, slack):
-    """Whether clear points join the start to a point of the target's disc, widened by ``slack`` cells."""
+    """Return whether clear points connect the start to a point of the target's disc, enlarged by
+    ``slack`` cells.
+    """
     _, x, y = distances(world)
     parts, _ = ndimage.label(clear, neighbours)
     home = parts[round(8 * world.start.y), round(8 * world.start.x)]
@@ -235,7 +237,7 @@ def joins(world, clear, neighbours, slack):
 def test_what_a_wider_disc_reaches_on_a_fine_lattice_is_reachable(world):
     clear = (
         distances(world)[0] >= world.robot_radius + 1 / 16 + 1e-9
-    )  # then no step of 1/8 comes too near
+    )  # so no step of 1/8 comes too near
     assume(joins(world, clear, np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]]), 0.0))
     assert decided(world).result == REACHABLE
 
@@ -324,12 +326,14 @@ def test_one_ring_parts_the_start_from_a_target_that_has_poses_on_several_sides(
     assert decided(world).result == BLOCKED
     assert (
         not decided(world).certificate.cells.max() > 5
-    )  # the inner ring, not one of those that part some poses
+    )  # the inner ring, not one of those that separate only some poses
 
 
 @given(still_worlds(), st.data())
 def test_two_clear_poses_have_either_a_path_or_a_cut_and_never_both(world, data):
-    clear = distances(world)[0][4:-4:4, 4:-4:4] >= world.robot_radius  # exact at halves of cells
+    clear = (
+        distances(world)[0][4:-4:4, 4:-4:4] >= world.robot_radius
+    )  # exact at multiples of half a cell
     poses = st.sampled_from([(float(x + 1) / 2, float(y + 1) / 2) for y, x in np.argwhere(clear)])
     assume(clear.any())
     start, target = data.draw(poses), data.draw(poses)

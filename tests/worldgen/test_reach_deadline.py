@@ -32,9 +32,9 @@ from worldgen.reach import (
 )
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.timed import confine
+from worldgen.reach.timed.deadline import retime
 from worldgen.reach.timed.earliest import find_timed_path
 from worldgen.reach.timed.latest import find_latest_start
-from worldgen.reach.timed.retime import retime
 from worldgen.reach.timed.spans import ChangingWalls, Spans
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Witness
@@ -50,7 +50,7 @@ def changing(text, *events, radius=0.05, speed=0.5):
 
 
 def answer(world, deadline=None):
-    """The decision in time, once a checker has agreed with its proof."""
+    """Return the timed decision, after a checker has confirmed its proof."""
     decision = decide_in_time(world, deadline)
     ahead = world if deadline is None else until(world, deadline)
     if decision.confinement is not None:
@@ -67,7 +67,7 @@ def answer(world, deadline=None):
 
 
 def test_a_way_is_reachable_once_there_is_time_for_it():
-    world = changing(OPEN, (9.0, 5, 1, BURNING))  # 1 m less the target's radius, at 0.5 m/s
+    world = changing(OPEN, (9.0, 5, 1, BURNING))  # 1 m minus the target's radius, at 0.5 m/s
     assert [answer(world, deadline).result for deadline in (1.5, 1.9, 2.0)] == [
         BLOCKED,
         BLOCKED,
@@ -239,9 +239,9 @@ def test_a_robot_may_wait_until_the_gate_shuts_less_its_way():
 @given(changing_worlds(), st.integers(1, 60).map(lambda n: n / 20))
 @settings(max_examples=60)
 def test_the_latest_start_is_what_trying_every_start_finds(world, start):
-    """Forward in time from every start, on the same graph.
+    """Search forward in time from every start, on the same graph.
 
-    It succeeds up to the latest, and not after.
+    It succeeds up to the latest start, and not after it.
     """
     radius = in_cells(world.robot_radius, world.cell_size)
     place = in_cells(world.start.x, 0.1) * UNIT, in_cells(world.start.y, 0.1) * UNIT
@@ -256,7 +256,7 @@ def test_the_latest_start_is_what_trying_every_start_finds(world, start):
 
 
 def begun_at(world, start):
-    """The world as it is from a time on."""
+    """Return the world as it is from a given time."""
     walls = world.walls.astype(np.uint8)
     later = []
     for event in world.timeline:
@@ -272,7 +272,7 @@ def begun_at(world, start):
 @given(st.integers(0, 10**6), st.sampled_from(["maze", "rooms", "forest", "trap"]), st.booleans())
 @settings(max_examples=15)
 def test_no_witness_may_begin_much_later_than_the_robot(seed, over, monotone):
-    """A witness is straighter than the graph's paths, so by a little it may."""
+    """A witness is straighter than the graph's paths, so it may exceed this a little."""
     world = generate("fire", seed, size=20, over=over, monotone=monotone)
     assert witness_margin(world, world.certificate) <= (latest_start(world) or 0.0) + 0.1
 

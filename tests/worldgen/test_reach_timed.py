@@ -25,7 +25,7 @@ def changing(text, *events, radius=0.05, speed=0.5):
 
 
 def decided(world):
-    """The decision, once the checker agrees with its certificate."""
+    """Return the decision, after the checker has confirmed its certificate."""
     decision = decide(world)
     report = check_certificate(world, decision.certificate)
     assert report.valid, (decision.reason, report.reason)

@@ -1,4 +1,4 @@
-"""Recipes: families out of TOML, strict, and made again from their worlds alone."""
+"""Recipes: families from TOML, parsed strictly, and recreated from their worlds alone."""
 
 import dataclasses
 import tomllib
@@ -48,7 +48,8 @@ steps = [
 ]
 """
 
-# Of seed 7: the layout's id, 16 digits. If it changes, raise VERSION in worldgen/compose/recipe.py.
+# For seed 7: the layout's id, 16 digits. If it changes, raise VERSION in
+# worldgen/compose/recipe.py.
 GOLDEN = {
     "double-comb": "e98d1765f5940f07",
     "gauntlet": "01941b600bb430a5",

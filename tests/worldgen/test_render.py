@@ -1,4 +1,4 @@
-"""What the picture files show: colours at places, sizes, captions."""
+"""The contents of picture files: colours at places, sizes, captions."""
 
 import dataclasses
 import io

@@ -21,7 +21,7 @@ def masks(draw):
 
 
 def filled(lines, shape):
-    """Even-odd fill: a cell is set if an odd number of horizontal edges lies below its middle."""
+    """Even-odd fill: a cell is set if an odd number of horizontal edges is below its middle."""
     mask = np.zeros(shape, bool)
     for line in lines:
         for (x, y), (other_x, other_y) in zip(line, np.roll(line, -1, axis=0), strict=True):

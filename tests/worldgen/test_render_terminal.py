@@ -9,7 +9,7 @@ import pytest
 
 from worldgen.render import EventMark, Trail, draw_terminal, wants_color
 from worldgen.timeline import CellState, Event, Timeline
-from worldgen.world import Pose, Target, World
+from worldgen.world import Pose, Robot, Target, World
 
 ANSI = re.compile("\x1b\\[[0-9;]*m")
 
@@ -44,6 +44,33 @@ def test_a_world_without_walls_around_it_has_a_frame():
         "|#.S|",
         "+---+",
     ]
+
+
+def test_starts_and_targets_of_several_robots_are_numbered():
+    # Robot 3 has its target where robot 1 starts, and a start is drawn above a target.
+    second = Robot(Pose(0.35, 0.15), Target(0.15, 0.15, 0.05), 0.04)
+    third = Robot(Pose(0.65, 0.35), Target(0.15, 0.35, 0.05), 0.04)
+    picture = draw_terminal(tiny_world(others=(second, third)), color=False, width=80)
+    assert picture.splitlines()[:6] == [
+        "########",
+        "#1....3#",
+        "#....#.#",
+        "#B.2.#A#",
+        "########",
+        "1-3 starts  A-C their targets",
+    ]
+
+
+def test_more_than_nine_robots_share_a_letter():
+    walls = np.zeros((3, 25), bool)
+    robots = [
+        Robot(Pose(0.05 + 0.2 * column, 0.05), Target(0.05 + 0.2 * column, 0.25, 0.02), 0.04)
+        for column in range(10)
+    ]
+    first, *others = robots
+    world = World(walls, first.start, first.target, robot_radius=0.04, others=tuple(others))
+    picture = draw_terminal(world, color=False, width=80)
+    assert picture.count("S") == 10 + 1 and "S start  G target" in picture
 
 
 def test_trail_loop_and_tunnel_have_letters_of_their_own():

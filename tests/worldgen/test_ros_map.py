@@ -1,4 +1,4 @@
-"""ROS map_server pairs: published values, thresholds, pictures, and what each fault is called."""
+"""ROS map_server pairs: published values, thresholds, pictures, and the code of each error."""
 
 import io
 
@@ -45,7 +45,7 @@ def picture(image, kind="PNG", **options):
 
 @pytest.fixture
 def pair(tmp_path):
-    """Writes a pair and gives the YAML file's path."""
+    """Write a pair and return the YAML file's path."""
 
     def write(pixels=None, text=None, **changes):
         if pixels is not None:
@@ -96,7 +96,7 @@ def test_raw_takes_bytes_up_to_100_as_they_are():
 
 
 def trinary_twin(pixels, occupied, free, negate):
-    """map_server's rule once more, in floats over whole arrays."""
+    """A second implementation of map_server's rule, in floats over whole arrays."""
     filled = pixels / 255.0 if negate else (255.0 - pixels) / 255.0
     return np.select([filled >= occupied, filled <= free], [100, 0], -1)
 
@@ -173,7 +173,7 @@ SAME_PICTURE = {
 @pytest.mark.parametrize("name", SAME_PICTURE)
 def test_the_same_greys_in_any_file_give_the_same_map(name):
     metadata = RosMetadata(None, 0.05, (0.0, 0.0), 0.65, 0.196)
-    cells = occupancy(read_grey_image(SAME_PICTURE[name], "m"), metadata)
+    cells = occupancy(read_grey_image(SAME_PICTURE[name]), metadata)
     assert cells.tolist() == [[100, 100, -1], [-1, 0, 0]]
 
 
@@ -185,14 +185,12 @@ def test_the_same_greys_in_any_file_give_the_same_map(name):
 def test_plain_and_binary_pgm_hold_the_same_pixels(pixels, maximum):
     pixels = np.minimum(pixels, maximum)
     for data in (pgm(pixels, maximum), plain_pgm(pixels, maximum)):
-        image = read_grey_image(data, "m")
+        image = read_grey_image(data)
         assert (image.maximum, image.values.tolist()) == (maximum, pixels.tolist())
 
 
 def test_a_black_and_white_png_is_black_and_white():
-    image = read_grey_image(
-        picture(Image.fromarray(np.array([[0, 255]], np.uint8)).convert("1")), "m"
-    )
+    image = read_grey_image(picture(Image.fromarray(np.array([[0, 255]], np.uint8)).convert("1")))
     assert image.values.tolist() == [[0, 255]]
 
 
@@ -202,7 +200,7 @@ def test_a_black_and_white_png_is_black_and_white():
 def test_transparent_pixels_are_unknown_except_in_raw(mode, expected):
     clear = Image.fromarray(np.array([[[255, 255, 255, 254], [255, 255, 255, 255]]], np.uint8))
     metadata = RosMetadata(None, 0.05, (0.0, 0.0), 0.65, 0.196, mode=mode)
-    assert occupancy(read_grey_image(picture(clear), "m"), metadata)[0].tolist() == expected
+    assert occupancy(read_grey_image(picture(clear)), metadata)[0].tolist() == expected
 
 
 def bomb():
@@ -243,7 +241,7 @@ BAD_PICTURES = [
 @pytest.mark.parametrize(("data", "expected"), BAD_PICTURES, ids=range(len(BAD_PICTURES)))
 def test_a_bad_picture_is_refused(data, expected):
     with raises(FormatError, **expected):
-        read_grey_image(data, "m")
+        read_grey_image(data)
 
 
 BAD_YAML = [
@@ -346,6 +344,6 @@ def test_any_bytes_give_a_map_or_a_fault(tmp_path_factory, data):
     (folder / "m.pgm").write_bytes(pgm([[254]]))
     (folder / "m.yaml").write_bytes(yaml_text().encode() + data)
     try:
-        assert read_ros_map(folder / "m.yaml").walls.shape == (1, 1)
+        assert read_map(folder / "m.yaml", "ros").walls.shape == (1, 1)
     except FormatError as error:
         assert "m.yaml" in str(error)

@@ -1,4 +1,4 @@
-"""What export writes for ROS map_server, read by a loader that is not ours."""
+"""Exports for ROS map_server, read by an independent loader."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ ROOM = """
 #..##
 #####
 """
-# FORMATS of ROS: what greys become with 0.65 and 0.196.
+# The values that ROS gives to greys with 0.65 and 0.196.
 GOLDEN = {0: 100, 89: 100, 90: -1, 205: -1, 206: 0, 254: 0, 255: 0}
 
 

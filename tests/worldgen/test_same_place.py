@@ -11,15 +11,13 @@ from worldgen.interop import FORMATS, export_world
 
 
 def points(world, seed, *, outside):
-    """Of each cell, and of the ring around the grid where its border is open, whether it is solid,
-    and a point in it.
-    """
+    """Yield a point in each cell, and in the ring if the border is open, and whether it is solid."""
     solid = np.pad(world.walls, 1, constant_values=True)
     ring = 0 if not outside or (solid[[1, -2]].all() and solid[:, [1, -2]].all()) else 1
     random = np.random.Generator(np.random.PCG64(seed))
     for iy in range(-ring, world.height + ring):
         for ix in range(-ring, world.width + ring):
-            x, y = random.uniform(-0.3, 0.3, 2) + 0.5  # within the post that BARN makes of a cell
+            x, y = random.uniform(-0.3, 0.3, 2) + 0.5  # inside the post that BARN makes from a cell
             yield bool(solid[iy + 1, ix + 1]), ix + x, iy + y
 
 

@@ -1,4 +1,4 @@
-"""SDFormat out; Gazebo and PyBullet themselves are asked in tests/clients."""
+"""Writing SDFormat; Gazebo and PyBullet themselves are tested in tests/clients."""
 
 import ast
 import re

@@ -1,4 +1,6 @@
-"""Sets of worlds: what is interrupted goes on, what is there is not lost, a manifest gives the set back."""
+"""Sets of worlds: interrupted sets continue, finished worlds are kept, and a manifest recreates the
+set.
+"""
 
 import hashlib
 import itertools
@@ -98,7 +100,7 @@ def test_a_manifest_whose_lines_repeat_every_parameter_is_read_and_made_again(wh
 def test_a_line_says_only_of_parameters_that_differ_and_keeps_their_types(value, own):
     header = plan_set("maze", seed=0, count=1, params={"braid": 0.0}).header
     params = {**header.params, "braid": value}
-    line = ManifestEntry("m.grid", "maze", 1, 0, params, "0" * 64, "0" * 64, 9).line(header)
+    line = ManifestEntry("m.grid", "maze", 1, 0, params, "0" * 64, "0" * 64, 9, {}).line(header)
     assert repr(json.loads(line)["params"]) == repr(own)
     [entry] = parse_manifest([header.line(), line], "text").entries
     assert {name: repr(read) for name, read in entry.params.items()} == {
@@ -165,7 +167,7 @@ def test_workers_of_a_command_that_is_killed_end_too(tmp_path):
         assert process.poll() is None
         time.sleep(0.01)
     process.kill()
-    process.communicate(timeout=180)  # until nobody holds the other end of its stderr
+    process.communicate(timeout=180)  # until no process holds the other end of its stderr
 
 
 @pytest.mark.parametrize("torn", [1, 30, 700], ids="{} bytes short".format)
@@ -456,7 +458,7 @@ def test_a_world_that_comes_out_otherwise_is_told_and_not_written(whole, tmp_pat
     sha256 = manifest_of(whole / "set").entries[2].sha256
     manifest = edited(whole, tmp_path, sha256, "0" * 64)
     result = run("regenerate", manifest, "--out", tmp_path / "again")
-    assert result.code == 1 and "trap-7.grid comes out differently" in result.err
+    assert result.code == 1 and "trap-7.grid is different this time" in result.err
     assert not (tmp_path / "again/trap-7.grid").exists()
 
 

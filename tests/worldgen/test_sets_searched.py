@@ -1,4 +1,4 @@
-"""Sets of worlds that are searched for: made again, gone on with, kept."""
+"""Sets of worlds found by a search: recreated, continued, kept."""
 
 import json
 import shutil
@@ -15,7 +15,7 @@ SEARCHED = ("trap", "--where", "detour > 2", "--size", 12, "--seed", 5)
 
 @pytest.fixture(scope="module")
 def searched(tmp_path_factory):
-    """A folder with a set that was searched for; not to be changed."""
+    """A folder with a set found by a search; do not change it."""
     folder = tmp_path_factory.mktemp("searched") / "set"
     assert run(*SEARCHED, "--count", 4, "--out", folder).code == 0
     return folder

@@ -31,7 +31,7 @@ def search(low, high, count, *, family="maze", tries=100, where=None, **given):
 
 @pytest.fixture(scope="module")
 def spread(tmp_path_factory):
-    """A set of 20 mazes, as a folder, and what the command said."""
+    """A set of 20 mazes in a folder, and the command's output."""
     out = tmp_path_factory.mktemp("spread") / "mazes"
     result = worldgen(*SPREAD, "--count", 20, "--out", out)
     assert result.code == 0, result.err

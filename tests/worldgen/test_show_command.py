@@ -1,4 +1,4 @@
-"""``worldgen show`` from outside."""
+"""The command ``worldgen show``."""
 
 import subprocess
 import sys

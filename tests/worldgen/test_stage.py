@@ -1,4 +1,6 @@
-"""Stage worlds: the idiom that goes out, where Stage itself has its walls, and what others' files become."""
+"""Stage worlds: the exported form, the place of the walls in Stage itself, and the import of other
+files.
+"""
 
 import io
 import re
@@ -14,7 +16,7 @@ from tests.helpers.drawn_worlds import drawn, still_worlds
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop import export_world, find_format, read_map
-from worldgen.interop.geometry.degrees import degrees_text, radians
+from worldgen.interop.format import degrees_text, radians
 
 PLACES = """\
 floorplan
@@ -58,7 +60,7 @@ def test_a_tiny_world_is_these_bytes():
 
 
 def walls_in_stage(export):
-    """Lower-left corners and size of the wall pixels where Stage puts them, by its rule, m, exactly."""
+    """Return lower-left corners and size, m, of the wall pixels, exactly, by Stage's rule."""
     text = export.data.decode()
     size, pose = (
         [
@@ -132,7 +134,7 @@ model ( name "crate" pose [ 0 0 0 0 ] )
 
 @pytest.fixture
 def found(tmp_path):
-    """Reads a world with a picture of 6 x 4 pixels whose black ones take 4 x 2."""
+    """Read a world with a picture of 6 x 4 pixels, of which a block of 4 x 2 is black."""
 
     def read(text, **options):
         grey = np.full((4, 6), 255, np.uint8)
@@ -172,7 +174,7 @@ def test_definitions_build_on_each_other_and_the_first_robot_is_taken(found):
     )
     assert back.target is None and "the file has 2 robots; only the first was used" in back.notes
     assert any(
-        "'nowhere.inc' does not exist" in note and "are not known" in note for note in back.notes
+        "'nowhere.inc' does not exist" in note and "are unknown" in note for note in back.notes
     )
     assert back.unread == ("1 thing besides the floor plan: model",)
 

@@ -1,4 +1,4 @@
-"""The checks that users run over their own families find what they say they find."""
+"""The checks for users' own families find the faults that they claim to find."""
 
 import itertools
 import json
@@ -23,7 +23,7 @@ COUNTER = itertools.count()
 
 
 def room(rng, timeline=None):
-    """A room with a pillar somewhere."""
+    """A room with a randomly placed pillar."""
     walls = np.zeros((12, 12), bool)
     walls[6, 1 + rng.below(10)] = True
     return World(walls, Pose(0.2, 0.2), Target(1.0, 1.0, 0.05), timeline=timeline or Timeline())
@@ -66,7 +66,7 @@ def unchecked(rng, *, size: int = 12) -> World:
 
 
 def endless(rng, *, size: int = 12) -> World:
-    """Goes on forever where it is asked to."""
+    """Runs forever on request."""
     while size == -2:
         pass
     check_between("size", size, 12, 12)

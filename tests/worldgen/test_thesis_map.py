@@ -1,4 +1,4 @@
-"""Map files of the thesis's simulator: in, out to the byte, and what each fault is called."""
+"""Map files of the thesis's simulator: reading, writing to the byte, and the code of each error."""
 
 import json
 import math
@@ -20,8 +20,8 @@ from worldgen.interop import (
     export_world,
     import_world,
 )
+from worldgen.interop.formats.thesis import MAX_SIZE, filtered, read_thesis_map, signal
 from worldgen.interop.readers.java_stream import read_ints, write_ints
-from worldgen.interop.readers.thesis_map import MAX_SIZE, filtered, read_thesis_map, signal
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
 
@@ -99,7 +99,7 @@ def test_a_thesis_map_is_known_by_its_first_bytes(write, name):
 
 def test_a_start_that_is_not_clear_is_placed_elsewhere_and_said(write):
     imported = import_world(write(room(size=20, target=(15, 15), walls=[(3, 3)]).values))
-    assert any("(0.35, 1.65) m is not clear for the robot" in note for note in imported.notes)
+    assert any("(0.35, 1.65) m has no room for the robot" in note for note in imported.notes)
     assert imported.decision.result == "reachable"
 
 
@@ -271,14 +271,14 @@ def test_blocks_have_1024_bytes_and_what_is_left_has_the_shorter_head_that_fits(
         raw = bytes.fromhex(head)
         assert stream[at : at + len(raw)] == raw
         at += len(raw) + int.from_bytes(raw[1:], "big")
-    assert at == len(stream) and read_ints(stream, "s").tolist() == list(range(count))
+    assert at == len(stream) and read_ints(stream).tolist() == list(range(count))
 
 
 @given(st.lists(st.integers(-(2**31), 2**31 - 1), max_size=40), st.integers(1, 99))
 def test_blocks_of_any_length_are_read(numbers, length):
     payload = write_ints(np.array(numbers, np.int64))[6:] if len(numbers) < 64 else b""
     parts = [payload[at : at + length] for at in range(0, len(payload), length)]
-    assert read_ints(blocks(*parts), "s").tolist() == numbers
+    assert read_ints(blocks(*parts)).tolist() == numbers
 
 
 # Faults

@@ -88,7 +88,7 @@ def test_rounded_pixels_of_another_program_are_no_edit(made):
 
 
 def foreign(parts):
-    """As someone draws it: floors and walls in a group, a spawn point, no properties."""
+    """A map as a user might draw it: floors and walls in a group, a spawn point, no properties."""
     walls, places = parts["layers"]
     floor = {**walls, "name": "Floor", "data": [7] * len(NUMBERS)}
     places["objects"] = [

@@ -1,4 +1,4 @@
-"""Code that takes too long is ended, in every thread."""
+"""Code that takes too long is stopped, in every thread."""
 
 import threading
 

@@ -1,4 +1,4 @@
-"""``worldgen verify`` from outside."""
+"""The command ``worldgen verify``."""
 
 import dataclasses
 import json

@@ -20,7 +20,7 @@ def test_ctrl_c_is_heard_where_the_driver_listens_and_nowhere_else():
     before = signal.getsignal(signal.SIGINT)
     with ctrl_c_held_back() as listen:
         listen()
-        for _ in range(2):  # heard once, it is held back again
+        for _ in range(2):  # after being noticed once, it is held back again
             press()
             with pytest.raises(KeyboardInterrupt):
                 listen()
@@ -33,7 +33,7 @@ def test_a_second_ctrl_c_is_not_held_back():
     with pytest.raises(KeyboardInterrupt), ctrl_c_held_back():
         press()
         press()
-        signal.getsignal(signal.SIGINT)  # whatever runs next is interrupted
+        signal.getsignal(signal.SIGINT)  # the next code to run is interrupted
     assert signal.getsignal(signal.SIGINT) == before
 
 
@@ -72,7 +72,7 @@ def test_a_pool_ends_a_worker_that_is_busy():
     (process,) = pool._processes.values()
     pool.submit(time.sleep, 600)
     pool.end()
-    # The pool's own thread waits for the process too. If it is first, join() returns before that
+    # The pool's own thread also waits for the process. If it is first, join() returns before that
     # thread has stored the exit code.
     while process.exitcode is None:
         process.join(0.01)

@@ -29,7 +29,10 @@ WORLD = World(WALLS, Pose(0.05, 0.05), Target(0.05, 0.15, 0.05), timeline=LINE)
     [
         (0.0, [[0, 2, 0], [0, 0, 1]]),
         (0.9, [[0, 2, 0], [0, 0, 1]]),
-        (1.0, [[0, 0, 0], [0, 0, 1]]),  # of two events of one cell and time, the later one counts
+        (
+            1.0,
+            [[0, 0, 0], [0, 0, 1]],
+        ),  # if two events have the same cell and time, the later one counts
         (2.0, [[0, 0, 0], [0, 0, 0]]),
         (9.0, [[0, 0, 0], [0, 0, 0]]),
     ],
@@ -95,7 +98,7 @@ def test_spans_say_how_long_each_cell_is_in_which_state():
     assert list(spans) == [
         (1, -np.inf, 0.0, CellState.SOLID),
         (1, 0.0, 1.0, CellState.BURNING),
-        (1, 1.0, np.inf, CellState.FREE),  # of two events at one time, the later one counts
+        (1, 1.0, np.inf, CellState.FREE),  # if two events have the same time, the later one counts
         (5, -np.inf, 2.0, CellState.SOLID),
         (5, 2.0, np.inf, CellState.FREE),
     ]

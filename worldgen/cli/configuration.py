@@ -23,7 +23,7 @@ from worldgen.support.progress import say_once
 __all__ = ["FILE", "configured"]
 
 FILE = "pyproject.toml"
-# Options that name code in a file, such as ./robot.py:Robot, in addition to options that are paths.
+# Options that name code in a file, such as ./robot.py:Robot, besides those of type path.
 _CODE = ("controller", "families", "oracles")
 # The option of compare, which takes several in one value, separated by commas.
 _SEVERAL = "controllers"
@@ -197,8 +197,8 @@ def _project(folder: Path) -> _Project | None:
         if "worldgen" not in text:
             continue
         if not _has_same_owner(file, folder):
-            # Even an error in it must not concern our user: in /tmp, anybody could block every
-            # command with such a file.
+            # Even an error in it must not affect our user; otherwise anybody could block every
+            # command with a file in /tmp.
             if "tool.worldgen" in text:
                 say_once(
                     f"{file} belongs to another user and is not read, because it names code to "

@@ -1,4 +1,4 @@
-"""Make sure that no Ctrl-C is lost: Python drops exceptions raised where nobody can catch them."""
+"""Make sure that no Ctrl-C is lost: Python drops exceptions raised where no code can catch them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Add what every command has, no matter who wrote it.
+"""Add the parts that every command has, no matter who wrote it.
 
 This is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, and the
 rejection of options that are given twice.
@@ -65,7 +65,7 @@ def equip(command: click.Command) -> click.Command:
 
 
 def _add_options(command: click.Command) -> None:
-    """Let the command take our options too; its own ``params`` stay as its author wrote them."""
+    """Let the command accept our options too; its own ``params`` stay unchanged."""
     get_params = command.get_params
     taken = {
         flag

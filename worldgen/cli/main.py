@@ -190,7 +190,7 @@ def main() -> NoReturn:
         if isinstance(error, NotAGrid):
             _say_how_to_import(error)
         code = 2
-    # The reader of a pipe has gone: writing to it again would fail once more.
+    # The reader of the pipe has closed it, so writing to it again would also fail.
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0

@@ -7,16 +7,22 @@ import math
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
-from worldgen.files.whole import write_bytes
+from worldgen.domain import MASK64
+from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import shown, shown_lines
 from worldgen.support.progress import is_quiet, spoke
 
 __all__ = [
     "CONTROLLER_HELP",
+    "PATH",
+    "SEED",
+    "check_out",
     "draw_seed",
     "emit_json",
     "force_option",
@@ -26,7 +32,12 @@ __all__ = [
     "say",
     "seed_option",
     "shown",
+    "steps_option",
+    "time_step_option",
+    "typed",
+    "workers_option",
     "write_bytes",
+    "write_out",
 ]
 
 CONTROLLER_HELP = (
@@ -34,6 +45,9 @@ CONTROLLER_HELP = (
     "the run "
     "(docs/reference/controllers.md)."
 )
+
+PATH = click.Path(path_type=Path)
+SEED = click.IntRange(0, MASK64)
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -43,10 +57,19 @@ force_option: Callable[[F], F] = click.option(
 json_option: Callable[[F], F] = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object."
 )
+steps_option: Callable[[F], F] = click.option(
+    "--steps", type=int, help="Budget in steps.  [default: 50 times the witness's time]"
+)
+time_step_option: Callable[[F], F] = click.option(
+    "--time-step", type=float, help="Duration of a step, s.  [default: 0.015]"
+)
+workers_option: Callable[[F], F] = click.option(
+    "--workers", type=click.IntRange(1, 256), help="Number of processes.  [default: one per core]"
+)
 seed_option: Callable[[F], F] = click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
-    help="Seed of all random numbers, 64 bits; random, and printed, if omitted.",
+    type=SEED,
+    help="Seed of all random numbers, 64 bits; if omitted, a random seed is used and printed.",
 )
 
 
@@ -108,6 +131,33 @@ def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:
     click.echo(text, nl=nl, color=color)
 
 
+def check_out(option: str, out: Path | None, *suffixes: str, force: bool) -> None:
+    """Refuse a file to write before the work for it begins.
+
+    Args:
+        option: The option that names it, such as ``--picture``.
+        out: The file; ``None`` if it was not given.
+        *suffixes: What its name may end with; anything if omitted.
+        force: True if an existing file may be overwritten.
+
+    Raises:
+        click.UsageError: If its name ends otherwise.
+        OutputError: If it exists, or cannot be written.
+    """
+    if out is None:
+        return
+    if suffixes and out.suffix not in suffixes:
+        article = "an" if suffixes[0] == ".svg" else "a"
+        raise click.UsageError(f"{option} {out}: name {article} {', '.join(suffixes)} file")
+    check_output(out, force)
+
+
+def write_out(out: Path, data: bytes, *, force: bool) -> None:
+    """Write a file that the user asked for, and say so."""
+    write_bytes(out, data, force=force)
+    note(f"wrote {out}")
+
+
 def emit_json(result: Mapping[str, Any]) -> None:
     """Print one JSON object to stdout; infinities and NaN become null."""
     spoke()
@@ -122,6 +172,12 @@ def _finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
     return value
+
+
+def typed(*names: str) -> list[str]:
+    """Return which of the command's parameters were typed, rather than configured or omitted."""
+    source = click.get_current_context().get_parameter_source
+    return [name for name in names if source(name) is ParameterSource.COMMANDLINE]
 
 
 def draw_seed(seed: int | None) -> int:

@@ -52,7 +52,7 @@ COMMANDS: dict[str, dict[str, str]] = {
 }
 """Name and summary of each command by job; a test compares them with the commands' own."""
 
-# The libraries whose version can change what a command does.
+# The libraries whose version can change a command's results.
 _LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "hypothesis", "click", "numba", "dask")
 
 

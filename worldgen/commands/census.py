@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from worldgen.cli.output import (
+    PATH,
     draw_seed,
     emit_json,
     force_option,
@@ -36,7 +37,6 @@ EXAMPLES = (
     "  worldgen census maps/ scenarios/ --pairs 5 --seed 1 --out grid-only/\n"
     "  worldgen census ./examples/census/mazelib_maps.py:maps --count 500 --seed 1 --option side=20"
 )
-PATH = click.Path(path_type=Path)
 # Limit on the characters of a map's name in a file name: at most 200 of its 255 bytes.
 _LONGEST = 50
 
@@ -55,7 +55,7 @@ _LONGEST = 50
     type=click.IntRange(1, 100_000),
     default=1,
     show_default=True,
-    help="Questions per map that has many problems or none.",
+    help="Questions per map, if the map has many problems or none.",
 )
 @click.option(
     "--clear-ends",
@@ -132,7 +132,7 @@ def census(
     if out is not None:
         _check_folder(out, force=force)
     what = library.CensusOptions(asked, pairs, draw_seed(seed), clear_ends)
-    # Take the census, keeping worlds as they come.
+    # Take the census, saving worlds as they come.
     with working("taking a census") as work:
         maps = _maps(sources, what, count, options, cell_size, unknown)
         total = sum(map(len, maps))
@@ -184,7 +184,7 @@ def _maps(
     if options and not generators:
         raise InvalidParameter(
             "only-for-generators",
-            "option is for a generator, and none is named",
+            "an option is for a generator, but none is named",
             "name one, such as ./file.py:function",
         )
     # Read the files and folders.
@@ -230,7 +230,7 @@ def _check_folder(folder: Path, *, force: bool) -> None:
         raise OutputError(
             "folder-not-empty",
             "{folder} is not empty",
-            "give --force to write into it, or another folder",
+            "give --force to write into it, or choose another folder",
             at_terminal=True,
             folder=folder,
         )
@@ -239,7 +239,7 @@ def _check_folder(folder: Path, *, force: bool) -> None:
 def _keeper(folder: Path, *, force: bool) -> Callable[[CensusCase, World], None]:
     """Return the function that writes the worlds that only a point can pass.
 
-    Each is written immediately, so that it exists however the census ends.
+    Write each one immediately, so that it exists no matter how the census ends.
     """
     from worldgen.files.grid import write_world
     from worldgen.files.whole import refused_writes

@@ -21,7 +21,7 @@ EXAMPLES = (
     "left_out",
     metavar="CHECK",
     multiple=True,
-    help="Leave a check out; may be repeated.",
+    help="Skip a check; may be repeated.",
 )
 @click.option(
     "--digests", is_flag=True, help="Print the digest of seed 7 of each case, to pin it in a test."

@@ -6,7 +6,15 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import (
+    PATH,
+    SEED,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    write_bytes,
+)
 
 __all__ = ["check_scenarios"]
 
@@ -14,7 +22,6 @@ EXAMPLES = (
     "\b\n  worldgen check-scenarios hog2/maps/dao hog2/scenarios/dao\n"
     "  worldgen check-scenarios maps/ scenarios/ --rows 100 --seed 1 --csv checked.csv"
 )
-PATH = click.Path(path_type=Path)
 
 
 @click.command("check-scenarios", epilog=EXAMPLES)
@@ -26,7 +33,7 @@ PATH = click.Path(path_type=Path)
 )
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     default=0,
     show_default=True,
     help="Seed for drawing the problems.",
@@ -50,11 +57,11 @@ def check_scenarios(
 ) -> None:
     """Check the path lengths that MovingAI problems state.
 
-    PATH is a .map or .scen file, or a folder with such files below it. A scenario file finds its
-    map by the name that it gives. Paths are octile and do not cut corners; lengths are compared to
-    the published digits.
+    PATH is a .map or .scen file, or a folder that contains such files. The map of a scenario file
+    is found by the name in the file. Paths are octile and do not cut corners; lengths are compared
+    to the published digits.
 
-    Exits with 0 if all agree, with 1 if some do not, with 2 if there is nothing to check.
+    Exits with 0 if all agree, with 1 if some do not, and with 2 if there is nothing to check.
     """
     from worldgen.files.whole import check_output
     from worldgen.interop import scenario_check as library

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -24,22 +24,21 @@ EXAMPLES = (
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("world", type=click.Path(path_type=Path))
+@click.argument("world", type=PATH)
 @click.option(
     "--to",
     "name",
     metavar="FORMAT[+OPTION=VALUE]",
-    help="Format to write, as listed by `worldgen formats`; if omitted, it follows from the "
-    "ending of --out.",
+    help=(
+        "Format to write, as listed by `worldgen formats`; if omitted, the ending of --out decides."
+    ),
 )
-@click.option(
-    "--out", "-o", type=click.Path(path_type=Path), required=True, help="The file to write."
-)
+@click.option("--out", "-o", type=PATH, required=True, help="The file to write.")
 @click.option(
     "--at",
     type=float,
     metavar="SECONDS",
-    help="For a world that changes: its cells at this time.",
+    help="Export the cells at this time, for a world that changes.",
 )
 @click.option(
     "--origin",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from worldgen.cli.output import (
+    PATH,
     draw_seed,
     emit_json,
     force_option,
@@ -33,6 +34,11 @@ if TYPE_CHECKING:
     from worldgen.world import JointWitness, Value, Witness, World
 
 __all__ = ["command_of", "family_command"]
+
+_EXAMPLES = (
+    "\b\n  worldgen {name} --seed 7 --out w.grid\n  worldgen {name} --count 20 --out worlds/\n"
+    "  worldgen {name} --where 'detour > 2' --out w.grid"
+)
 
 
 @functools.cache
@@ -92,7 +98,8 @@ def command_of(made_by: Family, name: str) -> click.Command:
         command = decorate(command)
     for parameter in reversed(made_by.all_parameters):
         command = _option(parameter, made_by)(command)
-    return click.command(name)(command)
+    named = f"compose {name}" if name.endswith(".toml") else name
+    return click.command(name, epilog=_EXAMPLES.format(name=named))(command)
 
 
 def _set_place(count: int | None, out: Path | None) -> Path | None:
@@ -128,7 +135,7 @@ _count_option = click.option(
 )
 _out_option = click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="File to write, .grid or .grid.gz; with --count a folder, or an archive: .zip, .tar.gz or "
     ".tar.bz2. "
     "Without it, the world goes to stdout.",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note
 from worldgen.support.progress import working
 
 __all__ = ["import_map"]
@@ -22,10 +22,8 @@ EXAMPLES = (
 
 
 @click.command("import", epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path))
-@click.option(
-    "--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write."
-)
+@click.argument("path", type=PATH)
+@click.option("--out", "-o", type=PATH, required=True, help="The .grid file to write.")
 @click.option(
     "--from",
     "name",
@@ -41,16 +39,22 @@ EXAMPLES = (
 @click.option(
     "--start",
     metavar="X,Y[,HEADING]",
-    help="m and rad, from the lower-left corner; placed automatically if omitted.",
+    help="Start pose, m and rad; placed automatically if omitted.",
 )
 @click.option(
     "--target",
     metavar="X,Y[,RADIUS]",
-    help="m; placed automatically if omitted, with the robot's radius.",
+    help="Target, m; placed automatically if omitted, with the robot's radius.",
 )
 @click.option(
-    "--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target."
+    "--frame",
+    type=click.Choice(["corner", "map"]),
+    default="corner",
+    show_default=True,
+    help="Measure --start and --target from the lower-left corner, or in the file's own coordinates, "
+    "such as ROS's map frame.",
 )
+@click.option("--scen", type=PATH, help="MovingAI scenario file for start and target.")
 @click.option(
     "--row",
     type=click.IntRange(1),
@@ -98,7 +102,7 @@ EXAMPLES = (
 )
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**64 - 1),
+    type=SEED,
     help="Seed of the search for places that are far apart.  [default: 0]",
 )
 @click.option(
@@ -118,6 +122,7 @@ def import_map(
     speed: float | None,
     start: str | None,
     target: str | None,
+    frame: str,
     scen: Path | None,
     row: int,
     robots: int,
@@ -140,7 +145,7 @@ def import_map(
     nor the file gives start and target, they are placed far apart in the largest region the robot
     can drive through, with room to turn.
 
-    Exits with 0 if the target can be reached, with 1 if it cannot, or if this is undecided. If a
+    Exits with 0 if the target can be reached, with 1 if it cannot, or if it is undecided. If a
     path was found but the file has obstacles that cannot be read, such as a mesh, nothing is
     written and the exit code is 2; --ignore-unread judges the world without them.
     """
@@ -151,7 +156,7 @@ def import_map(
     robot = interop.ImportedRobot(
         None if start is None else interop.parse_point("start", start, "HEADING"),
         None if target is None else interop.parse_point("target", target, "RADIUS"),
-        radius, speed, scen, row, seed, ignore_unread, robots,
+        radius, speed, scen, row, seed, ignore_unread, robots, frame == "map",
     )  # fmt: skip
     given = {
         "cell_size": cell_size,
@@ -166,14 +171,14 @@ def import_map(
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
         imported = interop.import_world(path, robot, name=name, options=asked)
     file = None if imported.withheld else str(out)
-    # Write the world, unless obstacles that were not read make a path worthless.
+    # Write the world, unless unread obstacles could block the path.
     if not imported.withheld:
         write_world(imported.world, out, force=force)
     for sentence in imported.notes:
         note(sentence)
     for sentence in imported.warnings:
         note(f"warning: {sentence}")
-    # Report; the exit code tells whether the target can be reached.
+    # Report the result; the exit code shows whether the target can be reached.
     if as_json:
         emit_json(interop.as_json(file, imported))
     else:

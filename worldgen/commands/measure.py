@@ -38,8 +38,8 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     """Measure how hard worlds are.
 
     Metrics are computed again, from the file's own witness; a map without a certificate is decided
-    first. Metrics that a world does not have are left empty. A folder or an archive stands for the
-    .grid files in it. docs/howto/difficulty.md defines every metric.
+    first. Metrics that a world does not have are left empty. For a folder or an archive, its .grid
+    files are measured. docs/howto/difficulty.md defines every metric.
     """
     from worldgen.difficulty import measure as measured
     from worldgen.files.worlds import read_worlds
@@ -73,7 +73,7 @@ def _check_its_own(path: Path, world: World) -> None:
         raise InvalidWorld(
             "certificate-invalid",
             "{path}: its certificate proves nothing, because {reason}",
-            "remove it, and the world is decided before it is measured",
+            "remove it; the world is then decided before it is measured",
             path=path,
             reason=report.reason,
         )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 from worldgen.errors import OutputError
 from worldgen.support.progress import working
 
@@ -28,11 +28,7 @@ SHOWN = 20
 
 @click.command(epilog=EXAMPLES)
 @click.argument("path", metavar="SET", type=click.Path(exists=True, path_type=Path))
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    help="Folder or archive to make; with --check, the one to check.",
-)
+@click.option("--out", type=PATH, help="Folder or archive to make; with --check, the one to check.")
 @click.option(
     "--check", is_flag=True, help="Make nothing; list files that are missing, changed or extra."
 )
@@ -83,7 +79,7 @@ class _KnownSet:
     """A set's manifest.
 
     Args:
-        path: Where the manifest is.
+        path: Path of the manifest.
         place: Folder or archive of the worlds.
         manifest: Its contents.
     """
@@ -160,7 +156,7 @@ def _make(
             at_terminal=True,
             path=known.path,
         )
-    # Make all its worlds elsewhere, or those that are missing in its own place.
+    # Make all of its worlds elsewhere, or only the missing ones in its own place.
     try:
         with told(place, count, force=force and elsewhere) as progress:
             work = regenerate_set if elsewhere else restore_set

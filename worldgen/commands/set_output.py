@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Output", "make_many", "told", "workers_for"]
 
-# Number of worlds; below it, starting processes takes longer than it saves.
+# Number of worlds below which starting processes takes longer than it saves.
 _LARGE = 200
 
 
@@ -61,7 +61,7 @@ def make_many(
         force: True to replace what exists.
         as_json: True to print one JSON object.
     """
-    from worldgen.random_streams import MASK64
+    from worldgen.domain import MASK64
     from worldgen.sets import make_set, manifest_of
 
     plan = plan.with_seed(_seed(plan, seed, out, force=force))
@@ -112,7 +112,7 @@ def workers_for(count: int, workers: int | None) -> int:
 
 @contextmanager
 def told(out: Path, count: int, *, force: bool) -> Iterator[Callable[[int], None]]:
-    """Yield a callback that takes the number of worlds that are safe.
+    """Yield a callback that takes the number of worlds saved so far.
 
     It reports that number if the work ends early. With ``force`` the same command would start over.
     """

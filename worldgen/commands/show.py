@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, write_bytes
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -21,15 +21,14 @@ __all__ = ["show"]
 T = TypeVar("T")
 
 EXAMPLES = "\b\n  worldgen show w.grid\n  worldgen show w.grid --png w.png"
-OUT = click.Path(path_type=Path)
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path))
-@click.option("--png", type=OUT, metavar="OUT", help="Write a PNG picture.")
-@click.option("--svg", type=OUT, metavar="OUT", help="Write an SVG picture.")
+@click.argument("path", type=PATH)
+@click.option("--png", type=PATH, metavar="OUT", help="Write a PNG picture.")
+@click.option("--svg", type=PATH, metavar="OUT", help="Write an SVG picture.")
 @click.option(
-    "--html", type=OUT, metavar="OUT", help="Write an HTML page with the picture and the facts."
+    "--html", type=PATH, metavar="OUT", help="Write an HTML page with the picture and the facts."
 )
 @click.option(
     "--pixels",

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from worldgen.cli.output import emit_json, json_option, say, shown
+from worldgen.cli.output import PATH, emit_json, json_option, say, shown
 from worldgen.support.progress import working
 
-if TYPE_CHECKING:
-    from worldgen.world import Witness, World
-
-__all__ = ["verify", "verify_world"]
+__all__ = ["verify"]
 
 
 @click.command(epilog="\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json")
-@click.argument(
-    "paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(path_type=Path)
-)
+@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=PATH)
 @click.option(
     "--radius",
     type=float,
@@ -50,10 +44,10 @@ def verify(
 
     A file's certificate is checked by code that shares nothing with the code that made it. A map
     without a certificate is decided, as is one whose certificate does not cover the requested
-    radius; the result is then checked in the same way. A folder or an archive stands for the .grid
-    files in it.
+    radius; the result is then checked in the same way. For a folder or an archive, its .grid files
+    are checked.
 
-    For a world that changes, it also reports how late the robot may set out: on the witness (its
+    For a world that changes, it also reports how late the robot can set out: on the witness (its
     margin), and on any path (the latest start).
 
     Exits with 0 if every certificate is valid or every map could be decided (blocked is an answer
@@ -63,7 +57,9 @@ def verify(
     from worldgen.errors import InvalidParameter
     from worldgen.files.worlds import read_worlds
     from worldgen.reach import widest_disc
+    from worldgen.reach.verifying import verify_world
 
+    # Verify one world after the other.
     results: list[dict[str, Any]] = []
     with working("verifying") as work:
         for path, world in read_worlds(paths):
@@ -72,8 +68,9 @@ def verify(
             if widest and world.others:
                 raise InvalidParameter(
                     "several-robots",
-                    "{path} has {count} robots, and the widest disc is looked for one robot only",
-                    "ask with --radius R whether discs of R get through",
+                    "{path} has {count} robots, but the widest disc is computed only for worlds "
+                    "with one robot",
+                    "use --radius R to find out whether discs of that radius get through",
                     at_terminal=True,
                     path=str(path),
                     count=len(world.robots),
@@ -84,126 +81,11 @@ def verify(
             # Each result is printed as soon as it is known, since one can take minutes.
             if not as_json:
                 say(_line(results[-1]))
+    # Report, and fail if a proof does not hold.
     if as_json:
         emit_json(results[0] if len(results) == 1 else {"files": results})
     if not all(result["certificate_valid"] for result in results):
         raise click.exceptions.Exit(1)
-
-
-def verify_world(
-    world: World, radius: float | None = None, deadline: float | None = None
-) -> dict[str, Any]:
-    """Check a world's certificate, or decide the world and check that.
-
-    Args:
-        world: The world.
-        radius: Radius of the disc, m; the robot's if omitted.
-        deadline: Time, s, by which the robot must be in the target; None for any time.
-
-    Returns:
-        ``result``, ``certificate`` (witness, cut, confinement, swap or None), ``certificate_valid``,
-        ``decided`` (again, or read from the file), ``clearance``, ``radius`` and ``reason``;
-        ``deadline`` if there is one; ``robots``, their number, if there are several, and then
-        ``radius`` is the largest of theirs; of a witness in a world that changes, or under a deadline,
-        also ``margin`` and ``latest_start``: s by which it may begin later, and until which the
-        robot may wait at the start if it may take any path; None for any time.
-
-    Raises:
-        InvalidParameter: If the radius or the deadline isn't a finite number above 0.
-    """
-    from worldgen.reach import (
-        BLOCKED,
-        REACHABLE,
-        UNDECIDED,
-        check_certificate,
-        check_confinement,
-        check_swap,
-        decide_in_time,
-        until,
-    )
-    from worldgen.reach.decision import Decision, check_deadline, check_radius
-    from worldgen.world import Cut, Witness
-
-    # Use the file's own certificate if it is about this question; otherwise decide.
-    asked = max(robot.radius for robot in world.robots) if radius is None else radius
-    check_radius(asked, world.cell_size)
-    check_deadline(deadline)
-    decision = Decision(UNDECIDED, world.certificate, "")
-    afresh = False
-    if not _answers(world, radius, deadline):
-        decision = decide_in_time(world, deadline, radius=radius)
-        afresh = True
-    # Begin with an answer for the case that nothing is proved.
-    certificate = decision.certificate
-    answer: dict[str, Any] = {
-        "result": UNDECIDED,
-        "certificate": None,
-        "certificate_valid": False,
-        "decided": afresh,
-    }
-    answer |= {"clearance": None, "radius": asked, "reason": decision.reason}
-    answer |= {} if deadline is None else {"deadline": deadline}
-    answer |= {"robots": len(world.robots)} if world.others else {}
-    # Check the proof, with code that shares nothing with the prover.
-    ahead = world if deadline is None else until(world, deadline)
-    if certificate is not None:
-        report = check_certificate(
-            world if certificate is world.certificate else ahead, certificate, radius=radius
-        )
-        kind, claim = ("cut", BLOCKED) if isinstance(certificate, Cut) else ("witness", REACHABLE)
-        answer |= {
-            "result": claim if report.valid else UNDECIDED,
-            "certificate": kind,
-            "clearance": report.clearance,
-        }
-        answer |= {"certificate_valid": report.valid, "reason": report.reason}
-        if (
-            report.valid
-            and isinstance(certificate, Witness)
-            and (world.is_dynamic or deadline is not None)
-        ):
-            answer |= _lateness(world, certificate, asked, deadline)
-    elif decision.confinement is not None:
-        report = check_confinement(ahead, decision.confinement, radius=asked)
-        answer |= {"result": BLOCKED if report.valid else UNDECIDED, "certificate": "confinement"}
-        answer |= {"certificate_valid": report.valid, "reason": report.reason}
-    elif decision.swap is not None:
-        report = check_swap(world, decision.swap, radius=radius)
-        answer |= {"result": BLOCKED if report.valid else UNDECIDED, "certificate": "swap"}
-        answer |= {"certificate_valid": report.valid, "reason": report.reason}
-    return answer
-
-
-def _answers(world: World, radius: float | None, deadline: float | None) -> bool:
-    """Return True if the certificate in the file is about the question.
-
-    It may still be invalid.
-    """
-    from worldgen.reach import check_certificate
-    from worldgen.world import Cut
-
-    certificate = world.certificate
-    is_other = radius is not None and any(radius != robot.radius for robot in world.robots)
-    if certificate is None or (is_other and not check_certificate(world, radius=radius).valid):
-        return False
-    return deadline is None or isinstance(certificate, Cut) or certificate.duration <= deadline
-
-
-def _lateness(
-    world: World, witness: Witness, radius: float, deadline: float | None
-) -> dict[str, float | None]:
-    """Return how much later the witness may begin, and any path."""
-    from worldgen.reach import latest_start, witness_margin
-
-    margin = witness_margin(world, witness, radius=radius) if world.is_dynamic else math.inf
-    if deadline is not None:
-        margin = min(margin, deadline - witness.duration)
-    latest = max(latest_start(world, deadline, radius=radius) or 0.0, margin)
-    return {"margin": _finite(margin), "latest_start": _finite(latest)}
-
-
-def _finite(seconds: float) -> float | None:
-    return round(seconds, 9) if math.isfinite(seconds) else None
 
 
 def _line(result: dict[str, Any]) -> str:

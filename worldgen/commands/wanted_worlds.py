@@ -56,8 +56,10 @@ CONSTRAINT_OPTIONS = (
     click.option(
         "--where",
         metavar="CONDITION",
-        help="Search for a world whose metrics meet it: 'detour > 3 and bottleneck < 1.2r'. Parameters "
-        "not given vary.",
+        help=(
+            "Search for a world whose metrics meet it: 'detour > 3 and bottleneck < 1.2r'. "
+            "Parameters that you do not set vary."
+        ),
     ),
     click.option(
         "--difficulty",
@@ -111,7 +113,7 @@ def make_wanted(
     from worldgen.difficulty.search import Search, constraint_for, found
     from worldgen.sets import plan_stratified_set, plan_wanted_set
 
-    # A range of difficulty asks for a stratified set, or for one world anywhere in it.
+    # A range of difficulty requests a stratified set, or one world anywhere in it.
     where = query.where
     difficulty = query.difficulty or ()
     tries = query.tries or _TRIES
@@ -182,7 +184,7 @@ def _within(low: float, high: float, where: str | None) -> str:
 
     check_range(low, high)
     if where is not None:
-        # Its messages quote only what was written.
+        # Its messages only quote the original text.
         parse(where)
     return f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
 
@@ -209,7 +211,7 @@ def _make_stratified(plan: SetPlan, seed: int | None, out: Path, to: Output) -> 
     for stratum in strata_of(manifest_of(out)):
         missing = stratum.share - stratum.worlds
         why = (
-            f"  {missing} fewer than its share: no more were found, and its neighbours got them"
+            f"  {missing} fewer than its share: no more were found, so its neighbours have more"
             if missing > 0
             else ""
         )
@@ -231,7 +233,7 @@ def _write(one: Nearest, again: str, to: Output) -> dict[str, Any]:
     values = ", ".join(f"{metric} {value:g}" for metric, value in one.metrics.items())
     note(
         (f"{file}: " if file is not None else "")
-        + f"fits at try {one.number}: {values}\n  made again by: {again}"
+        + f"fits at try {one.number}: {values}\n  to make it again: {again}"
     )
     made = world.provenance
     return {

@@ -38,7 +38,7 @@ _S = _SOLID
 _B = _BURNING
 
 # State of a combined cell, indexed by the host's state (free, solid, burning, silent) and then by
-# the piece's (free, solid, burning). Where the host is silent, the piece decides alone.
+# the piece's (free, solid, burning). Where the host is undefined, only the piece counts.
 HOW: dict[How, npt.NDArray[np.uint8]] = {
     "over": np.array([[_F, _S, _B], [_F, _S, _B], [_F, _S, _B], [_F, _S, _B]], np.uint8),
     "union": np.array([[_F, _S, _B], [_S, _S, _S], [_B, _S, _B], [_F, _S, _B]], np.uint8),
@@ -132,7 +132,7 @@ def taken(events: Events, source: Whole, cells: int) -> Events:
         raise InvalidParameter(
             "above-maximum",
             "{changes} changes of cells; a piece has at most {most}",
-            "repeat less of what changes",
+            "repeat fewer parts that change",
             changes=int(count.sum()),
             most=MAX_EVENTS,
         )
@@ -150,12 +150,12 @@ def state_of_two(host: Bools, host_mask: Bools, piece: Bools, how: How) -> Bools
 
 
 class PlacedCells(NamedTuple):
-    """What a piece says about the cells of its host's frame.
+    """A piece's contents, in the frame of its host.
 
     Args:
         events: Its events.
         solid: (height, width) bool, its solid cells at time 0.
-        mask: (height, width) bool, the cells that it has a say in.
+        mask: (height, width) bool, the cells that it determines.
     """
 
     events: Events
@@ -194,8 +194,7 @@ def _merged(
 ) -> Events:
     """Combine the events of cells that both host and piece cover.
 
-    The result has one event for each event of either, with the state that the latest states of
-    both combine to.
+    The result has one event for each event of either, with the combination of both latest states.
 
     Args:
         host: The host's events in these cells.

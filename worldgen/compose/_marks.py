@@ -60,7 +60,7 @@ def frozen(marks: Marks) -> Marks:
 def mark_at(x: float, y: float, degrees: float | None = None, radius: float | None = None) -> Mark:
     """Create a mark from a user's numbers.
 
-    Each float stands for its shortest decimal: 0.1 becomes exactly 1/10.
+    Each float means its shortest decimal: 0.1 becomes exactly 1/10.
 
     Args:
         x: Cells from the piece's left side.

@@ -180,7 +180,7 @@ def put_down(
 
 def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
     """Return the host with a piece placed at (x, y), cut off where it sticks out."""
-    # Merge what both pieces carry besides cells; where both have a value, the host's is kept.
+    # Merge the values of both pieces besides cells; if both have a value, keep the host's.
     agreed = replace(
         host,
         marks={
@@ -227,8 +227,8 @@ def _is_piece(name: str, whose: str, piece: Piece) -> bool:
     if whose == "piece" and name not in piece.marks:
         raise InvalidParameter(
             "missing-mark",
-            "{name}='piece', and the piece has no {name}",
-            "give it one, or leave {name} out",
+            "{name}='piece', but the piece has no {name}",
+            "give it one, or omit {name}",
             name=name,
         )
     return whose == "piece"
@@ -238,7 +238,7 @@ def _same_size(host: float | None, piece: float | None) -> float | None:
     if host is not None and piece is not None and host != piece:
         raise InvalidParameter(
             "cell-sizes-differ",
-            "the host has cells of {host:g} m, the piece of {piece:g} m",
+            "the host has cells of {host:g} m, but the piece has cells of {piece:g} m",
             "make one with the other's cell_size, or give the piece "
             "for_robot(cell_size={host:g}), which changes its size in m",
             host=host,

@@ -12,7 +12,7 @@ from worldgen.compose._sizes import TooLarge, check_size, whole
 from worldgen.compose._values import Scalar, Spec, value_of
 from worldgen.compose.piece import Piece
 from worldgen.compose.sources import above, beside, of_family, rectangle, row_size
-from worldgen.domain import MAX_SIDE
+from worldgen.domain import MASK64, MAX_SIDE
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, check_choice
 from worldgen.random_streams import RandomStream
@@ -96,7 +96,7 @@ class RecipeRun:
         if made.cell_size is not None and made.cell_size != cell_size:
             raise InvalidParameter(
                 "cell-sizes-differ",
-                "the world's cells are {cell_size:g} m a side, the parameter cell_size is "
+                "the world's cells are {cell_size:g} m wide, but the parameter cell_size is "
                 "{parameter:g} m",
                 "write cell_size = {cell_size:g} under [parameters]",
                 cell_size=made.cell_size,
@@ -150,7 +150,7 @@ class RecipeRun:
         params = {key: self._params[key] for key in ROBOT if key in known}
         for key, spec in part.params.items():
             value = self._value(spec, rng.child("params"), key)
-            # TOML has separate integers and floats; accept 2 where a family wants 2.0.
+            # TOML has separate integers and floats; accept 2 where a family expects 2.0.
             params[key] = (
                 float(value) if type(known.get(key)) is float and type(value) is int else value
             )
@@ -162,7 +162,7 @@ class RecipeRun:
             check_size(f"{name} of size={side}", side, side)
             self._work.check(side * side)
         if seed is not None:
-            return of_family(made_by, whole("seed", seed, 0, 2**64 - 1), **params)
+            return of_family(made_by, whole("seed", seed, 0, MASK64), **params)
         return of_family(made_by, rng.child("layout"), **params)
 
     def _step(self, piece: Piece, step: Step, rng: RandomStream) -> Piece:
@@ -280,7 +280,7 @@ def _dig(piece: Piece, value: Any, options: Options) -> Piece:
     if "to" not in options:
         raise InvalidParameter(
             "missing-key",
-            "a passage leads from somewhere to somewhere",
+            "a passage needs both ends, from and to",
             'write {{ dig = "a", to = [8, 3] }}',
         )
     ends = [end if isinstance(end, str) else _point(end, "dig") for end in (value, options["to"])]
@@ -300,7 +300,7 @@ def _trim(piece: Piece, value: Any, options: Options) -> Piece:
         raise InvalidParameter(
             "no-effect",
             "trim={value!r} says nothing",
-            "write trim = true, or leave it out",
+            "write trim = true, or omit it",
             value=value,
         )
     return piece.trim()

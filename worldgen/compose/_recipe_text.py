@@ -44,7 +44,7 @@ ROBOT: dict[str, tuple[float, str]] = {
 # Names that provenance already uses next to the parameters.
 _RESERVED = ("recipe", "files", "made_with")
 _NOTES = {
-    MARGIN: "Time by which the robot may set out on its witness later, s.",
+    MARGIN: "How much later the robot may set out on its witness, s.",
     **{name: note for name, (_, note) in ROBOT.items()},
 }
 _TOP = ("recipe", "version", "about", "world", "parameters", "part")
@@ -146,14 +146,16 @@ def words_of(value: Spec) -> tuple[str, ...]:
     )
     if not items or not all(isinstance(item, str) for item in items):
         raise InvalidParameter(
-            "wrong-type", "names are words in quotes, or {{ any = [...] }} of such", "give one"
+            "wrong-type",
+            "names are words in quotes, or {{ any = [...] }} with such words",
+            "give one",
         )
     return tuple(str(item) for item in items)
 
 
 @dataclass(frozen=True)
 class RecipeText:
-    """Hold a recipe as its author wrote it, parsed but with nothing built yet."""
+    """A recipe as its author wrote it, parsed but not yet built."""
 
     name: str
     version: int
@@ -283,8 +285,8 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
             isinstance(world, str) and world in parts,
             Message(
                 "unknown-name",
-                "{name!q} is not a part; it has {known!l}",
-                "name one of these, or leave it out for the last",
+                "no part is called {name!q}; there are {known!l}",
+                "name one of these, or omit it for the last part",
                 name=world,
                 known=list(parts),
             ),
@@ -296,7 +298,7 @@ def _whole(value: object, least: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**31:
         raise InvalidParameter(
             "not-a-number",
-            "{value!q} is not a whole number from {least} on",
+            "{value!q} is not a whole number of at least {least}",
             "give one",
             value=value,
             least=least,
@@ -332,14 +334,14 @@ def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
                 Message(
                     "not-a-name",
                     "is not a name",
-                    "use small letters, digits and _, and no word of Python's, as for, nor rng",
+                    "use small letters, digits and _, but not rng or a Python keyword such as for",
                 ),
             )
             _check(
                 name not in _RESERVED,
                 Message(
                     "reserved-name",
-                    "is a word of provenance, as {known!l}",
+                    "is reserved for provenance, like {known!l}",
                     "take another",
                     known=list(_RESERVED),
                 ),
@@ -375,7 +377,7 @@ def _declared(raw: Any) -> Declared:
     if not isinstance(default, bool | int | float | str):
         raise InvalidParameter(
             "wrong-type",
-            "default={default!q} is not a number, text or truth",
+            "default={default!q} is not a number, a text, true or false",
             "give one",
             default=default,
         )
@@ -407,7 +409,7 @@ def _declared(raw: Any) -> Declared:
                 Message(
                     "wrong-type",
                     "{name}={value!q} goes with numbers",
-                    "leave it out, or make it and the default numbers",
+                    "omit it, or make it and the default numbers",
                     name=name,
                     value=value,
                 ),
@@ -460,7 +462,10 @@ def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> 
             _check(
                 steps <= MAX_STEPS,
                 Message(
-                    "too-large", "more than {most} steps in all", "split the recipe", most=MAX_STEPS
+                    "too-large",
+                    "more than {most} steps in total",
+                    "split the recipe",
+                    most=MAX_STEPS,
                 ),
             )
             for used in part.uses():
@@ -468,7 +473,7 @@ def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> 
                     used in parts,
                     Message(
                         "unknown-name",
-                        "{name!q} is not a part before it",
+                        "no earlier part is called {name!q}",
                         "there are: {known!l:none}",
                         name=used,
                         known=list(parts),

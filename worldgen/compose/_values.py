@@ -140,7 +140,7 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
         raise InvalidParameter(
             "division-by-zero",
             "{text!r} divides by zero",
-            "change it or its parameters",
+            "change the formula or its parameters",
             text=formula.text,
         ) from None
     except OverflowError:
@@ -190,7 +190,7 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
                 low=low,
                 high=high,
             )
-        # Two whole ends give whole numbers, for which the stream has 63 bits.
+        # If both ends are integers, so is the value, for which the stream has 63 bits.
         if isinstance(low, int) and isinstance(high, int):
             if high - low >= 2**63:
                 raise InvalidParameter(

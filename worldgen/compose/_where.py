@@ -98,7 +98,7 @@ def draw_corner(
         columns, rows = (np.arange(margin, last + 1) for last in most)
         corners = clear(np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2))
     if not len(corners):
-        where = "on the way from start to target" if way is not None else "anywhere"
+        where = "on the path from start to target" if way is not None else "anywhere"
         raise InvalidParameter(
             "no-room",
             "a piece of {width} x {height} cells fits nowhere {where} in {host_width} x "

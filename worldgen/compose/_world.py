@@ -81,7 +81,7 @@ def witness_path_of(world: World) -> Witness:
     if not isinstance(decision.certificate, Witness):
         raise InvalidWorld(
             "not-reachable",
-            "at='way', and the host has no way from start to target: {reason}",
+            "at='way', but the host has no path from start to target: {reason}",
             "put the piece elsewhere",
             reason=decision.reason,
         )

@@ -92,7 +92,7 @@ class Piece:
             if not line.is_within(self.width, self.height):
                 raise InvalidParameter(
                     "outside-grid",
-                    "a piece's timeline has a cell outside of it",
+                    "a piece's timeline has a cell outside the piece",
                     "cut the timeline, or the world",
                 )
             events = settled(Events.of(line, self.width), solid)
@@ -456,8 +456,8 @@ class Piece:
         if not (0 <= mark.x <= self.width and 0 <= mark.y <= self.height):
             raise InvalidParameter(
                 "outside-grid",
-                "{name} at ({x:g}, {y:g}) lies outside the piece of {width} x {height} cells",
-                "give cells from its lower left corner",
+                "{name} at ({x:g}, {y:g}) is outside the piece of {width} x {height} cells",
+                "give a place in cells, from its lower left corner",
                 name=name,
                 x=float(mark.x),
                 y=float(mark.y),
@@ -521,7 +521,7 @@ class Piece:
 
         Args:
             piece: The piece to place. A mark of it is kept unless the host has one of that name.
-            at: Host cell of the piece's lower left cell, or one of these words. ``centre``, a side
+            at: Host cell of the piece's lower left cell, or one of these words: ``centre``, a side
                 (``left``, ``top``, ...) or a corner (``lower-left``, ...) of the host. The name of
                 a mark of the host, which the piece is centred on. ``way`` draws a place on the path
                 from the host's start to its target, and ``anywhere`` draws any place; both avoid
@@ -530,8 +530,8 @@ class Piece:
                 side, a corner, or one of its marks; rounded to the nearest whole cell.
             how: ``over`` replaces the host's cells. ``union`` keeps the walls of both.
                 ``intersection`` keeps walls that both have, which digs out the piece's floor.
-                ``carve`` cuts out the piece's walls. Where the host is undefined the piece decides
-                alone, and nothing is carved.
+                ``carve`` cuts out the piece's walls. Where the host is undefined, only the piece
+                counts, and nothing is carved.
             outside: What to do if the piece sticks out of the host: ``refuse`` raises, ``clip``
                 cuts it off, and ``grow`` enlarges the host by undefined cells.
             start: Whose start to keep if both have one, ``host`` or ``piece``.

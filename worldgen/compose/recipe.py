@@ -162,7 +162,7 @@ def _read_pieces(
                     raise InvalidParameter(
                         "outside-folder",
                         "file={text!r} lies elsewhere",
-                        "put it next to the recipe, or in a folder there",
+                        "put it next to the recipe, or in a folder next to it",
                         text=text[:60],
                     )
                 carried = sum(len(content) for name, content in kept.items() if name != text)
@@ -175,7 +175,7 @@ def _read_pieces(
 
 
 def _read_file(path: Path, given: str | None, carried: int) -> tuple[Piece, str]:
-    """Return a file's piece, and what provenance keeps of it; ``given`` is what it kept."""
+    """Return a file's piece, and its entry in the provenance; ``given`` is an existing entry."""
     if given is not None and not given.startswith(_DIGEST):
         return of_world(loads(given.encode(), str(path))), given
     piece = read(path)
@@ -183,8 +183,8 @@ def _read_file(path: Path, given: str | None, carried: int) -> tuple[Piece, str]
     if given is not None and given != digest:
         raise InvalidParameter(
             "file-changed",
-            "{path} has changed since the world was made of it",
-            "put the old file there",
+            "{path} has changed since the world was made from it",
+            "restore the old file",
             path=path,
         )
     if given is None and path.suffix == ".grid":
@@ -205,7 +205,7 @@ def _digest(piece: Piece) -> str:
 
 
 def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
-    """Return a function that lays out a world, with the recipe's parameters as its own."""
+    """Return a function that lays out a world, with the recipe's parameters."""
     by_chance = _is_drawn(recipe)
 
     def build(rng: RandomStream, **values: Any) -> World:
@@ -236,15 +236,15 @@ def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
         for name, known in listed
     }
     notes = "\n".join(f"    {name}: {known.help}" for name, known in listed)
-    build.__doc__ = f"{recipe.about}\n\nArgs:\n    rng: The only source of chance.\n{notes}\n"
+    build.__doc__ = f"{recipe.about}\n\nArgs:\n    rng: The only source of randomness.\n{notes}\n"
     return build
 
 
 def _only(name: str, world: World, margin: Scalar) -> World:
-    """Check the only world of a recipe that draws nothing.
+    """Check the only world of a recipe without randomness.
 
-    If this world cannot be solved, no other seed helps, so fail at once with a message that says
-    so.
+    If this world cannot be solved, no other seed helps, so fail immediately with a message that
+    explains it.
 
     Raises:
         GenerationFailed: If the world cannot be solved; the error carries the reason.
@@ -253,8 +253,8 @@ def _only(name: str, world: World, margin: Scalar) -> World:
     if decision.result != REACHABLE:
         raise GenerationFailed(
             "not-reachable",
-            "recipe {name}: its world is {result}: {reason}; nothing in it is drawn, so no "
-            "seed helps: move a part, start or target",
+            "recipe {name}: its world is {result}: {reason}; nothing in it is random, so no other "
+            "seed helps: move a part, the start or the target",
             name=name,
             result=decision.result,
             reason=decision.reason,

@@ -78,7 +78,7 @@ def of_family(name: str | Family, seed: int | RandomStream = 0, **params: Value)
 
     Args:
         name: A family, or its name.
-        seed: A seed gives the world that ``generate`` returns for it. A stream gives a layout that
+        seed: A seed gives the same world as ``generate``. A stream gives a layout that
             is drawn from the stream, without a proof.
         **params: Parameters of the family.
 
@@ -136,7 +136,7 @@ def drawn(rows: str | Sequence[str]) -> Piece:
         if len(line) != len(lines[0]):
             raise InvalidParameter(
                 "ragged-rows",
-                "row {row} of a drawing has {signs} signs, the first {width}",
+                "row {row} of a drawing has {signs} signs, but the first has {width}",
                 "make all equally long",
                 row=number,
                 signs=len(line),
@@ -151,7 +151,7 @@ def drawn(rows: str | Sequence[str]) -> Piece:
 
 
 def _note(marks: dict[str, Mark], sign: str, row: int, column: int, rows: int) -> None:
-    """Add the mark that a character of a drawing stands for."""
+    """Add the mark for a character of a drawing."""
     if sign not in _SIGNS and not ("a" <= sign <= "z"):
         raise InvalidParameter(
             "unknown-sign",
@@ -165,7 +165,7 @@ def _note(marks: dict[str, Mark], sign: str, row: int, column: int, rows: int) -
     if name in marks:
         raise InvalidParameter(
             "twice",
-            "row {row} of a drawing has a second {sign!r}; a mark stands once",
+            "row {row} of a drawing has a second {sign!r}; each mark can appear only once",
             row=row,
             sign=sign,
         )
@@ -295,7 +295,7 @@ def first_solvable(build: Callable[[RandomStream], Piece], seed: int = 0) -> Wor
 def first_possible(build: Callable[[RandomStream], T], rng: RandomStream) -> T:
     """Call a function until it draws a composition whose parts fit, and return that one.
 
-    Drawn parts may be too large for their places, which another draw can solve.
+    Random parts may be too large for their places; another draw may fit.
 
     Raises:
         WorldgenError: The first error, if ``build`` raises every time.

@@ -1,4 +1,5 @@
-// Finds where a disc is clear, for all nodes and middles of a graph at once, by comparing rows of cells 16 at a time.
+// Finds where a disc is clear, for all nodes and midpoints of a graph together, by comparing rows
+// of cells 16 at a time.
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,7 +16,7 @@ typedef struct DiscRow {
     int64_t count;  // how many
 } DiscRow;
 
-// The rows of every kind of point: nodes and middles in turn, by x and then y within a cell.
+// The rows of every kind of point: nodes and midpoints in turn, by x and then y within a cell.
 typedef struct DiscRows {
     DiscRow *rows;
     int64_t *begins;  // (2 k^2 + 1,)

@@ -32,7 +32,7 @@ static inline int64_t wg_floor_div(int64_t a, int64_t b)
     return a % b < 0 ? quotient - 1 : quotient;
 }
 
-// The cell in which a coordinate (lu) lies.
+// The cell that contains a coordinate (lu).
 static inline int64_t wg_cell_of(int64_t lu)
 {
     return wg_floor_div(lu, WG_UNIT);

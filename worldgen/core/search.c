@@ -1,9 +1,9 @@
 // Finds the shortest path over the eight neighbours of a graph's nodes, with buckets and bits instead of a heap.
 //
-// The search takes the node with the lowest estimate, and among equals the one with the lowest number. Estimates
+// The search takes the node with the lowest estimate; ties go to the lowest number. Estimates
 // never fall, and a step raises one by at most 198. So waiting nodes are in a ring of buckets, one for each estimate,
-// and those of the present estimate are bits in a tree of words, 64 to a word, which yields the lowest in a few
-// steps. A heap took two to four times as long on open ground.
+// and those with the current estimate are bits in a tree of words, 64 to a word, which yields the
+// lowest in a few steps. A heap took two to four times as long on open ground.
 //
 // Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost Paths" (1968).
 // Dial, "Algorithm 360: Shortest-Path Forest with Topological Ordering" (1969), for the buckets.
@@ -53,7 +53,8 @@ struct WgSearch {
     int64_t waiting_count;
     int32_t unused;
 
-    // The nodes of the present estimate: a bit for each node, then one for each word of those, and so on.
+    // The nodes with the current estimate: a bit for each node, then one for each word of those,
+    // and so on.
     uint64_t *bits;
     int64_t begins[MOST_LEVELS];
     int64_t levels;
@@ -175,7 +176,7 @@ static bool put_into_bucket(WgSearch *search, int64_t node, int64_t estimate)
     return true;
 }
 
-// Ensures that the ring has room for all estimates of the sources at once.
+// Ensures that the ring has room for all estimates of the sources.
 static bool widen_ring(WgSearch *search, int64_t spread)
 {
     int64_t ring = search->ring == 0 ? LEAST_RING : search->ring;

@@ -63,7 +63,7 @@ typedef struct WgMaze {
     int64_t head;      // growing tree: the list of active chambers begins here
     int64_t tail;      // growing tree: and ends before this
     int64_t alive;     // growing tree: entries of the list that are still active
-    int64_t again;     // growing tree: 1 while the entry is to be drawn again
+    int64_t again;     // growing tree: 1 while the entry has to be drawn again
     int64_t waiting;   // Prim: edges in the heap. Recursive division: rectangles to be cut
 } WgMaze;
 
@@ -172,8 +172,8 @@ WgStatus wg_regions(const uint8_t *clear, int64_t size, int64_t stride, int64_t 
 // barred:     (size,) 1 where no cell of a thing may be; grows with every thing placed.
 // places:     (turns,) where to try.
 // which:      (turns,) the kind of thing to try there.
-// cells:      offsets of the cells of all kinds, one kind after the other.
-// cell_ends:  (kinds,) where each kind's offsets end.
+// cells:      offsets of the cells of all kinds, one kind after another. cell_ends:  (kinds,) where
+// each kind's offsets end.
 // halos:      offsets that a thing blocks, in the same order.
 // halo_ends:  (kinds,) where these end.
 // stands:     (turns,) to be filled: 1 where the thing of that turn stands.
@@ -210,7 +210,8 @@ WgStatus wg_largest_discs(const uint8_t *clear, const int32_t *squared, const in
 WgStatus wg_highest(const int64_t *places, const int64_t *sizes, int64_t count, int64_t stride, const int64_t *asked,
                     int64_t asked_count, uint8_t *found);
 
-// Sorts the clear nodes by their distance from a point; those of the same distance stay in their order.
+// Sorts the clear nodes by their distance from a point; nodes at the same distance keep their
+// order.
 //
 // clear:   (rows, columns) 1 where the disc is clear.
 // pitch:   from one node to the next, in the units of x and y.
@@ -254,7 +255,7 @@ WgStatus wg_openings(const uint8_t *clear, const uint8_t *middle, int64_t size, 
 WgStatus wg_unite(const int64_t *ones, const int64_t *others, const uint8_t *odd, int64_t links, int64_t *parent,
                   uint8_t *bit, int64_t cells, int64_t *closed);
 
-// making/surroundings.c: what is around points. Cells are closed; what is outside is solid.
+// making/surroundings.c: the surroundings of points. Cells are closed; everything outside is solid.
 
 // Finds the distance from each point to the nearest wall, cells.
 //

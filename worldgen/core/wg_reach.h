@@ -231,7 +231,7 @@ typedef struct WgStill {
     int64_t outcome;     // a WgOutcome
     int64_t goal_clear;  // 1 if the robot may be at the goal
     int64_t count;       // of the path's points
-    int64_t room;        // of each part of the following
+    int64_t room;        // for each part of the following
     int64_t *points;     // (4 room,) x, y in lu; then sides and squared lengths, as from wg_sweep_least
     double *metres;      // (3 room,) x, y in m; then times in s
     int64_t least;       // smallest integer square of the distance to a solid cell, lu^2
@@ -344,7 +344,7 @@ typedef struct WgCutSearch WgCutSearch;
 // targets:    1 to 6 poses that the chain separates from the start.
 // poses:      (1 + targets, 2) start and targets: x, y in half cells, rounded down.
 // limbs:      at least 1.
-// rest:       (1 + targets, 2, limbs) what rounding removed, as digits in base 2^32, highest first.
+// rest:       (1 + targets, 2, limbs) the rounding errors, as digits in base 2^32, highest first.
 // made:       receives the search, to be released by wg_cut_search_free.
 WgStatus wg_cut_search_new(const WgWalls *walls, int64_t limit, int64_t targets, const int64_t *poses, int64_t limbs,
                            const uint32_t *rest, WgCutSearch **made);
@@ -429,7 +429,33 @@ typedef struct WgJoint {
 // Paths of all robots: for each tick the node of each.
 typedef struct WgJointPlan WgJointPlan;
 
-// Plans one robot after the other, each around those before it, by safe intervals.
+// A robot of a joint search; the arrays are those of WgJoint, for this robot only.
+typedef struct WgJointRobot {
+    int64_t number;  // from 0
+    int64_t start;   // node
+    const int32_t *distances;  // (nodes,)
+    const int64_t *crossings;  // (crossing_count,)
+    int64_t crossing_count;
+} WgJointRobot;
+
+// Robots that are planned one after the other, each around those before it, by safe intervals.
+typedef struct WgJointOrder WgJointOrder;
+
+// Begins without a robot. Of the robots in ``joint``, only the number and classes count; it must outlive the order.
+WgStatus wg_joint_order_new(const WgJoint *joint, WgJointOrder **made);
+
+// Plans one more robot.
+//
+// most:       states that it may reach.
+// found:      receives 1 if it has a path; otherwise 0, and the order stays as it was.
+WgStatus wg_joint_order_add(WgJointOrder *order, const WgJointRobot *robot, int64_t most, int64_t *found);
+
+// Makes the plan of an order with a path for each robot.
+WgStatus wg_joint_order_plan(const WgJointOrder *order, WgJointPlan **made);
+
+void wg_joint_order_free(WgJointOrder *order);
+
+// Plans all robots in a given order.
 //
 // order:      (robots,) their numbers from 0, the first planned first.
 // most:       states that one robot may reach.

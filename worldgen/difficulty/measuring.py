@@ -35,8 +35,8 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
 
     Metrics along a path use the world's own witness; a world without a certificate is decided
     first. Equal worlds with equal witnesses have equal metrics, to the last digit, on every
-    machine. In a world of several robots, the metrics are those of the robot that has it hardest:
-    each is measured alone, on its path of the joint witness.
+    machine. In a world with several robots, the metrics are for the robot with the hardest task:
+    each robot is measured alone, on its path in the joint witness.
 
     Args:
         world: Any world; in one that changes, the walls and obstacles of time 0 count.
@@ -87,7 +87,7 @@ def _hardest(
             alone = replace(alone, certificate=paths[number - 1])
         metrics = measure(alone, only=only)
         if paths and not world.is_dynamic:
-            # Robots wait for each other also where no cell changes.
+            # Robots may wait for each other even if no cell changes.
             way = witness_path_of(alone, paths[number - 1])
             metrics = replace(metrics, waiting=rounded(way.waiting))
         measured.append(metrics)

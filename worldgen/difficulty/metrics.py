@@ -19,7 +19,7 @@ class Metric(NamedTuple):
         harder: 1 if higher values should make a world harder, -1 if lower values should, 0 if
             neither is expected.
         meaning: One line for tables.
-        source: Who published it, if it isn't ours.
+        source: Its publication, if it isn't ours.
     """
 
     unit: str
@@ -32,17 +32,23 @@ _BARN = "Perille, Truong, Xiao, Stone, Benchmarking Metric Ground Navigation, 20
 
 METRICS: Final = {
     "difficulty": Metric(
-        "", 1, "how likely the library's controllers fail, by a fitted model, 0 to 1"
+        "", 1, "how likely the library's controllers are to fail, by a fitted model, 0 to 1"
     ),
     "length": Metric("m", 1, "length of the witness"),
     "detour": Metric("", 1, "length of the witness over the straight line from start to target"),
     "turns": Metric("rad", 1, "all turning along the witness"),
     "turning": Metric("rad/m", 1, "turning over the straight line from start to target"),
     "bottleneck": Metric("m", -1, "radius of the largest disc that could pass at all"),
-    "bottleneck_radii": Metric("", -1, "the same in radii of the robot"),
-    "concavity": Metric("m", 1, "depth of the deepest pocket into which the target draws"),
-    "retreat": Metric("m", 1, "how much farther from the target than the start every way leads"),
-    "decisions": Metric("", 1, "places along the witness from which three or more ways lead"),
+    "bottleneck_radii": Metric("", -1, "the same, in robot radii"),
+    "concavity": Metric(
+        "m", 1, "depth of the deepest pocket that a robot heading for the target enters"
+    ),
+    "retreat": Metric(
+        "m",
+        1,
+        "detour to places farther from the target than the start, which every path has to make",
+    ),
+    "decisions": Metric("", 1, "places along the witness where three or more paths meet"),
     "wall_distance": Metric(
         "m", -1, "distance to the closest obstacle, mean along the witness", _BARN
     ),
@@ -57,9 +63,9 @@ METRICS: Final = {
         "", 1, "length of the witness over the straight line between its ends", _BARN
     ),
     "solid": Metric("", 0, "share of the cells that are solid at time 0"),
-    "duration": Metric("s", 1, "when the witness arrives"),
-    "waiting": Metric("s", 1, "how long the witness stands still"),
-    "margin": Metric("s", -1, "how much later the witness may begin"),
+    "duration": Metric("s", 1, "time at which the witness arrives"),
+    "waiting": Metric("s", 1, "time for which the witness stands still"),
+    "margin": Metric("s", -1, "time by which the witness may begin later"),
     "changing": Metric("", 1, "share of the cells that change with time"),
     "robots": Metric("", 1, "number of robots, if there are several"),
 }

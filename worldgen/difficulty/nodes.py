@@ -71,7 +71,7 @@ def nodes_of(world: World, solid: Bools) -> Nodes:
 
 
 def _in_walls(solid: Bools) -> Bools:
-    """Return True if a node is in a closed solid cell, or on the rim of the grid."""
+    """Return a mask of the half-cell nodes in a closed solid cell, or on the rim of the grid."""
     quarters = np.pad(solid.repeat(2, axis=0).repeat(2, axis=1), 1, constant_values=True)
     rows = quarters[:-1] | quarters[1:]
     found: Bools = rows[:, :-1] | rows[:, 1:]

@@ -4,8 +4,8 @@ A robot at ``p`` is ``D(p)`` from the target in a straight line. The pass of ``p
 over all paths from ``p`` to the target, of the greatest ``D`` on the path: a robot at ``p`` must go
 at least that far from the target, whatever it does. Its depth is pass minus ``D``.
 
-The points are processed in the order of ``D``, each united with its earlier neighbours. Two pockets
-become one at the lowest point between them, and a pocket's depth is known when it joins the
+The points are processed in the order of ``D``, and each is merged with its earlier neighbours. Two
+pockets become one at the lowest point between them, and a pocket's depth is known when it joins the
 target's component.
 
 Source: Edelsbrunner, Letscher, Zomorodian, "Topological Persistence and Simplification", 2002.

@@ -82,7 +82,7 @@ def constraint_for(where: str | None, difficulty: float | None = None) -> Expres
             f"{max(0.0, difficulty - CLOSE):.6g} <= difficulty <= {difficulty + CLOSE:.6g}"
         )
     if where is not None:
-        # Its messages quote only what was written.
+        # Its messages only quote the original text.
         parse(where)
         parts.append(f"({where})" if parts else where)
     if not parts:
@@ -104,8 +104,6 @@ class Search:
         seed: Source of all randomness; the first world tried has this seed and the given
             parameters.
         given: Parameters that keep their values.
-        guided: Whether to vary parameters; if False, only seeds vary.
-        learns: Whether the nearest worlds have children; if False, all parameters are drawn.
 
     Raises:
         InvalidParameter: If a given parameter is refused, or a difficulty is requested of worlds
@@ -118,9 +116,6 @@ class Search:
         constraint: Expression,
         seed: int,
         given: Mapping[str, Value],
-        *,
-        guided: bool = True,
-        learns: bool = True,
     ) -> None:
         self.family = family
         self.constraint = constraint
@@ -131,15 +126,13 @@ class Search:
         if family.changes and "difficulty" in constraint.names:
             raise InvalidParameter(
                 "world-changes",
-                "{name}: its worlds change, and those have no difficulty",
+                "{name}: its worlds change, and difficulty is only defined for worlds that do not",
                 "constrain another metric, such as detour",
                 name=family.name,
             )
-        self._free = free_parameters(family, given) if guided else ()
+        self._free = free_parameters(family, given)
         self._rng = RandomStream(seed).child("where", family.name)
         self._parents: list[Nearest] = []
-        self._guided = guided
-        self._learns = learns
         self.asked = self.tried = 0
         self.nearest: Nearest | None = None
 
@@ -154,7 +147,7 @@ class Search:
         seed, values = (self.seed, {}) if self.asked == 1 else self._proposal()
         try:
             world = generate(self.family, seed, **{**self.given, **values})
-        # A refused combination is part of the search, unless nothing but the user's values was
+        # A refused combination is part of the search, unless only the user's own values were
         # refused.
         except InvalidParameter:
             if self.asked == 1 and not self._free:
@@ -186,13 +179,11 @@ class Search:
     def _proposal(self) -> tuple[int, dict[str, Value]]:
         rng = self._rng
         seed = rng.next64() >> (64 - _SEED_BITS)
-        if not self._guided:
-            return seed, {}
-        if not self._learns or len(self._parents) < 2 or self.tried <= _FIRST or rng.below(4) == 0:
+        if len(self._parents) < 2 or self.tried <= _FIRST or rng.below(4) == 0:
             return seed, drawn(self._free, rng, rng.random())
         parent = self._parents[min(rng.below(len(self._parents)), rng.below(len(self._parents)))]
         kind = rng.below(8)
-        # The parameters are the same: leave the rest to chance.
+        # The parameters are the same, so leave the rest to chance.
         if kind < 2:
             return seed, dict(parent.params)
         values: Mapping[str, Value] = parent.params

@@ -1,7 +1,7 @@
 """The parameters of a family as a search space.
 
-A family declares types, defaults and choices, and refuses what is out of range. So a value is
-varied as its type and its default suggest, and what the family refuses is dropped.
+A family declares types, defaults and choices, and refuses values that are out of range. So a value
+is varied according to its type and default, and values that the family refuses are dropped.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Search for worlds spread evenly over a range of difficulty.
 
 Worlds of one family with its default parameters are about equally hard: 98 % of 10,000 default
-mazes are between 0.70 and 0.86. So the range is cut into strata of equal width, each of which is to
-get the same number of worlds. The strata share one search: each proposal is made for one of them,
+mazes are between 0.70 and 0.86. So the range is divided into strata of equal width, each of which
+gets the same number of worlds. The strata share one search: each proposal is made for one of them,
 from the parameters of worlds in it or near it, and a world counts for the stratum that it turns out
 to be in.
 
@@ -33,7 +33,7 @@ MOST_STRATA = 10
 _NARROWEST = 1e-3
 # Parents kept per stratum, the latest.
 _PARENTS = 12
-# Proposals per try: what a family refuses takes no time.
+# Proposals per try, because proposals that a family refuses take no time.
 _REFUSED = 5
 # Short enough to be read and typed.
 _SEED_BITS = 32
@@ -98,7 +98,7 @@ def check_range(low: float, high: float) -> None:
         raise InvalidParameter(
             "range-too-narrow",
             "difficulty={low!r}..{high!r} is narrower than {narrowest:g}",
-            "widen it, or ask for a single difficulty, such as {low:g}",
+            "widen it, or give a single difficulty, such as {low:g}",
             low=low,
             high=high,
             narrowest=_NARROWEST,
@@ -152,7 +152,7 @@ class StrataSearch:
         if family.changes:
             raise InvalidParameter(
                 "world-changes",
-                "{name}: its worlds change, and those have no difficulty",
+                "{name}: its worlds change, and difficulty is only defined for worlds that do not",
                 "leave out difficulty",
                 name=family.name,
             )
@@ -184,7 +184,7 @@ class StrataSearch:
             still_open = [k for k, stratum in enumerate(self._strata) if stratum.open]
             if not still_open:
                 raise self._nothing(len(seen))
-            # Take the strata in turn, from the one after the last.
+            # Take the strata in turn, starting after the last one.
             aim = next((k for k in still_open if k >= turn), still_open[0])
             turn = aim + 1
             one = self._try(aim)
@@ -197,7 +197,7 @@ class StrataSearch:
             self._give_up(aim)
 
     def _try(self, aim: int) -> InStratum | None:
-        """Make a world for a stratum; None if it is refused, or no more are wanted where it is."""
+        """Make a world for a stratum; None if it is refused, or its own stratum is full."""
         # Make a world; the first has just the given parameters.
         stratum = self._strata[aim]
         self._asked += 1
@@ -239,7 +239,7 @@ class StrataSearch:
         nearest = min(known, key=lambda k: (abs(k - aim), k))
         parent = rng.choice(self._strata[nearest].parents)
         kind = rng.below(8)
-        # The parameters are the same: chance alone gives another world of about this difficulty.
+        # The parameters are the same; another seed gives another world of about this difficulty.
         if kind < 3 and nearest == aim:
             return seed, dict(parent)
         if kind == 3:
@@ -248,7 +248,7 @@ class StrataSearch:
         return seed, dict(varied(self._free, parent, rng))
 
     def _give_up(self, number: int) -> None:
-        """Close a stratum that was tried without success, and give its worlds to the nearest that fill."""
+        """Close a stratum that was tried without success, and give its worlds to the nearest open ones."""
         stratum = self._strata[number]
         if stratum.tried < self._tries and stratum.asked < _REFUSED * self._tries:
             return

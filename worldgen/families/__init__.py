@@ -1,11 +1,14 @@
 """The families of worlds that are installed.
 
-Call one for a proved world: ``maze(seed=7, size=60)``. Contents, each imported when it is first
-    used: cave, corridor, forest, maze, rooms, rubble, trap: worlds at rest.
-    fire, shift: worlds that change with time.
-    alley, crossing, doorway, junction, warehouse: worlds in which several robots meet.
-    Families of other packages, by the name that they are registered under, with underscores for
-    dashes.
+Call one for a proved world: ``maze(seed=7, size=60)``.
+
+Contents, each imported when it is first used:
+    cave, corridor, forest, maze, rooms, rubble, trap: Worlds at rest.
+    fire, shift: Worlds that change with time.
+    alley, crossing, doorway, junction, warehouse: Worlds in which several robots meet.
+
+Families of other packages have the name that they are registered under, with underscores for
+dashes.
 """
 
 from __future__ import annotations

@@ -151,10 +151,6 @@ def _told(source: str) -> Iterator[None]:
     """Turn any exception of a broken archive into one sentence."""
     try:
         yield
-    except FileNotFoundError as error:
-        raise FormatError(
-            "no-such-file", "there is no such file", "check the name", source=source
-        ) from error
     except (
         zipfile.BadZipFile,
         tarfile.TarError,
@@ -169,7 +165,7 @@ def _told(source: str) -> Iterator[None]:
             "damaged-file",
             "not a valid archive: {reason}",
             "copy it again",
-            reason=error or "it is cut off",
+            reason=error or "it is truncated",
             source=source,
         ) from error
     # Another compression method, or encryption.
@@ -182,12 +178,7 @@ def _told(source: str) -> Iterator[None]:
             source=source,
         ) from error
     except OSError as error:
-        raise FormatError(
-            "unreadable",
-            "cannot be read: {reason}",
-            reason=error.strerror or str(error),
-            source=source,
-        ) from error
+        raise FormatError.unreadable(source, error) from error
 
 
 def members(path: Path) -> Iterator[Member]:
@@ -230,7 +221,7 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
                     message = Message(
                         "unsupported",
                         "is compressed by a method other than deflate",
-                        "pack it again with that",
+                        "pack it again with deflate",
                     )
                     raise FormatError.of(message, source=f"{source}/{entry.filename}")
                 with _told(f"{source}/{entry.filename}"), archive.open(entry) as file:
@@ -258,7 +249,7 @@ def _tar_members(stream: SupportsRead, source: str, packed: int) -> Iterator[Mem
             with _told(source):
                 data = stream.read(size)
                 if len(data) < size:
-                    raise EOFError("it is cut off")
+                    raise EOFError("it is truncated")
             left -= size
             return data
 
@@ -268,7 +259,7 @@ def _tar_members(stream: SupportsRead, source: str, packed: int) -> Iterator[Mem
         while left > 0:
             skipped = len(stream.read(min(left, _PIECE)))
             if not skipped:
-                raise EOFError("it is cut off")
+                raise EOFError("it is truncated")
             left -= skipped
     if 0 < len(head) < _BLOCK:
-        raise EOFError("it is cut off")
+        raise EOFError("it is truncated")

@@ -1,6 +1,6 @@
 """Read and write JSON files whose form a type declares.
 
-What is written is written from the type that reads it. Numbers can be bounded, texts restricted and
+Files are written from the same type that reads them. Numbers can be bounded, texts restricted and
 lists limited where the type declares them: ``Annotated[int, msgspec.Meta(ge=0)]``.
 """
 
@@ -70,6 +70,10 @@ class JsonFile(Generic[T]):
                 source=str(path),
             ) from error
 
+    def find(self, path: Path) -> T | None:
+        """Return the content of a file, as :meth:`read` does, or None if there is no such file."""
+        return self.read(path) if path.is_file() else None
+
     def write(self, path: Path, content: T) -> None:
         """Write a file, replacing an existing one.
 
@@ -93,7 +97,6 @@ def converted(value: object, kind: type[T]) -> T:
     """Return a value in JSON's types as a value of a declared type.
 
     Raises:
-        ValueError: With the place of the fault, if a part is missing, of another type, or out of
-            range.
+        ValueError: If a part is missing, of the wrong type, or out of range, with its place.
     """
     return msgspec.convert(value, kind)

@@ -22,7 +22,7 @@ _LONGEST = 400
 def lock(descriptor: int) -> bool:
     """Lock an open file against other processes until it is closed or this process ends.
 
-    On another host the lock only holds if the file system carries it there, as NFS 4 does.
+    On another host, the lock only holds if the file system supports that, as NFS 4 does.
 
     Returns:
         True if the lock is ours; False if another process has it.
@@ -41,7 +41,7 @@ def sign(descriptor: int) -> None:
     :func:`holder` reads it.
     """
     if fcntl is not None:
-        # The disk is full, so nobody learns which process it is.
+        # The disk is full, so nobody can find out which process it is.
         with contextlib.suppress(OSError):
             os.ftruncate(descriptor, 0)
             os.pwrite(descriptor, f"{os.getpid()} {socket.gethostname()}\n".encode(), 0)

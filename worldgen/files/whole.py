@@ -31,7 +31,7 @@ def check_output(path: Path, force: bool) -> None:
         raise OutputError(
             "file-exists",
             "{path} already exists",
-            "give --force to overwrite it, or another name",
+            "give --force to overwrite it, or choose another name",
             at_terminal=True,
             path=path,
         )
@@ -108,7 +108,7 @@ def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
 
 @contextlib.contextmanager
 def refused_writes(path: Path) -> Iterator[None]:
-    """Report what the system refuses while the body writes to ``path``.
+    """Report system errors while the body writes to ``path``.
 
     Raises:
         OutputError: If the body raises ``OSError``, or ``ValueError`` for a name with a NUL.

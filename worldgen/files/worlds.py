@@ -39,8 +39,8 @@ def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
     """Yield the worlds of files, folders and archives; each is read when it is reached.
 
     Args:
-        paths: A folder stands for the ``.grid`` and ``.grid.gz`` files in it and below, sorted by
-            name; an archive for those in it, in its order; anything else is read as a world.
+        paths: A folder means the ``.grid`` and ``.grid.gz`` files in it and below, sorted by name;
+            an archive means those in it, in its order; anything else is read as a world.
 
     Returns:
         Path and world; a world in an archive has the archive's path and then its own name.
@@ -67,7 +67,7 @@ def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
             raise FormatError(
                 "no-map-found",
                 "contains no .grid files",
-                "name a file, or a folder or archive with some",
+                "name a .grid file, or a folder or archive that contains some",
                 source=str(path),
             )
 

@@ -27,9 +27,9 @@ class Export:
     Args:
         format: The format.
         files: Contents by file name; the main file comes first, the sidecar, if any, last.
-        lost: Sentences about what the file itself does not store.
-        sidecar: Name of the sidecar that stores it; None if nothing is lost or no sidecar is
-            wanted.
+        lost: Sentences about values that the file itself does not store.
+        sidecar: Name of the sidecar that stores them; None if nothing is lost or no sidecar is
+            written.
         notes: Other sentences worth reading.
     """
 
@@ -67,7 +67,7 @@ def export_world(
         at: For a world that changes, the time, s, whose cells are exported.
         origin: x and y, m, of the grid's lower-left corner in the file's frame; if omitted, the
             origin of the map that the world was imported from, otherwise 0.
-        sidecar: True to write a sidecar with what the file does not store.
+        sidecar: True to write a sidecar with the values that the file does not store.
 
     Raises:
         InvalidParameter: If the format does not exist, is read-only, or lacks one of the options.
@@ -78,7 +78,10 @@ def export_world(
     known = FORMATS.get(plain)
     if known.write is None:
         raise InvalidParameter(
-            "only-read", "{format} is read, not written", "give another format", format=known.name
+            "only-read",
+            "{format} can be read but not written",
+            "give another format",
+            format=known.name,
         )
     given = known.accept({**worded, **(options or {})}, out=True)
     still = world if at is None else frozen_at(world, at)
@@ -97,7 +100,7 @@ def export_world(
         file or f"world{known.suffixes[0]}", origin_of(world) if origin is None else origin
     )
     written = known.write(still, destination, **given)
-    # Collect what the file cannot hold, for the sidecar.
+    # Collect the values that the file cannot hold, for the sidecar.
     missing = {
         key: said for key, said in _missing(still, known, destination) if key not in written.altered
     }
@@ -117,14 +120,14 @@ def export_world(
 
 
 def _check_robots(world: World, known: Format) -> None:
-    """Refuse several robots where a file has one; a map without robots can come from any world."""
+    """Refuse several robots if the file has room for one; a map without robots can come from any world."""
     if not world.others or known.robots or "start" not in known.holds:
         return
     able = [other.name for other in map(FORMATS.get, FORMATS) if other.write and other.robots]
     raise InvalidWorld(
         "several-robots",
         "{format} files hold one robot, and the world has {count}",
-        "export it to one of {known!l}",
+        "export it to one of these formats: {known!l}",
         format=known.name,
         count=len(world.robots),
         known=able,
@@ -177,7 +180,9 @@ def _notes(
             f"at {at:g} s"
         )
     if world.others and "start" not in known.holds:
-        yield f"the file is a map; starts and targets of the {len(world.robots)} robots are not in it"
+        yield (
+            f"the file is a map; starts and targets of the {len(world.robots)} robots are not in it"
+        )
     if world.failure is not None:
         yield f"the failure's record ({world.failure.outcome}) is not stored; it stays in the .grid"
     if destination.origin != (0.0, 0.0):
@@ -201,7 +206,7 @@ def frozen_at(world: World, time: float) -> World:
     """
     if not (0.0 <= time < float("inf")):
         raise InvalidParameter(
-            "below-minimum", "at={time:g} is not a time", "give seconds from 0 on", time=time
+            "below-minimum", "at={time:g} is not a time", "give a time of 0 s or more", time=time
         )
     walls = world.cells_at(time) != CellState.FREE
     same = np.array_equal(walls, world.walls) and not world.is_dynamic
@@ -268,11 +273,7 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
     try:
         for path, data in zip(paths[::-1], list(export.files.values())[::-1], strict=True):
             # The main file comes last, because it names the others.
-            write_bytes(
-                path,
-                data,
-                force=force,
-            )
+            write_bytes(path, data, force=force)
             written.append(path)
     except OutputError:
         # Delete files that are useless alone; keep what another program has written in the

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
+import os
 import stat
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.domain import MAX_SIDE
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, WorldgenError
 from worldgen.lattice import exact
+from worldgen.support.plain_text import quote
 from worldgen.world import Value, World
 
 __all__ = [
@@ -29,10 +33,17 @@ __all__ = [
     "UsualRobot",
     "check_sides",
     "digest",
+    "names_its_file",
+    "naming",
     "origin_of",
     "read_bounded",
+    "sibling_file",
     "unix_text",
+    "without_file",
 ]
+
+_Options = ParamSpec("_Options")
+_Contents = TypeVar("_Contents")
 
 # 8000 x 8000 cells. A small compressed picture can claim far more than a machine can hold.
 MAX_CELLS = 64_000_000
@@ -47,7 +58,7 @@ class UsualRobot:
     Args:
         size: Radius of its disc, in m or in cells.
         in_cells: True if ``size`` counts cells.
-        source: Where this robot comes from, as shown to the user.
+        source: The origin of this robot, as shown to the user.
     """
 
     size: Fraction
@@ -89,7 +100,7 @@ class ForeignMap:
     Args:
         walls: (height, width) bool, True is solid; row 0 is the lowest y.
         cell_size: Side of a cell, m.
-        params: Provenance of the source: file, format, digests, origin, ...
+        params: Provenance beyond the file's format, name and digest, which the importer records.
         notes: Sentences worth knowing.
         warnings: Sentences about likely mistakes.
         world: The world, if the format stores a complete one.
@@ -100,7 +111,7 @@ class ForeignMap:
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
         usual_robot: The robot that such maps are drawn for; ``read_map`` fills in its format's.
         unread: Obstacles in the file that ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A path
-            through such a map proves nothing.
+            through such a map is no proof.
         others: The robots after the first, if the file has several.
         numbers: For each robot, counted from 1, its number in the file, if it has a place of its own
             there; empty if the file just lists its robots.
@@ -137,6 +148,33 @@ def origin_of(world: World) -> tuple[float, float]:
     return 0.0, 0.0
 
 
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Name a file in the errors raised inside, because readers know only the line.
+
+    An error that already names a file, such as a picture next to the map, keeps that name.
+    """
+    try:
+        yield
+    except FormatError as error:
+        error.source = error.source or str(path)
+        raise
+
+
+def names_its_file(
+    read: Callable[Concatenate[Path, _Options], _Contents],
+) -> Callable[Concatenate[Path, _Options], _Contents]:
+    """Name the file of a reader, which is its first argument, as :func:`naming` does."""
+
+    @functools.wraps(read)
+    def named(path: Path, /, *args: _Options.args, **options: _Options.kwargs) -> _Contents:
+        with naming(path):
+            return read(path, *args, **options)
+
+    return named
+
+
+@names_its_file
 def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     """Return a file's bytes.
 
@@ -147,34 +185,68 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             raise FormatError(
-                "not-a-regular-file",
-                "is not a regular file",
-                "give the map file itself",
-                source=str(path),
+                "not-a-regular-file", "is not a regular file", "give the map file itself"
             )
         with path.open("rb") as stream:
             data = stream.read(limit + 1)
+    except FormatError:
+        raise
     # ValueError means that the name contains a NUL.
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        if isinstance(error, FormatError):
-            raise
         raise FormatError(
-            "unreadable",
-            "cannot be read: {reason}",
-            "check the name",
-            reason=reason,
-            source=str(path),
+            "unreadable", "cannot be read: {reason}", "check the name", reason=reason
         ) from error
     if len(data) > limit:
         raise FormatError(
-            "too-large",
-            "is larger than {most} bytes",
-            "cut a smaller map out of it",
-            most=limit,
-            source=str(path),
+            "too-large", "is larger than {most} bytes", "cut a smaller map out of it", most=limit
         )
     return data
+
+
+def sibling_file(path: Path, key: str, name: str, *, line: int | None = None) -> Path:
+    """Return the path of a file that a map file names: only one next to it or below it.
+
+    Args:
+        path: The map file.
+        key: The key that names the other file, for messages.
+        name: The other file's name as written there.
+        line: Its line.
+
+    Raises:
+        FormatError: If it leads out of the map's folder, or does not exist.
+    """
+    if "\0" in name:
+        raise FormatError(
+            "not-a-file-name", "{key} has a NUL in its name", "correct it", key=key, line=line
+        )
+    folder = Path(os.path.realpath(path.parent))
+    other = Path(os.path.realpath(folder / name))
+    if not other.is_relative_to(folder):
+        raise FormatError(
+            "outside-folder",
+            "{key} {name} is outside the map's folder",
+            "copy it there and name it without a path",
+            key=key,
+            name=quote(name, 80),
+            line=line,
+        )
+    try:
+        there = other.is_file()
+    # The name is too long for the file system.
+    except OSError:
+        there = False
+    if not there:
+        raise FormatError(
+            "no-such-file",
+            "{key} {name} does not exist",
+            "put it next to {map}",
+            key=key,
+            name=quote(name, 80),
+            map=path.name,
+            line=line,
+        )
+    return path.parent / other.relative_to(folder)
 
 
 def unix_text(data: bytes) -> bytes:
@@ -184,12 +256,7 @@ def unix_text(data: bytes) -> bytes:
 
 
 def check_sides(
-    width: int,
-    height: int,
-    *,
-    line: int | None = None,
-    source: str | None = None,
-    remedy: str = "cut or shrink it",
+    width: int, height: int, *, line: int | None = None, remedy: str = "cut or shrink it"
 ) -> None:
     """Reject sizes that no world may have.
 
@@ -208,8 +275,14 @@ def check_sides(
             max_side=MAX_SIDE,
             max_cells=MAX_CELLS,
             line=line,
-            source=source,
         )
+
+
+def without_file(error: WorldgenError) -> str:
+    """Return an error in words without the name of its file."""
+    if isinstance(error, FormatError) and error.line is not None:
+        return f"line {error.line}: {error.message}"
+    return str(error.message)
 
 
 def digest(data: bytes) -> str:

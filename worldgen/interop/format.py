@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -22,19 +23,30 @@ from worldgen.world import Robot, Value, World
 __all__ = [
     "FORMATS",
     "HELD",
+    "LENGTHS",
+    "PAIRS",
     "ROBOT_FACTS",
     "Destination",
     "Exported",
     "Format",
     "decimal",
     "decimal_text",
+    "degrees_text",
+    "fact_numbers",
     "held_lines",
     "held_values",
+    "radians",
     "robot_values",
 ]
 
 # Limit on coordinates, m; beyond it a float cannot distinguish cells of a millimetre.
 _FURTHEST = 1e12
+
+_PI = Fraction(
+    "3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211706798"
+)
+# Number of decimals; the smallest float, 5e-324 rad, needs fewer.
+_MOST_PLACES = 400
 
 HELD = {
     "start": "the start",
@@ -49,13 +61,17 @@ HELD = {
 """Facts about a world other than its cells, which a file may be unable to store, as worded in
 messages.
 """
+PAIRS = ("size", "start", "target", "origin")
+"""The facts that are two numbers; any other is one."""
+LENGTHS = ("size", "target_radius", "robot_radius", "robot_speed", "cell_size")
+"""The facts that are above 0."""
 ROBOT_FACTS = tuple(name for name in HELD if name not in ("cell_size", "origin"))
-"""The facts of :data:`HELD` that each robot of a world has for itself."""
+"""The facts of :data:`HELD` that each robot of a world has."""
 
 
 @dataclass(frozen=True)
 class Destination:
-    """Where a world is written.
+    """The destination of an export.
 
     Args:
         name: Name of the file, without folder.
@@ -110,6 +126,22 @@ def decimal_text(value: Fraction) -> str:
     sign = "-" if value < 0 else ""
     digits = str(abs(int(value * 10**places))).rjust(places + 1, "0")
     return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)
+
+
+def radians(degrees: Fraction) -> float:
+    """Convert degrees to an angle in rad, correctly rounded."""
+    return float(degrees * _PI / 180)
+
+
+def degrees_text(angle: float) -> str:
+    """Return the shortest decimal of degrees that :func:`radians` converts to the same angle.
+
+    Args:
+        angle: Angle, rad.
+    """
+    whole = Fraction(angle) * 180 / _PI
+    tried = (Fraction(round(whole * 10**places), 10**places) for places in range(_MOST_PLACES))
+    return next(decimal_text(value) for value in tried if radians(value) == angle)
 
 
 @dataclass(frozen=True)
@@ -240,11 +272,12 @@ def _accept(name: str, thing: Any) -> Format:
 
 
 def held_values(world: World, destination: Destination) -> dict[str, Value]:
-    """Return the facts of :data:`HELD` about a world, in m, rad and m/s.
+    """Return the size, in cells, and the facts of :data:`HELD` about a world, in m, rad and m/s.
 
     A point is two numbers, from the grid's lower-left corner.
     """
     return {
+        "size": [world.width, world.height],
         **robot_values(world.robots[0]),
         "cell_size": world.cell_size,
         "origin": list(destination.origin),
@@ -263,16 +296,35 @@ def robot_values(robot: Robot) -> dict[str, Value]:
     }
 
 
+def fact_numbers(name: str, value: object) -> tuple[float, ...] | None:
+    """Return the numbers of a fact of :data:`HELD`, or of the size, as a file has them.
+
+    It is None if their count is wrong, or one is not a finite number.
+    """
+    items = value if isinstance(value, list) else [value]
+    numbers = tuple(
+        float(item)
+        for item in items
+        if isinstance(item, int | float)
+        and not isinstance(item, bool)
+        and abs(item) <= sys.float_info.max
+    )
+    count = 2 if name in PAIRS else 1
+    return numbers if len(items) == len(numbers) == count else None
+
+
 def held_lines(world: World, destination: Destination) -> list[str]:
     """Return the comment at the top of a text file that describes a world beyond its walls.
 
     It is a sentence followed by ``name = value`` lines in TOML.
     """
-    values = {"size": [world.width, world.height], **held_values(world, destination)}
     return [
         "Below: m, rad, m/s; start and target from the grid's lower-left corner, which is at "
         "origin.",
-        *(f"{name} = {value_text(value, name)}" for name, value in values.items()),
+        *(
+            f"{name} = {value_text(value, name)}"
+            for name, value in held_values(world, destination).items()
+        ),
     ]
 
 

@@ -52,6 +52,8 @@ class ImportedRobot:
         ignore_unread: True to judge the map without obstacles that could not be read.
         robots: Number of the scenario's problems, starting at ``row``, that become robots of one
             world.
+        in_file_frame: True if start and target are in the file's coordinates, such as ROS's ``map``
+            frame, instead of measured from the grid's lower-left corner.
     """
 
     start: tuple[float, ...] | None = None
@@ -63,6 +65,7 @@ class ImportedRobot:
     seed: int | None = None
     ignore_unread: bool = False
     robots: int = 1
+    in_file_frame: bool = False
 
 
 @dataclass(frozen=True)
@@ -136,6 +139,12 @@ def import_world(
         found = _with_scenario(robot, found)
     if sidecar is not None:
         found = with_sidecar(found, _fitting(sidecar, path, robot))
+    if robot.in_file_frame:
+        robot = replace(
+            robot,
+            start=_from_corner(robot.start, found.origin),
+            target=_from_corner(robot.target, found.origin),
+        )
     found = _as_given(robot, found)
     params = dict(found.params)
     if found.origin != (0.0, 0.0):
@@ -151,7 +160,10 @@ def import_world(
     withheld = False
     if found.unread:
         params["unread"] = list(found.unread)
-        warnings = (*warnings, f"not read, and not in this world: {'; '.join(found.unread)}")
+        warnings = (
+            *warnings,
+            f"could not be read, and are not in this world: {'; '.join(found.unread)}",
+        )
         withheld = decision.result == "reachable" and not robot.ignore_unread
         if withheld:
             decision = Decision(
@@ -172,6 +184,15 @@ def import_world(
         found.unread,
         withheld,
     )
+
+
+def _from_corner(
+    place: tuple[float, ...] | None, origin: tuple[float, float]
+) -> tuple[float, ...] | None:
+    """Return a place of the file's frame as seen from the grid's lower-left corner."""
+    if place is None:
+        return None
+    return (place[0] - origin[0], place[1] - origin[1], *place[2:])
 
 
 def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
@@ -206,7 +227,9 @@ def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
         )
     if robot.start is not None or robot.target is not None:
         raise InvalidParameter(
-            "conflict", "scen gives start and target", "omit start and target, or scen"
+            "conflict",
+            "scen already gives start and target",
+            "omit either start and target, or scen",
         )
 
     # Read the problems.
@@ -225,7 +248,7 @@ def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
         others=tuple(ForeignRobot(problem.start, problem.goal) for problem in problems[1:]),
         numbers=tuple(rows),
         params=params | {"optimal": first.optimal},
-        # The problem next to the map, of which they tell, does not count.
+        # The problem next to the map, which they describe, does not count.
         notes=(),
         warnings=(),
     )
@@ -255,7 +278,7 @@ def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
     old = found.world
     start = robot.start
     target = robot.target
-    # A seed asks for new places.
+    # A seed requests new places.
     if old is not None and robot.seed is None:
         start = start or (old.start.x, old.start.y, old.start.heading)
         target = target or (old.target.x, old.target.y, old.target.radius)
@@ -279,16 +302,11 @@ def _at_programs_start(
         return robot, ()
     x, y = found.start[:2]
     # _complete has already set the radius.
-    if is_clear(
-        found.walls,
-        found.cell_size,
-        robot.radius or 0.0,
-        (x, y),
-    ):
+    if is_clear(found.walls, found.cell_size, robot.radius or 0.0, (x, y)):
         return replace(robot, start=found.start), ()
     return robot, (
-        f"the map's own start ({x:g}, {y:g}) m is not clear for the robot, so another one was "
-        f"chosen",
+        f"the map's own start ({x:g}, {y:g}) m has no room for the robot, so another one was "
+        "chosen",
     )
 
 

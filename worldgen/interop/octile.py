@@ -27,10 +27,7 @@ Cells = npt.NDArray[np.integer[Any]]
 
 
 def octile_lengths(
-    walls: npt.NDArray[np.bool_],
-    starts: Cells,
-    goals: Cells,
-    expected: npt.NDArray[np.float64],
+    walls: npt.NDArray[np.bool_], starts: Cells, goals: Cells, expected: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.float64]:
     """Return the lengths of shortest octile paths, in cells.
 
@@ -102,18 +99,16 @@ def octile_moves(
     if np.isinf(lengths[end]):
         return None
     # Count the moves from the goal back to the start.
+    width = walls.shape[1]
     counts = [0, 0]
     cell = end
     while cell != begin:
         previous = int(before[cell])
-        counts[_is_diagonal(cell, previous, walls.shape[1])] += 1
+        # A diagonal move changes both row and column.
+        rows, columns = zip(divmod(cell, width), divmod(previous, width), strict=True)
+        counts[rows[0] != rows[1] and columns[0] != columns[1]] += 1
         cell = previous
     return counts[0], counts[1]
-
-
-def _is_diagonal(cell: int, other: int, width: int) -> bool:
-    """Return True if two neighbouring cells differ in row and in column."""
-    return cell // width != other // width and cell % width != other % width
 
 
 def _numbers(cells: Cells, walls: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:

@@ -33,11 +33,7 @@ __all__ = ["Placement", "heading_towards", "is_clear", "place"]
 
 _HALF = UNIT // 2
 # Radii of clearance around a chosen place, the widest first.
-_ROOMY = (
-    Fraction(2),
-    Fraction(3, 2),
-    Fraction(5, 4),
-)
+_ROOMY = (Fraction(2), Fraction(3, 2), Fraction(5, 4))
 # Share of a region that must be nearer than a chosen place with room to turn.
 _FAR = 0.5
 # Share of the clear places below which the largest region deserves a warning.
@@ -105,8 +101,10 @@ def place(
         warnings.append("the largest region is a single place; start and target coincide")
     if region.share < _SCATTERED:
         warnings.append(
-            f"a disc of radius {radius:g} m finds {region.regions} separate regions; start and "
-            f"target are in the largest, with {100 * region.share:.0f} % of the free space; a "
+            f"for a disc of radius {radius:g} m there are {region.regions} separate regions; start "
+            "and "
+            f"target are in the largest, which has {100 * region.share:.0f} % of the free space; "
+            "a "
             f"smaller radius may join them"
         )
     return Placement(places.metres(first), places.metres(last), tuple(warnings))
@@ -141,7 +139,7 @@ class _ClearPoints:
         if found.largest == 0:
             raise InvalidWorld(
                 "no-room",
-                "no place in the map is clear for a disc of radius {radius:g} m",
+                "a disc of radius {radius:g} m does not fit anywhere in the map",
                 "give a smaller radius",
                 radius=self._radius,
             )
@@ -155,8 +153,8 @@ class _ClearPoints:
     def farthest(self, source: int) -> int:
         """Return the place with room to turn that is most steps away from ``source``.
 
-        Ties go to the last place in flood order. A place without room is chosen if all places with
-        room are near, because a start next to its target tests nothing.
+        Ties go to the last place in flood order. A place without room to turn is chosen if all
+        places with room are near, because a start next to its target would be no test.
         """
         size = self._floods.regions(source, source + 1).largest
         # Flood order is the order of the number of steps.
@@ -231,7 +229,9 @@ def _check_inside(name: str, point: _Point, walls: npt.NDArray[np.bool_], cell_s
         raise InvalidWorld(
             "outside-grid",
             "{name} ({x:g}, {y:g}) m is outside the map of {width:g} x {height:g} m",
-            "give m from its lower-left corner, x right, y up",
+            "give metres from its lower-left corner, x right, y up; --frame map uses the file's own "
+            "coordinates",
+            at_terminal=True,
             name=name,
             x=point[0],
             y=point[1],
@@ -275,7 +275,7 @@ def _check_start(
         + ("in " if distance == 0 else "{distance:.3g} m from ")
         + ("the solid cell {cell}" if inside else "the map's edge")
         + "; the robot's radius is {radius:g} m",
-        "no place in the map is clear for it"
+        "it does not fit anywhere in the map"
         if clear is None
         else "the nearest clear place is {clear[0]!r},{clear[1]!r}",
         x=start[0],

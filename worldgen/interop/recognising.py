@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from worldgen.domain import CELL_SIZES
-from worldgen.errors import FormatError, InvalidParameter, Message
-from worldgen.interop.foreign_map import ForeignMap, read_bounded
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.interop.foreign_map import ForeignMap, digest, names_its_file, naming, read_bounded
 from worldgen.interop.format import FORMATS, Format
 from worldgen.interop.sidecar import Sidecar, read_sidecar, with_sidecar
 from worldgen.parameters import split_options
@@ -40,6 +40,7 @@ def readable_formats(*, plug_ins: bool = True) -> Iterator[Format]:
                     yield known
 
 
+@names_its_file
 def find_format(path: Path, name: str | None = None) -> Format:
     """Return a file's format: as given, or by its contents, or by its suffix.
 
@@ -61,50 +62,44 @@ def find_format(path: Path, name: str | None = None) -> Format:
     # Otherwise the contents decide.
     head = _head(path)
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise FormatError("not-utf8", "is text in UTF-16", "save it as UTF-8", source=str(path))
+        raise FormatError("not-utf8", "is text in UTF-16", "save it as UTF-8")
     found = _by_contents(path, head)
     if found:
-        return _only(found, path)
+        return _only(found)
     # Explain the files that look like maps but are not readable ones.
     if path.suffix.lower() == ".scen" or re.match(rb"version\s+1", head):
         raise FormatError(
             "no-map-found",
             "a scenario file has no map",
-            "give the .map file, and this one with --scen",
+            "give the .map file, and name this one with --scen",
             at_terminal=True,
-            source=str(path),
         )
-    for written in map(FORMATS.get, FORMATS.entry_points()):
-        if written.read is None and written.magic and written.magic.match(head):
+    for known in map(FORMATS.get, FORMATS.entry_points()):
+        if known.read is None and known.magic and known.magic.match(head):
             raise FormatError(
                 "only-written",
                 "is {format} ({summary}), which can be written but not read",
                 _WAY_OUT,
-                format=written.name,
-                summary=written.summary,
-                source=str(path),
+                format=known.name,
+                summary=known.summary,
             )
     # As a last resort, the suffix decides.
-    by_name = [known for known in readable_formats() if path.suffix.lower() in known.suffixes]
+    suffix = path.suffix.lower()
+    by_name = [known for known in readable_formats() if suffix in known.suffixes]
     if by_name:
-        return _only(by_name, path)
-    raise FormatError.of(_unknown(path.suffix.lower()), source=str(path))
-
-
-def _unknown(suffix: str) -> Message:
-    """Return an error for a file of an unreadable format, with a remedy."""
-    written = [name for name in sorted(FORMATS.entry_points()) if _is_only_written(name, suffix)]
+        return _only(by_name)
+    formats = [(name, FORMATS.get(name)) for name in sorted(FORMATS.entry_points())]
+    written = [name for name, known in formats if known.read is None and suffix in known.suffixes]
     if written:
-        problem = "ends in {suffix}, and {formats} can be written but not read"
-        return Message(
+        raise FormatError(
             "only-written",
-            problem,
+            "ends in {suffix}, and {formats} can be written but not read",
             _WAY_OUT,
             at_terminal=True,
             suffix=suffix,
             formats=" and ".join(written),
         )
-    return Message(
+    raise FormatError(
         "unknown-format",
         "is not a map in a known format",
         "`worldgen formats` lists the known ones; if it is one of these, name it with --from",
@@ -112,20 +107,14 @@ def _unknown(suffix: str) -> Message:
     )
 
 
-def _is_only_written(name: str, suffix: str) -> bool:
-    known = FORMATS.get(name)
-    return known.read is None and suffix in known.suffixes
-
-
-def _only(found: list[Format], path: Path) -> Format:
+def _only(found: list[Format]) -> Format:
     if len(found) > 1:
         raise FormatError(
             "ambiguous-format",
-            "might be of several formats: {known!l}",
+            "might be in any of several formats: {known!l}",
             "choose one with --from",
             at_terminal=True,
             known=[known.name for known in found],
-            source=str(path),
         )
     return found[0]
 
@@ -133,7 +122,7 @@ def _only(found: list[Format], path: Path) -> Format:
 def _by_contents(path: Path, head: bytes) -> list[Format]:
     """Return the formats whose pattern matches, or those of them that also fit the suffix.
 
-    Ours come before those of plug-ins.
+    Our formats come before plug-ins' formats.
     """
     found: list[Format] = []
     for plug_ins in (False, True):
@@ -170,7 +159,7 @@ def _head(path: Path) -> bytes:
                 return stream.read(_HEAD).removeprefix(b"\xef\xbb\xbf")
     except (OSError, ValueError):
         pass
-    # Reading it reports what is wrong with the file.
+    # Reading the file reports what is wrong with it.
     return read_bounded(path, _HEAD)
 
 
@@ -213,4 +202,12 @@ def read_map_alone(
     # find_format has already refused it.
     if known.read is None:
         raise InvalidParameter("only-written", "{format} cannot be read", format=known.name)
-    return replace(known.read(path, **given), usual_robot=known.usual_robot), sidecar
+    with naming(path):
+        found = known.read(path, **given)
+    params: dict[str, Value] = {
+        "format": known.name,
+        "source": path.name,
+        "sha256": digest(read_bounded(path)),
+        **found.params,
+    }
+    return replace(found, params=params, usual_robot=known.usual_robot), sidecar

@@ -1,4 +1,4 @@
-"""Solve MovingAI problems, to check that published lengths are those of shortest octile paths."""
+"""Solve MovingAI problems, to check the published lengths of shortest octile paths."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidParameter
+from worldgen.interop.foreign_map import without_file
 from worldgen.interop.formats.movingai import (
     GROUND,
     TREES,
@@ -39,7 +40,7 @@ __all__ = [
 _TWO_DECIMALS = 0.0051
 # Files of "version 1" write six digits or more, summed in floating point: a fraction of the length.
 _SIX_DIGITS = 1e-5
-# Cells of the largest map that is solved; the graph takes 250 bytes for each.
+# Size of the largest map to solve, cells; the graph takes 250 bytes per cell.
 _MOST_CELLS = 8_000_000
 # Files with faults that the text lists; CSV and JSON list all of them.
 _MOST_LINES = 20
@@ -123,18 +124,18 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
         named = ", ".join(map(str, paths))
         raise InvalidParameter(
             "no-map-found",
-            "{paths}: holds no scenario file",
-            "name files that end in .scen, or their folder",
+            "{paths}: there is no scenario file",
+            "name files that end in .scen, or a folder that contains them",
             paths=named,
         )
-    # Find each scenario's map by the name that it gives.
+    # Find each scenario's map by the name in the file.
     pairs = []
     refused = []
     for file in scenarios:
         try:
             pairs.append((file, tuple(maps.get(scenario_contents(file)[0], ()))))
         except FormatError as error:
-            refused.append(ScenarioReport(str(file), "", fault=_sentence(error)))
+            refused.append(ScenarioReport(str(file), "", fault=without_file(error)))
     return ScenarioFiles(tuple(pairs), tuple(refused))
 
 
@@ -147,14 +148,14 @@ def check_scenario(
 
     Args:
         scenario: The ``.scen`` file.
-        maps: Maps of the name that it gives.
+        maps: Maps with the name in the file.
         rows: Number of problems to draw; all of them if omitted.
         seed: Seed of the draw.
     """
     try:
         problems = _drawn(read_problems(scenario), rows, seed, scenario.name)
     except FormatError as error:
-        yield ScenarioReport(str(scenario), "", fault=_sentence(error))
+        yield ScenarioReport(str(scenario), "", fault=without_file(error))
         return
     if not maps:
         fault = f"no map {problems.map_name} is in the named files; name its folder too"
@@ -177,7 +178,7 @@ def _terrain(path: Path) -> npt.NDArray[np.uint8] | str:
     try:
         return read_terrain(path)
     except FormatError as error:
-        return _sentence(error)
+        return without_file(error)
 
 
 def _drawn(problems: Problems, rows: int | None, seed: int, name: str) -> Problems:
@@ -201,15 +202,13 @@ def _solve(
     report = ScenarioReport(str(scenario), str(path), count)
     if problems.size == (height, width) != (width, height):  # swapped sides are not a scale
         fault = (
-            f"made for {height} x {width} cells, the map has {width} x {height}; swap the two "
+            f"made for {height} x {width} cells, but the map has {width} x {height}; swap the two "
             f"in one of the files"
         )
         return replace(report, misfit=count, fault=fault)
     if max(width * height, problems.size[0] * problems.size[1]) > _MOST_CELLS:
         return replace(
-            report,
-            misfit=count,
-            fault=f"more than {_MOST_CELLS} cells, the limit for solving",
+            report, misfit=count, fault=f"more than {_MOST_CELLS} cells, the limit for solving"
         )
     if problems.size != (width, height):
         terrain = _scaled(terrain, *problems.size)
@@ -273,14 +272,11 @@ def _fault(
 ) -> str:
     start, goal = (tuple(map(int, cells[row])) for cells in (problems.starts, problems.goals))
     came = "there is no path" if blocked[row] else f"the shortest path has {ours[row]:.10g} cells"
-    told = f"published are {problems.published[row]:.10g} cells"
+    told = f"the published length is {problems.published[row]:.10g} cells"
     return (
-        f"from {start} to {goal} {came}, {told}; this is not the map that the problems were made on"
+        f"from {start} to {goal} {came}, {told}; this is not the map that the problems were made "
+        "for"
     )
-
-
-def _sentence(error: FormatError) -> str:
-    return str(error.message) if error.line is None else f"line {error.line}: {error.message}"
 
 
 def total(reports: Sequence[ScenarioReport]) -> dict[str, int | float]:
@@ -331,7 +327,5 @@ def as_text(reports: Sequence[ScenarioReport]) -> str:
             f"{report.scenario}{on}: {report.agree} of {report.problems} agree; {report.fault}"
         )
     if len(faults) > _MOST_LINES:
-        lines.append(
-            f"{len(faults) - _MOST_LINES} more files do not agree in all; --csv lists them"
-        )
+        lines.append(f"{len(faults) - _MOST_LINES} more files do not fully agree; --csv lists them")
     return "\n".join(lines) + "\n"

@@ -6,7 +6,6 @@ so that edits of the file take effect.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,7 +15,16 @@ from worldgen.errors import FormatError, Message
 from worldgen.files.grid.header import Header
 from worldgen.files.grid.toml_text import value_text
 from worldgen.interop.foreign_map import ForeignMap, ForeignRobot, digest, read_bounded
-from worldgen.interop.format import HELD, ROBOT_FACTS, Destination, held_values, robot_values
+from worldgen.interop.format import (
+    HELD,
+    LENGTHS,
+    PAIRS,
+    ROBOT_FACTS,
+    Destination,
+    fact_numbers,
+    held_values,
+    robot_values,
+)
 from worldgen.world import Robot, Value, World
 
 __all__ = ["SUFFIX", "Sidecar", "read_sidecar", "sidecar_text", "with_sidecar"]
@@ -24,9 +32,6 @@ __all__ = ["SUFFIX", "Sidecar", "read_sidecar", "sidecar_text", "with_sidecar"]
 SUFFIX = ".worldgen.toml"
 _VERSION = 1
 _MOST_BYTES = 1 << 20
-_PAIRS = ("start", "target", "origin")
-# These must be above 0.
-_LENGTHS = ("target_radius", "robot_radius", "robot_speed", "cell_size")
 _SIZE = "size"
 # Table of each robot after the first.
 _ROBOT = "robot"
@@ -43,7 +48,7 @@ class Sidecar:
         sha256: SHA-256 of its file.
         size: Width and height, in cells, of the map that it is for.
         values: Values by the names of :data:`~worldgen.interop.format.HELD`, in m, rad and m/s; a
-            point is two numbers. Those of a robot are the first one's.
+            point is two numbers. The values for a robot are the first robot's.
         others: The values of each robot after the first.
     """
 
@@ -61,7 +66,7 @@ def sidecar_text(
 
     Args:
         world: The world that was exported.
-        destination: Where it was written.
+        destination: Its destination.
         missing: Names of :data:`~worldgen.interop.format.HELD` that the file does not store.
         others: The robots after the first that the file has.
     """
@@ -88,9 +93,6 @@ def sidecar_text(
 def read_sidecar(path: Path) -> Sidecar | None:
     """Return the sidecar next to a file, or None if there is none.
 
-    Args:
-        path: The map's file.
-
     Raises:
         FormatError: If it isn't a sidecar, with the line at fault.
     """
@@ -113,7 +115,7 @@ def read_sidecar(path: Path) -> Sidecar | None:
         raise header.fault(
             Message(
                 "other-version",
-                "worldgen = {version} must be the sidecar's version",
+                "the sidecar's version must be worldgen = {version}",
                 "export the world again",
                 version=_VERSION,
             ),
@@ -183,22 +185,15 @@ def _numbers(
         key: Name of the value.
         index: Number of the robot's table, from 0; None for the sidecar itself.
     """
-    value = table.get(key)
-    items = value if isinstance(value, list) else [value]
-    count = 2 if key in (*_PAIRS, _SIZE) else 1
-    numbers = tuple(
-        float(item)
-        for item in items
-        if isinstance(item, int | float) and not isinstance(item, bool)
-    )
-    if len(items) != count or len(numbers) != count or not all(map(math.isfinite, numbers)):
+    numbers = fact_numbers(key, table.get(key))
+    if numbers is None:
         rule = (
             "{key} must be two finite numbers in brackets"
-            if count == 2
+            if key in PAIRS
             else "{key} must be a finite number"
         )
         raise _fault(header, Message("wrong-type", rule, key=key), key, index)
-    if key in (*_LENGTHS, _SIZE) and min(numbers) <= 0:
+    if key in LENGTHS and min(numbers) <= 0:
         message = Message("not-positive", "{key} must be above 0", key=key)
         raise _fault(header, message, key, index)
     return numbers
@@ -232,7 +227,7 @@ def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
     if not used:
         return replace(found, warnings=(*found.warnings, *warnings))
 
-    # Complete the robots, and tell what was used.
+    # Complete the robots, and report which values were used.
     first, *others = map(_completed, robots, values)
     origin = of_map.get("origin")
     said = ", ".join(words for name, words in HELD.items() if name in used)

@@ -69,7 +69,7 @@ def check_code(name: str) -> None:
     if said is not None and _identity(without_class_options(name)) not in json.loads(said):
         raise InvalidParameter(
             "code-not-allowed",
-            "{name!r} is code that was not named at the start and is not run",
+            "{name!r} is code that was not named at the start, so it is not run",
             "name it there",
             name=name[:60],
         )
@@ -280,7 +280,7 @@ class Registry(Generic[T]):
             )
             if hasattr(module, attribute):
                 return getattr(module, attribute)
-        # The attribute is missing, so suggest a similar one, or list what the file defines itself.
+        # The attribute is missing, so suggest a similar one, or list the file's own definitions.
         public = [key for key in vars(module) if not key.startswith("_")]
         own = [
             key
@@ -291,7 +291,7 @@ class Registry(Generic[T]):
         raise InvalidParameter(
             "unknown-name",
             "{noun} {name!r}: {place} has no {attribute!r}",
-            "did you mean {near!r}? it has {known!l:nothing}"
+            "did you mean {near!r}? there are {known!l:none}"
             if near
             else "it has {known!l:nothing}",
             noun=self.noun,

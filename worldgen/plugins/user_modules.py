@@ -41,8 +41,8 @@ _READ: dict[str, str] = {}  # digest of each source file, as it was last read
 class SourceLoader(importlib.machinery.SourceFileLoader):
     """Load a user's file from its source, and remember that source.
 
-    Python's cache of compiled files compares times in whole seconds and sizes. A number that is
-    edited twice within a second would run as it was before.
+    Python's cache of compiled files compares times in whole seconds and sizes. If a number is
+    edited twice within a second, the old code would run.
     """
 
     def get_code(self, fullname: str) -> CodeType:
@@ -176,7 +176,7 @@ def _is_in(folder: Path, name: str) -> bool:
 
 
 class _OfFolders(importlib.abc.MetaPathFinder):
-    """Find the modules of users' folders, and make them find each other in turn."""
+    """Find the modules of users' folders, and make them find each other."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -215,8 +215,8 @@ class _ByBareName(importlib.abc.MetaPathFinder):
             folders = " and ".join(str(_FOLDERS[package]) for package in found)
             raise InvalidParameter(
                 "ambiguous-module",
-                "module {module!r} is imported by name, but it is in several folders: {folders}",
-                "write `import {module}` in the file that needs it, or rename one",
+                "module {module!r} is imported by name, but exists in several folders: {folders}",
+                "write `import {module}` in the file that needs it, or rename one of them",
                 module=fullname,
                 folders=folders,
             )

@@ -16,7 +16,7 @@ NEVER_ENDS = 2**60
 
 @dataclass(frozen=True, eq=False)
 class Confinement:
-    """Stays that contain every robot, none of them in the target.
+    """Stays that contain every robot and are never in the target.
 
     They prove that the target cannot be reached, or not by a deadline. Space is cut into square
     tiles, time into slabs in which no robot gets farther than one tile's side. A stay means that a

@@ -30,7 +30,7 @@ def decide(
         certificate: True to return the proof, if the world is static. Without it, small worlds take
             a fraction of the time: the existence of a path or a cut is still proved, but neither is
             constructed.
-        cut: True to return the proof also if it is a cut.
+        cut: True to return the proof even if it is a cut.
 
     Raises:
         InvalidParameter: If the radius is not a finite number above 0, or the margin is negative or

@@ -1,11 +1,12 @@
 """Pictures of worlds and runs: PNG, SVG, HTML, animated GIF and the terminal.
 
-Each of these is imported when it is first used, so that Pillow is loaded only for a PNG. Trail,
-    EventMark, WallPenetration: what a robot did, as plain data to draw over a world. draw_png,
-    draw_svg, draw_html, draw_terminal: the pictures. Drive, draw_gif: moving robots, as an animated
-    GIF. Panel, draw_sheet: many worlds with the paths of several robots. wants_color: decides
-    whether a stream should get colours. Frame: converts metres to pixels, for drawing over a
-    picture or reading one.
+Contents, each imported when it is first used, so that Pillow is loaded only for a PNG:
+    Trail, EventMark, WallPenetration: What a robot did, as plain data to draw over a world.
+    draw_png, draw_svg, draw_html, draw_terminal: The pictures.
+    Drive, draw_gif: Moving robots, as an animated GIF.
+    Panel, draw_sheet: Many worlds with the paths of several robots.
+    wants_color: Whether a stream should get colours.
+    Frame: Converts metres to pixels, for drawing over a picture or reading one.
 """
 
 from __future__ import annotations

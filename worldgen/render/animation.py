@@ -250,7 +250,7 @@ class _GrowingTrail:
         self.done = 0
 
     def drawn_until(self, time: float, mask: Image.Image) -> None:
-        """Draw what has been added since the last call."""
+        """Draw everything added since the last call."""
         # The tolerance keeps a point whose time was rounded to the frame's.
         until = int(np.searchsorted(self.times, time + 1e-9, side="right"))
         if until <= max(self.done, 1):

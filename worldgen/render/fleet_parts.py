@@ -13,7 +13,7 @@ from worldgen.render.overlay import Trail
 from worldgen.render.palette import INK, PAPER, mix
 from worldgen.render.polyline import simplified
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
-from worldgen.render.trail_parts import arrow
+from worldgen.render.trail_parts import arrow, ring_and_cross
 from worldgen.world import JointWitness, Robot, World
 
 __all__ = ["COLOURS", "colour_of", "joint_witness_parts", "robot_parts"]
@@ -102,7 +102,7 @@ def _path(trail: Trail, colour: str, frame: Frame) -> list[Primitive]:
     points = frame.points(np.column_stack((trail.x, trail.y)))
     pieces = [(points, 1.8)]
     if trail.loop_from is not None:
-        # The loop is drawn wider than the approach, because it is what the picture has to show.
+        # The loop is drawn wider than the approach, because that is the point of the picture.
         pieces = [(points[: trail.loop_from + 1], 1.4), (points[trail.loop_from :], 3.0)]
     parts: list[Primitive] = []
     for piece, width in pieces:
@@ -125,11 +125,8 @@ def _target(robot: Robot, number: int, frame: Frame) -> list[Primitive]:
     radius = max(robot.target.radius * frame.scale, 5.0 * unit)
     reach = radius + 4.0 * unit
     parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.6))]
-    for stroke, width in ((PAPER, 4.4 * unit), (colour, 2.0 * unit)):
-        parts.append(DrawnCircle(x, y, radius, Paint(stroke=stroke, width=width)))
-        for dx, dy in ((reach, 0.0), (0.0, reach)):
-            arm = np.array(((x - dx, y - dy), (x + dx, y + dy)))
-            parts.append(DrawnLine(arm, Paint(stroke=stroke, width=width)))
+    strokes = (Paint(stroke=PAPER, width=4.4 * unit), Paint(stroke=colour, width=2.0 * unit))
+    parts += ring_and_cross(x, y, radius, reach, strokes)
     parts += _label(np.array((x + reach + 4.0 * unit, y - reach)), number, frame)
     return parts
 
@@ -156,8 +153,8 @@ def _blocked(robot: Robot, trail: Trail, other: Trail, frame: Frame) -> list[Pri
     length = math.dist(start, end)
     if length == 0.0:
         return []
-    # Keep to the right and off the middles, so that two that block each other have an arrow each,
-    # and their numbers stay readable.
+    # Keep to the right and away from the centres, so that two robots that block each other have
+    # separate arrows and their numbers stay readable.
     ahead = (end - start) / length
     aside = _ASIDE * radius * np.array((-ahead[1], ahead[0]))
     inset = min(_INSET * radius, 0.25 * length) * ahead

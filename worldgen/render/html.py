@@ -45,7 +45,7 @@ def draw_html(
 
     Args:
         world: What to draw.
-        trail: What a robot did in it; for several robots, one trail for each.
+        trail: A robot's trail; for several robots, one trail for each.
         signal: True to tint the floor by the strength of the target's signal.
         witness: True to draw the certificate's path, or its cut.
         title: The page's title, and the first line of the caption.

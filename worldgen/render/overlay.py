@@ -70,7 +70,7 @@ class WallPenetration:
     Args:
         ix: Column.
         iy: Row.
-        time: Time at which it first did, s.
+        time: Time of the first entry, s.
         place: Where it entered, x and y in m, for the cell that the verdict names.
     """
 
@@ -99,7 +99,7 @@ class Shove:
 
 @dataclass(frozen=True, slots=True)
 class Disturbances:
-    """What disturbs a robot besides walls.
+    """Everything that disturbs a robot besides walls.
 
     Args:
         pushes: Pushes that happened, with their actual lengths.
@@ -116,7 +116,7 @@ class Disturbances:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Remembered:
-    """What a robot's memory holds of the world at the end of a run; lengths in m.
+    """A robot's memory of the world at the end of a run; lengths in m.
 
     Args:
         fills: (n, 5) rectangles, x and y of two corners, and how strongly to tint them, 0 to 1.
@@ -155,7 +155,7 @@ class Trail:
         disturbances: What disturbed the robot.
         missed: (height, width) bool, cells of a coverage task that the robot missed;
             ``None`` for another task.
-        memory: What the robot remembers at the end; ``None`` if it does not say.
+        memory: The robot's memory at the end; ``None`` if it does not show it.
         blocked_by: The robots, numbered from 1, that this one drives into forever.
 
     Raises:
@@ -205,12 +205,12 @@ class Trail:
 
     @property
     def approach(self) -> npt.NDArray[np.float64]:
-        """The path until the cycle begins, (k, 2) float64, m; the whole path if there is none."""
+        """The path until the cycle begins, (k, 2) float64, m; the whole path if there is no cycle."""
         return self.points if self.loop_from is None else self.points[: self.loop_from + 1]
 
     @property
     def loop(self) -> npt.NDArray[np.float64]:
-        """The cycle, (k, 2) float64, m; no points if there is none."""
+        """The cycle, (k, 2) float64, m; no points if there is no cycle."""
         return (
             self.points[len(self.x) :] if self.loop_from is None else self.points[self.loop_from :]
         )
@@ -248,7 +248,7 @@ class Drive:
         if self.times.shape != self.trail.x.shape or not len(self.headings):
             raise InvalidParameter(
                 "wrong-length",
-                "drive: {times} times for {points} points, {headings} headings",
+                "drive: {times} times and {headings} headings for {points} points",
                 "give a time for each point, and at least one heading",
                 times=len(self.times),
                 points=len(self.trail.x),
@@ -280,7 +280,7 @@ class Drive:
 
 
 Trails: TypeAlias = Trail | Sequence[Trail] | None
-"""What a robot did, or what each of several robots did; ``None`` without a run."""
+"""A robot's trail, or one for each of several robots; ``None`` without a run."""
 
 
 def each_trail(trails: Trails) -> tuple[Trail, ...]:

@@ -45,7 +45,7 @@ FIRE = "#E69F00"
 PUSH = "#56B4E9"
 # Yellow: cells of a coverage task that the robot missed.
 MISSED = "#E3C800"
-# Violet, as in the player: what the robot remembers.
+# Violet, as in the player: the robot's memory.
 MEMORY = "#6A3FB5"
 # Reddish purple: where the run broke the world's rules, and cuts.
 TUNNEL = "#CC79A7"

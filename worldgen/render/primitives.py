@@ -16,7 +16,7 @@ class Paint:
     """How a shape looks.
 
     Args:
-        fill: ``#RRGGBB``; ``None`` leaves the inside alone.
+        fill: ``#RRGGBB``; ``None`` leaves the inside unfilled.
         stroke: ``#RRGGBB``; ``None`` draws no outline.
         width: Width of the outline, px.
         opacity: 0 (invisible) to 1, of fill and outline together.
@@ -80,7 +80,7 @@ class Glow:
         x: Centre, px.
         y: Centre, px.
         near: Distance with the full tint, px.
-        far: Distance with none, px.
+        far: Distance without opacity, px.
         inner: ``#RRGGBB`` at ``near``.
         outer: ``#RRGGBB`` at ``far``.
     """

@@ -32,7 +32,13 @@ from worldgen.render.palette import (
     mix,
 )
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Primitive
-from worldgen.render.trail_parts import breach_crosses, pierced_parts, swept_parts, trail_parts
+from worldgen.render.trail_parts import (
+    breach_crosses,
+    pierced_parts,
+    ring_and_cross,
+    swept_parts,
+    trail_parts,
+)
 from worldgen.world import Cut, JointWitness, Witness, World
 
 __all__ = ["Picture", "compose", "map_parts", "moment_parts"]
@@ -248,13 +254,8 @@ def _target(world: World, frame: Frame) -> list[Primitive]:
     radius = max(world.target.radius * frame.scale, 5.0 * unit)
     reach = radius + 6.0 * unit
     parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.75))]
-    # Draw the casing first, then the colour above it.
-    for colour, width in ((PAPER, 5.0 * unit), (TARGET, 2.4 * unit)):
-        parts.append(DrawnCircle(x, y, radius, Paint(stroke=colour, width=width)))
-        for dx, dy in ((reach, 0.0), (0.0, reach)):
-            arm = np.array(((x - dx, y - dy), (x + dx, y + dy)))
-            parts.append(DrawnLine(arm, Paint(stroke=colour, width=width)))
-    return parts
+    strokes = (Paint(stroke=PAPER, width=5.0 * unit), Paint(stroke=TARGET, width=2.4 * unit))
+    return parts + ring_and_cross(x, y, radius, reach, strokes)
 
 
 def _start_disc(world: World, frame: Frame) -> list[Primitive]:

@@ -41,6 +41,8 @@ MOST_ROWS = 100
 SMALL = 60
 # Columns, and lines, of the frame around a picture of letters.
 _FRAME = 2
+# Letters of the targets of robots 1 to 9, whose starts are digits.
+_TARGETS = "ABCDEFGHI"
 # The signal's steps if only 256 colours are available: those of one hue, and where each step ends.
 BLUES = ("#5FAFFF", "#87D7FF", "#AFD7FF", "#D7FFFF", "#FFFFFF")
 BLUE_ENDS = (0.15, 0.35, 0.60, 0.80)
@@ -104,14 +106,14 @@ def draw_terminal(
     """Return a world, and a run in it, as lines of text.
 
     Without colours one character is one cell, as in a ``.grid`` file, with a frame around a world
-    whose outermost cells are not all solid. With colours a character is
-    two dots, one above the other, and a small world gets several dots per cell. A world too large
-    for the terminal is scaled down; then a dot is several cells, and shows a wall if any of them is
-    solid.
+    whose outermost cells are not all solid; up to nine robots are numbered. With colours a
+    character is two dots, one above the other, and a small world gets several dots per cell. A
+    world too large for the terminal is scaled down; then a dot is several cells, and shows a wall
+    if any of them is solid.
 
     Args:
         world: What to draw.
-        trail: What a robot did in it; for several robots, one trail for each.
+        trail: A robot's trail; for several robots, one trail for each.
         width: Columns to use; the terminal's width if omitted.
         color: True for half-block characters with ANSI colours, False for plain ASCII.
         truecolor: True for 24-bit colours instead of 256; taken from COLORTERM if omitted.
@@ -125,13 +127,14 @@ def draw_terminal(
     grid = _Grid.of(world, columns - edges, MOST_ROWS - edges, color=color)
     dots = grid.dots(world, each_trail(trail))
     deep = os.environ.get("COLORTERM") in {"truecolor", "24bit"} if truecolor is None else truecolor
-    if color:
-        lines = _half_blocks(_colours(dots, grid, world, deep=deep), deep=deep)
-    else:
-        lines = ["".join(SIGNS[int(dot)].letter for dot in row) for row in flip_rows(dots)]
+    lines = (
+        _half_blocks(_colours(dots, grid, world, deep=deep), deep=deep)
+        if color
+        else _letters(dots, grid, world)
+    )
     if has_frame:
         lines = _framed(lines)
-    key = _key(dots, color=color, deep=deep)
+    key = _key(dots, _robots_with_signs(world, color=color), color=color, deep=deep)
     scale = (
         f"; 1 character is {grid.cells} x {grid.cells * (2 if color else 1)} cells"
         if grid.cells > 1
@@ -144,6 +147,28 @@ def draw_terminal(
 def _is_walled(world: World) -> bool:
     walls = world.walls
     return bool(walls[[0, -1]].all() and walls[:, [0, -1]].all())
+
+
+def _robots_with_signs(world: World, *, color: bool) -> int:
+    """Return the number of robots whose starts and targets have their own signs; 0 for one sign."""
+    count = len(world.robots)
+    return count if not color and 1 < count <= len(_TARGETS) else 0
+
+
+def _letters(dots: Dots, grid: _Grid, world: World) -> list[str]:
+    """Return the rows of a picture without colours, the highest first."""
+    letters = np.array([SIGNS[sign].letter for sign in range(len(SIGNS))])[dots]
+    count = _robots_with_signs(world, color=False)
+    # Where signs share a dot, keep the one that is on top.
+    for number, robot in enumerate(world.robots[:count], 1):
+        for pose, sign, letter in (
+            (robot.target, TARGET_DOT, _TARGETS[number - 1]),
+            (robot.start, START_DOT, str(number)),
+        ):
+            place = grid.place(dots, pose.x, pose.y)
+            if dots[place] == sign:
+                letters[place] = letter
+    return ["".join(row) for row in flip_rows(letters)]
 
 
 def _framed(rows: Sequence[str]) -> list[str]:
@@ -218,10 +243,11 @@ class _Grid:
             self._disc(dots, robot.start.x, robot.start.y, robot.radius, START_DOT)
         for trail in trails:
             for x, y in trail.places("tunnel"):
-                dots[self._place(dots, x, y)] = TUNNELS
+                dots[self.place(dots, x, y)] = TUNNELS
         return dots
 
-    def _place(self, dots: Dots, x: float, y: float) -> tuple[int, int]:
+    def place(self, dots: Dots, x: float, y: float) -> tuple[int, int]:
+        """Return row and column of the dot at a point, or of the nearest one."""
         rows, columns = dots.shape
         row = math.floor(y / self.dot_size)
         column = math.floor(x / self.dot_size)
@@ -243,7 +269,7 @@ class _Grid:
             dx = (np.arange(columns) + 0.5) * self.dot_size - x
             dy = (np.arange(rows) + 0.5) * self.dot_size - y
             dots[(dx * dx + (dy * dy)[:, None] <= radius * radius)] = sign
-        dots[self._place(dots, x, y)] = sign
+        dots[self.place(dots, x, y)] = sign
 
 
 def _colours(dots: Dots, grid: _Grid, world: World, *, deep: bool) -> npt.NDArray[np.uint8]:
@@ -320,10 +346,25 @@ def _xterm(colour: list[int]) -> int:
     return 232 + grey if off_grey < off_cube else 16 + 36 * steps[0] + 6 * steps[1] + steps[2]
 
 
-def _key(dots: Dots, *, color: bool, deep: bool) -> str:
+def _key(dots: Dots, robots: int, *, color: bool, deep: bool) -> str:
+    """Return what the signs mean.
+
+    Args:
+        dots: The picture.
+        robots: Number of robots that have their own signs.
+        color: True if the signs are colours.
+        deep: True for 24-bit colours.
+    """
+    own = {
+        START_DOT: f"1-{robots} starts",
+        TARGET_DOT: f"{_TARGETS[0]}-{_TARGETS[robots - 1]} their targets",
+    }
     words = []
     for sign in (START_DOT, TARGET_DOT, WITNESS, WAY, LOOPS, TUNNELS, PARTLY, CLOSES, OPENS, BURNS):
         if (dots == sign).any():
+            if robots and sign in own:
+                words.append(own[sign])
+                continue
             shown = SIGNS[sign]
             swatch = (
                 f"{_ansi(list(rgb(shown.colour)), 38, deep=deep)}\u2588\x1b[0m"

@@ -1,12 +1,12 @@
 """Draw a run on the map.
 
-It consists of the path, the endless cycle, the robot's size, and what it hit.
+It consists of the path, the endless cycle, the robot's size, and the walls that it hit.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +32,9 @@ __all__ = [
     "arrow_head",
     "breach_crosses",
     "cross",
+    "cross_with_casing",
     "pierced_parts",
+    "ring_and_cross",
     "stays_put",
     "swept_parts",
     "trail_parts",
@@ -220,8 +222,7 @@ def breach_crosses(cells: Sequence[WallPenetration], frame: Frame) -> list[Primi
     for cell in cells:
         if cell.place is not None:
             x, y = frame.to_pixels(*cell.place)
-            parts += cross(x, y, 7.0 * unit, PAPER, 7.0 * unit)
-            parts += cross(x, y, 7.0 * unit, PIERCED, 4.0 * unit)
+            parts += cross_with_casing(x, y, unit, PIERCED)
     return parts
 
 
@@ -245,8 +246,7 @@ def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
     # After a pierced wall, crossings are not tunnels.
     tunnels = np.zeros((0, 2)) if trail.pierced else trail.places("tunnel")
     for x, y in _distinct(frame.points(tunnels), 4.0 * unit):
-        parts += cross(x, y, 7.0 * unit, PAPER, 7.0 * unit)
-        parts += cross(x, y, 7.0 * unit, TUNNEL, 4.0 * unit)
+        parts += cross_with_casing(x, y, unit, TUNNEL)
     return parts
 
 
@@ -263,6 +263,23 @@ def cross(x: float, y: float, reach: float, colour: str, width: float) -> list[P
     paint = Paint(stroke=colour, width=width)
     arms = (((-1.0, -1.0), (1.0, 1.0)), ((-1.0, 1.0), (1.0, -1.0)))
     return [DrawnLine(np.array((x, y)) + reach * np.array(arm), paint) for arm in arms]
+
+
+def cross_with_casing(x: float, y: float, unit: float, colour: str) -> list[Primitive]:
+    """Return an x-shaped mark that is visible on walls and floor."""
+    return cross(x, y, 7.0 * unit, PAPER, 7.0 * unit) + cross(x, y, 7.0 * unit, colour, 4.0 * unit)
+
+
+def ring_and_cross(
+    x: float, y: float, radius: float, reach: float, strokes: Iterable[Paint]
+) -> list[Primitive]:
+    """Return the mark of a target: in each stroke, the lowest first, a ring and a cross over it."""
+    parts: list[Primitive] = []
+    for stroke in strokes:
+        parts.append(DrawnCircle(x, y, radius, stroke))
+        for dx, dy in ((reach, 0.0), (0.0, reach)):
+            parts.append(DrawnLine(np.array(((x - dx, y - dy), (x + dx, y + dy))), stroke))
+    return parts
 
 
 def arrow(

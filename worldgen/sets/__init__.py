@@ -15,8 +15,14 @@ from worldgen.sets.check import SetDifference, check_set, manifest_of
 from worldgen.sets.make import SetDiffers, SetDone, begun_set, make_set, regenerate_set, restore_set
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHeader
 from worldgen.sets.plan import SeededPlan, SetPlan, plan_set
-from worldgen.sets.stratified import StratifiedPlan, StratumCount, plan_stratified_set, strata_of
-from worldgen.sets.wanted import WantedPlan, plan_wanted_set
+from worldgen.sets.searched import (
+    StratifiedPlan,
+    StratumCount,
+    WantedPlan,
+    plan_stratified_set,
+    plan_wanted_set,
+    strata_of,
+)
 
 __all__ = [
     "MANIFEST",

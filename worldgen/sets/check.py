@@ -103,12 +103,7 @@ def _in_folder(folder: Path) -> Iterator[tuple[str, str]]:
                 with path.open("rb") as stream:
                     yield name.as_posix(), hashlib.file_digest(stream, "sha256").hexdigest()
             except OSError as error:
-                raise FormatError(
-                    "unreadable",
-                    "cannot be read: {reason}",
-                    reason=error.strerror or str(error),
-                    source=str(path),
-                ) from error
+                raise FormatError.unreadable(path, error) from error
 
 
 def _archived(archive: Path) -> Iterator[tuple[str, str]]:

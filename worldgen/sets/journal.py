@@ -17,7 +17,7 @@ __all__ = ["Journal"]
 class Journal:
     """A manifest that grows by whole lines, written by one process at a time.
 
-    A process that is killed leaves whole lines.
+    A killed process leaves only complete lines.
 
     Args:
         path: The file.
@@ -55,12 +55,12 @@ class Journal:
             return parse_manifest(lines, str(self.path))
         except FormatError:
             if force:
-                # With --force, a damaged record is as good as none.
+                # With --force, a damaged record counts as missing.
                 return None
             raise
 
     def start(self, header: bytes) -> None:
-        """Begin again with this line.
+        """Start again with this line.
 
         Raises:
             OutputError: If it cannot be written, or another process has begun, or even finished,
@@ -75,7 +75,7 @@ class Journal:
                 raise OutputError(
                     "written-meanwhile",
                     "{path} was written by another command in the meantime",
-                    "look at it, or name another place",
+                    "look at it, or name another folder",
                     path=self.path,
                 )
         self.cut(0)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from worldgen.errors import OutputError, WorldgenError
-from worldgen.sets.identity import entry_jobs
-from worldgen.sets.making import Made, make_all
+from worldgen.errors import InvalidParameter, OutputError, WorldgenError
+from worldgen.family import FAMILIES, RECIPE
+from worldgen.sets.making import Job, Made, make_all
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHeader, read_manifest
 from worldgen.sets.plan import SetPlan
 from worldgen.sets.stores import PART, SetFolder, Store, store_for
@@ -16,7 +16,7 @@ from worldgen.sets.stores import PART, SetFolder, Store, store_for
 __all__ = ["SetDiffers", "SetDone", "begun_set", "make_set", "regenerate_set", "restore_set"]
 
 Progress = Callable[[int], None]
-"""Called with the number of worlds that are safe, at the beginning and after each."""
+"""Called with the number of worlds saved so far, at the beginning and after each."""
 
 
 class SetDiffers(WorldgenError):
@@ -98,7 +98,7 @@ def make_set(
         return entry.file, entry.line(header)
 
     def refuse(old: Manifest) -> None:
-        # Compare what the line says, which older versions wrote with other words.
+        # Compare the contents of the line, because older versions worded it differently.
         if old.header.line() != header.line():
             raise _other(old, header, out)
 
@@ -128,11 +128,11 @@ def regenerate_set(
         progress: Called with the progress.
 
     Raises:
-        SetDiffers: If a world comes out differently; those before it stay.
+        SetDiffers: If a world differs from the manifest; those before it stay.
         InvalidParameter: If a family is unknown or has another version.
         OutputError: As for :func:`make_set`.
     """
-    jobs = entry_jobs(manifest.entries, families)
+    jobs = _entry_jobs(manifest.entries, families)
 
     def named(k: int, made: Made) -> tuple[str, bytes]:
         _check_same(manifest.entries[k], made, manifest.header)
@@ -168,15 +168,15 @@ def restore_set(
         progress: Called with the progress.
 
     Raises:
-        SetDiffers: If a world comes out differently; those before it stay.
+        SetDiffers: If a world differs from the manifest; those before it stay.
         InvalidParameter: If a family is unknown or has another version.
         OutputError: If a file has other content, or cannot be written.
     """
     store = SetFolder(folder)
-    # Compare what is on disk by checksum first, so that only missing worlds are made again.
+    # First compare the files on disk by checksum, so that only missing worlds are made again.
     wanted = [entry for entry in manifest.entries if not store.holds(entry, force=force)]
     done = len(manifest.entries) - len(wanted)
-    for entry, made in zip(wanted, make_all(entry_jobs(wanted, families), workers), strict=True):
+    for entry, made in zip(wanted, make_all(_entry_jobs(wanted, families), workers), strict=True):
         # A world that differs from the record means another version or family: stop before writing
         # it.
         _check_same(entry, made, manifest.header)
@@ -200,7 +200,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
             if len(old.entries) == work.count == resumed and isinstance(store, SetFolder):
                 raise OutputError(
                     "set-finished",
-                    "{out} already holds this set, finished",
+                    "{out} already holds this set, complete",
                     "give --force to make it again",
                     at_terminal=True,
                     out=out,
@@ -240,11 +240,13 @@ def _check_same(entry: ManifestEntry, made: Made, header: ManifestHeader) -> Non
     if made.sha256 == entry.sha256:
         return
     what = (
-        "is another world" if made.digest != entry.digest else "is the same world in another file"
+        "is another world"
+        if made.digest != entry.digest
+        else "is the same world, written differently"
     )
     raise SetDiffers(
         "world-differs",
-        "{file} comes out differently: {family} with seed {seed} {what} here than in the "
+        "{file} is different this time: {family} with seed {seed} {what} here than in the "
         "manifest, which worldgen {worldgen} wrote",
         "install that version",
         file=entry.file,
@@ -262,7 +264,7 @@ def _other(old: Manifest, wanted: ManifestHeader, out: Path) -> OutputError:
         "{out} holds {made} of {count} worlds of another set: {family} from seed {seed}"
         + (" where {constraint}" if held.constraint else "")
         + (", by worldgen {worldgen}" if held.worldgen != wanted.worldgen else ""),
-        "name another place, or give --force to replace it",
+        "name another folder, or give --force to replace it",
         at_terminal=True,
         out=out,
         made=len(old.entries),
@@ -272,3 +274,57 @@ def _other(old: Manifest, wanted: ManifestHeader, out: Path) -> OutputError:
         constraint=held.constraint,
         worldgen=held.worldgen,
     )
+
+
+def _entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) -> list[Job]:
+    """Return the jobs that make the worlds of a manifest's lines again.
+
+    Each family must exist here in the same version.
+
+    Args:
+        entries: The lines.
+        families: Where to find unregistered families, as ``./file.py:name``.
+
+    Raises:
+        InvalidParameter: If a family is unknown or has a different version than in the manifest, or
+            a parameter does not exist.
+    """
+    places = {FAMILIES.get(place).name: place for place in families}
+    checked: dict[tuple[str, int], str] = {}
+    jobs: list[Job] = []
+    for entry in entries:
+        key = (entry.family, entry.version)
+        if key not in checked:
+            checked[key] = _place(entry, places.get(entry.family, entry.family))
+        # The families of a set are one object.
+        if not jobs or entry.params is not jobs[-1].params:
+            FAMILIES.find(checked[key], entry.params).complete(entry.params)
+        jobs.append(Job(checked[key], entry.seed, entry.params, entry.metrics))
+    return jobs
+
+
+def _place(entry: ManifestEntry, place: str) -> str:
+    # Its text is among the parameters.
+    if place.startswith(RECIPE):
+        return place
+    if place == entry.family and place not in FAMILIES.names():
+        raise InvalidParameter(
+            "unknown-name",
+            "the set is of family {family!r}, which is not one of {known!l}",
+            "give its file: --family ./file.py:name",
+            at_terminal=True,
+            family=place,
+            known=list(FAMILIES.names()),
+        )
+    found = FAMILIES.get(place)
+    if found.version != entry.version:
+        raise InvalidParameter(
+            "other-version",
+            "the set was made by {family} version {version}, but this is version {found}, which "
+            "makes other worlds",
+            "install the worldgen that the manifest names",
+            family=entry.family,
+            version=entry.version,
+            found=found.version,
+        )
+    return place

@@ -27,7 +27,7 @@ __all__ = ["Job", "Made", "make_all"]
 _CELLS = 50_000
 # Limit on the worlds that a process gets at a time.
 _MOST = 64
-# Pieces of work per process that are handed out or done early.
+# Pieces of work per process that are assigned or finished early.
 _WAITING = 2
 
 
@@ -110,7 +110,7 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
             raise GenerationFailed(
                 "worker-died",
                 "a worker process died, perhaps for lack of memory",
-                "give fewer with --workers",
+                "use fewer workers with --workers",
                 at_terminal=True,
             ) from error
         # Whatever else stops the caller, no worker is left running.

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import itertools
 import json
-import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, TypeVar
 
+import msgspec
+from msgspec import Meta
+
+from worldgen.domain import MASK64
 from worldgen.errors import FormatError, Message
+from worldgen.files.json_file import converted, plain
 from worldgen.world import Value
 
 __all__ = [
@@ -28,12 +32,27 @@ MANIFEST = "manifest.jsonl"
 
 # Limit on the bytes of a line, as for a .grid file's header.
 _LONGEST = 1 << 20
-_SAFE = re.compile(r"(?:[0-9]{1,12}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,200}\.grid\Z")
-_HEX = re.compile(r"[0-9a-f]{64}\Z")
+
+# What the keys of a line hold; a description completes the sentence about one that does not.
+_Text = Annotated[str, Meta(description="must be text")]
+_Flag = Annotated[bool, Meta(description="must be true or false")]
+_Table = Annotated[Mapping[str, Any], Meta(description="must be an object")]
+_Whole = Annotated[int, Meta(ge=0, description="must be a whole number of 0 or more")]
+_Count = Annotated[int, Meta(ge=1, description="must be a whole number of 1 or more")]
+_Hex = Annotated[str, Meta(pattern=r"^[0-9a-f]{64}\Z", description="must be 64 hex digits")]
+_Ends = Annotated[tuple[int | float, ...], Meta(description="must be numbers in a list")]
+# A name with another separator could write outside the set's folder.
+_File = Annotated[
+    str,
+    Meta(
+        pattern=r"^(?:[0-9]{1,12}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,200}\.grid\Z",
+        description="is not a name of a world's file in a set, such as maze-7.grid or "
+        "0012/maze-7.grid",
+    ),
+]
 
 
-@dataclass(frozen=True)
-class ManifestHeader:
+class ManifestHeader(msgspec.Struct, frozen=True):
     """The first line: the request.
 
     Args:
@@ -49,15 +68,15 @@ class ManifestHeader:
             if there are none.
     """
 
-    family: str
-    version: int
-    params: Mapping[str, Value]
-    seed: int
-    count: int
-    metrics: bool
-    worldgen: str
-    constraint: str = ""
-    strata: tuple[float, ...] = ()
+    family: _Text
+    version: _Whole
+    params: _Table
+    seed: _Whole
+    count: _Count
+    metrics: _Flag
+    worldgen: _Text
+    constraint: _Text = ""
+    strata: _Ends = ()
 
     def line(self) -> bytes:
         """Return the line, with its line end."""
@@ -78,8 +97,7 @@ class ManifestHeader:
         return _line({**head, **asked, **searched, **strata})
 
 
-@dataclass(frozen=True)
-class ManifestEntry:
+class ManifestEntry(msgspec.Struct, frozen=True, omit_defaults=True):
     """The line of a world.
 
     Args:
@@ -95,24 +113,20 @@ class ManifestEntry:
         stratum: Lower and upper end of its stratum of difficulty; empty if the set has none.
     """
 
-    file: str
-    family: str
-    version: int
-    seed: int
-    params: Mapping[str, Value]
-    digest: str
-    sha256: str
-    size: int
-    metrics: Mapping[str, float] = field(default_factory=dict)
-    stratum: tuple[float, ...] = ()
+    file: _File
+    family: _Text
+    version: _Whole
+    seed: _Whole
+    params: _Table
+    digest: _Hex
+    sha256: _Hex
+    size: _Whole = msgspec.field(name="bytes")
+    metrics: _Table
+    stratum: _Ends = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return the keys and values of the line, with all parameters."""
-        return {
-            "file": self.file, "family": self.family, "version": self.version, "seed": self.seed,
-            "params": _sorted(self.params), "digest": self.digest, "sha256": self.sha256, "bytes": self.size,
-            "metrics": _sorted(self.metrics), **({"stratum": list(self.stratum)} if self.stratum else {}),
-        }  # fmt: skip
+        return {**plain(self), "params": _sorted(self.params), "metrics": _sorted(self.metrics)}
 
     def line(self, header: ManifestHeader) -> bytes:
         """Return the line, with its line end.
@@ -121,6 +135,9 @@ class ManifestEntry:
         """
         own = _differing(self.params, header) if self.family == header.family else self.params
         return _line({**self.as_dict(), "params": _sorted(own)})
+
+
+L = TypeVar("L", ManifestHeader, ManifestEntry)
 
 
 @dataclass(frozen=True)
@@ -162,12 +179,12 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
         raise FormatError(
             "empty", "is empty; a manifest begins with a line about the set", source=source
         )
-    header = _Fields(_object(first, 1, source), 1, source).header()
+    header = _header(first, source)
     entries = []
     kept = []
     files = set()
     for number, line in enumerate(reader, 2):
-        entry = _Fields(_object(line, number, source), number, source).entry(header)
+        entry = _entry(line, header, number, source)
         # Two entries of one name would overwrite each other's file.
         if entry.file in files:
             raise FormatError(
@@ -185,7 +202,7 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
     if len(entries) > header.count:
         message = Message(
             "wrong-count",
-            "{worlds} worlds, but the first line counts {said}",
+            "{worlds} worlds, but the first line promises {said}",
             "correct one of them",
             worlds=len(entries),
             said=header.count,
@@ -203,17 +220,8 @@ def read_manifest(path: Path) -> Manifest:
     try:
         with path.open("rb") as stream:
             return parse_manifest(iter(lambda: stream.readline(_LONGEST + 1), b""), str(path))
-    except FileNotFoundError as error:
-        raise FormatError(
-            "no-such-file", "there is no such file", "check the name", source=str(path)
-        ) from error
     except OSError as error:
-        raise FormatError(
-            "unreadable",
-            "cannot be read: {reason}",
-            reason=error.strerror or str(error),
-            source=str(path),
-        ) from error
+        raise FormatError.unreadable(path, error) from error
 
 
 def _whole_lines(lines: Iterable[bytes], source: str) -> Iterator[bytes]:
@@ -247,131 +255,90 @@ def _object(line: bytes, number: int, source: str) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise FormatError(
             "not-json",
-            "not a JSON object; each line of a manifest is one",
+            "not a JSON object; each line of a manifest must be one",
             line=number,
             source=source,
         )
     return found
 
 
-@dataclass(frozen=True)
-class _Fields:
-    """Takes the fields of one line and checks their types."""
+def _header(line: bytes, source: str) -> ManifestHeader:
+    """Read the first line."""
+    found = _object(line, 1, source)
+    # Check the format first: without it, no other message would make sense.
+    if found.get("format") != FORMAT:
+        rule = f'must be "{FORMAT}"; is this the manifest of a set, or of a later version?'
+        raise _wrong(found, "format", rule, line=1, source=source)
+    # Older sets call a constraint a wish.
+    header = _content(
+        {"constraint": found.get("wish", ""), **found}, ManifestHeader, line=1, source=source
+    )
+    _check(found, "strata", header.strata, header.seed, line=1, source=source)
+    return header
 
-    found: dict[str, Any]
-    number: int
-    source: str
 
-    def header(self) -> ManifestHeader:
-        """Return the header."""
-        # Check the format first: without it, no other message would make sense.
-        if self.found.get("format") != FORMAT:
-            raise self._wrong(
-                "format",
-                f'must be "{FORMAT}"; is this the manifest of a set, or of a later version?',
-            )
-        metrics = self.found.get("metrics")
-        if not isinstance(metrics, bool):
-            raise self._wrong("metrics", "must be true or false")
-        family = self._text("family")
-        version = self._whole("version", 0, 2**63)
-        params = self._table("params")
-        seed = self._whole("seed", 0, 2**64 - 1)
-        count = self._whole("count", 1, 2**63)
-        # Older sets call it a wish.
-        key = next((key for key in ("constraint", "wish") if key in self.found), "")
-        constraint = self._text(key) if key else ""
-        return ManifestHeader(
-            family,
-            version,
-            params,
-            seed,
-            count,
-            metrics,
-            self._text("worldgen"),
-            constraint,
-            self._numbers("strata"),
-        )
+def _entry(line: bytes, header: ManifestHeader, number: int, source: str) -> ManifestEntry:
+    """Read a world's line; it has all parameters, or those that differ from the set's.
 
-    def entry(self, header: ManifestHeader) -> ManifestEntry:
-        """Return a world; its line has all parameters, or those that differ from the set's.
+    Older sets store all of them.
+    """
+    found = _object(line, number, source)
+    entry = _content(found, ManifestEntry, line=number, source=source)
+    _check(found, "stratum", entry.stratum, entry.seed, line=number, source=source)
+    if entry.family != header.family:
+        return entry
+    # 100,000 worlds share the set's parameters.
+    own = _differing(entry.params, header)
+    params = {**header.params, **own} if own else header.params
+    return msgspec.structs.replace(entry, params=params)
 
-        Older sets store all of them.
-        """
-        file = self._text("file")
-        # A name with a separator could write outside the set's folder.
-        if not _SAFE.match(file):
-            raise self._wrong(
-                "file",
-                "is not a name of a world's file in a set, such as maze-7.grid or 0012/maze-7.grid",
-            )
-        for key in ("digest", "sha256"):
-            if not _HEX.match(self._text(key)):
-                raise self._wrong(key, "must be 64 hex digits")
-        found = self.found
-        version = self._whole("version", 0, 2**63)
-        seed = self._whole("seed", 0, 2**64 - 1)
-        size = self._whole("bytes", 0, 2**63)
-        metrics = self._table("metrics")
-        family = self._text("family")
-        # Worlds of the set's own family record only the parameters that differ from the header's.
-        params = self._params(header) if family == header.family else self._table("params")
-        return ManifestEntry(
-            file,
-            family,
-            version,
-            seed,
-            params,
-            found["digest"],
-            found["sha256"],
-            size,
-            metrics,
-            self._numbers("stratum"),
-        )
 
-    def _params(self, header: ManifestHeader) -> Mapping[str, Value]:
-        """Return the set's parameters, which 100,000 worlds share, or a world's own added to them."""
-        own = _differing(self._table("params"), header)
-        return {**header.params, **own} if own else header.params
+def _content(found: Mapping[str, Any], kind: type[L], **place: Any) -> L:
+    """Return the content of a line in the form that its type declares.
 
-    def _text(self, key: str) -> str:
-        value = self.found.get(key)
-        if not isinstance(value, str):
-            raise self._wrong(key, "must be text")
-        return value
+    Raises:
+        FormatError: About the first key that is wrong or missing.
+    """
+    try:
+        return converted(found, kind)
+    except ValueError as error:
+        for field in msgspec.structs.fields(kind):
+            key = field.encode_name
+            if not _fits(found, key, field):
+                raise _wrong(found, key, field.type.__metadata__[0].description, **place) from error
+        raise
 
-    def _whole(self, key: str, least: int, most: int) -> int:
-        value = self.found.get(key)
-        if type(value) is not int or not least <= value <= most:
-            raise self._wrong(key, f"must be a whole number of {least} to {most}")
-        return value
 
-    def _table(self, key: str) -> dict[str, Any]:
-        value = self.found.get(key)
-        if not isinstance(value, dict):
-            raise self._wrong(key, "must be an object")
-        return value
+def _fits(found: Mapping[str, Any], key: str, field: msgspec.structs.FieldInfo) -> bool:
+    if key not in found:
+        return not field.required
+    try:
+        converted(found[key], field.type)
+    except ValueError:
+        return False
+    return True
 
-    def _numbers(self, key: str) -> tuple[float, ...]:
-        """Return ascending numbers, or none if the line has no such key."""
-        value = self.found.get(key, [])
-        if not isinstance(value, list) or not all(type(one) in (int, float) for one in value):
-            raise self._wrong(key, "must be numbers in a list")
-        if any(a >= b for a, b in itertools.pairwise(value)) or len(value) == 1:
-            raise self._wrong(key, "must ascend, from the lower end to the upper")
-        return tuple(value)
 
-    def _wrong(self, key: str, rule: str) -> FormatError:
-        is_there = key in self.found
-        return FormatError(
-            "wrong-value" if is_there else "missing-key",
-            "{key} {value} {rule}" if is_there else "{key} is missing; it {rule}",
-            key=key,
-            value=json.dumps(self.found[key])[:80] if is_there else None,
-            rule=rule,
-            line=self.number,
-            source=self.source,
-        )
+def _check(
+    found: Mapping[str, Any], key: str, ends: tuple[float, ...], seed: int, **place: Any
+) -> None:
+    """Check what a type cannot declare: the largest seed, and that the ends of strata ascend."""
+    if seed > MASK64:
+        raise _wrong(found, "seed", f"must be at most {MASK64}", **place)
+    if any(a >= b for a, b in itertools.pairwise(ends)) or len(ends) == 1:
+        raise _wrong(found, key, "must ascend, from the lower end to the upper", **place)
+
+
+def _wrong(found: Mapping[str, Any], key: str, rule: str, **place: Any) -> FormatError:
+    is_there = key in found
+    return FormatError(
+        "wrong-value" if is_there else "missing-key",
+        "{key} {value} {rule}" if is_there else "{key} is missing; it {rule}",
+        key=key,
+        value=json.dumps(found[key])[:80] if is_there else None,
+        rule=rule,
+        **place,
+    )
 
 
 def _line(value: Mapping[str, Any]) -> bytes:

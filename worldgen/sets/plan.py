@@ -9,9 +9,11 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import Self
 
+import msgspec
+
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, Family
-from worldgen.random_streams import MASK64
 from worldgen.sets.making import Job, Made, make_all
 from worldgen.sets.manifest import ManifestHeader
 from worldgen.world import Value
@@ -37,11 +39,11 @@ class SetPlan(ABC):
 
     def with_seed(self, seed: int) -> Self:
         """Return the same plan with another seed."""
-        return replace(self, header=replace(self.header, seed=seed))
+        return replace(self, header=msgspec.structs.replace(self.header, seed=seed))
 
     @abstractmethod
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Make the worlds from this one on, counted from 0.
+        """Make the worlds starting with this one, counted from 0.
 
         Args:
             first: Number of the first world.

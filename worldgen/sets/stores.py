@@ -36,7 +36,7 @@ class Store(Protocol):
             force: True if something else may be there.
 
         Raises:
-            OutputError: If something else is there that must not be replaced.
+            OutputError: If something else is there and must not be replaced.
         """
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
@@ -256,7 +256,7 @@ class ArchiveStore:
             raise OutputError(
                 "written-meanwhile",
                 "{archive} was made by another command in the meantime",
-                "look at it, or name another place",
+                "look at it, or name another archive",
                 archive=self._archive,
             )
         self._open_worlds(0)

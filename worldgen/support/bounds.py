@@ -1,4 +1,4 @@
-"""Limits of numbers, and the checks that reject what is outside them."""
+"""Limits of numbers, and the checks that reject values outside them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Bounds:
         high: Largest value; None for no limit.
         unit: Unit of both, for people.
         above: True if the value must be above ``low``.
-        chosen: The number that stands for ``None`` in files, which lets the family choose. Python
+        chosen: The number that represents ``None`` in files, which lets the family choose. Python
             callers pass ``None``.
     """
 
@@ -60,7 +60,7 @@ class Bounds:
         Raises:
             InvalidParameter: With value, rule and remedy.
         """
-        # The number that stands for None is always allowed.
+        # The number that represents None is always allowed.
         if self.chosen is not None and value == self.chosen:
             return
         too_low = self.low is not None and not (

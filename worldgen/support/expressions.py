@@ -3,7 +3,7 @@
 Python's own parser reads the text, which is never run as code. Grammar, loosest first: ``or``,
 ``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``, ``* / // %``, signs,
 calls, parentheses, names, numbers. The caller decides which names, functions and units there are,
-and whether an expression stands for a number or for a condition.
+and whether an expression is a number or a condition.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ _COMPUTE: Final[dict[str, Callable[..., Any]]] = {
 
 @dataclass(frozen=True)
 class Language:
-    """What the expressions of one kind may contain besides numbers and operators.
+    """The contents that expressions of one kind may have besides numbers and operators.
 
     Args:
         variables: Names of the numbers that are known when an expression is evaluated.
@@ -68,7 +68,7 @@ class Language:
         longest: Most characters of an expression.
         example: A number or condition in this language, for messages.
         functions: By name; each takes one number or several.
-        units: What a number may end with, and the variable that it is then multiplied by, or None.
+        units: Suffixes of a number, each with the variable that it is then multiplied by, or None.
         unit_words: These units, for messages.
     """
 
@@ -103,7 +103,8 @@ class Operation:
         mark: The operator as written, or the function's name. A chain of comparisons is an ``and``
             of comparisons with two operands each.
         operands: One or two; any number for a function, ``and`` and ``or``.
-        compute: What gives its value; None for comparisons and for ``and``, ``or``, ``not``.
+        compute: The function that gives its value; None for comparisons and for ``and``, ``or``,
+            ``not``.
     """
 
     mark: str
@@ -139,19 +140,19 @@ def variables_in(node: Node) -> Iterator[str]:
 
 
 def parse_number(text: str, language: Language) -> Node:
-    """Parse an expression that stands for a number.
+    """Parse an expression that is a number.
 
     Raises:
         InvalidParameter: If it cannot be parsed; the message marks the place.
     """
     reader = _Reader(text, language)
     if isinstance(reader.tree, ast.Compare | ast.BoolOp):
-        reader.refuse_condition(reader.begins, "leave the comparison out")
+        reader.refuse_condition(reader.begins, "omit the comparison")
     return reader.number(reader.tree, reader.begins)
 
 
 def parse_condition(text: str, language: Language) -> Node:
-    """Parse an expression that stands for a condition.
+    """Parse an expression that is a condition.
 
     Raises:
         InvalidParameter: If it cannot be parsed; the message marks the place.
@@ -186,7 +187,7 @@ class _Reader:
         try:
             tree = ast.parse(f"({structure})", mode="eval").body
         except (SyntaxError, MemoryError, RecursionError):
-            # After the scan, nothing is left to refuse except endless signs.
+            # After the scan, the only thing left to refuse is endless signs.
             tree = None
         if tree is None or _levels(tree) > _DEEPEST:
             self._fail(_too_deep(_DEEPEST), 0)
@@ -363,10 +364,10 @@ def _broken_rule(kind: str, word: str, before: str, brackets: list[str]) -> str:
         begins = kind in ("number", "word", "call") or word in ("(", "+", "-")
         if begins or (word == "not" and before in _CONDITION_NEXT):
             return ""
-        return "{came} where a {noun} or a number belongs"
+        return "{came} in place of a {noun} or a number"
     if brackets:
         closes = word == ")" or (word == "," and brackets[-1] == "call")
-        return "" if closes or word in _BETWEEN else "{came} where a closing parenthesis belongs"
+        return "" if closes or word in _BETWEEN else "{came} in place of a closing parenthesis"
     return "" if word in _BETWEEN or kind == "end" else "{came} is not expected here"
 
 

@@ -1,4 +1,4 @@
-"""Say what to do if a package's compiled core is missing.
+"""Explain what to do if a package's compiled core is missing.
 
 A source checkout has no cores until it is installed. Python finds it first if it is the current
 folder, even if worldgen is installed elsewhere.

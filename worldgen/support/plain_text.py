@@ -14,7 +14,7 @@ __all__ = ["GAP", "aligned", "counted", "describe_value", "quote", "shown", "sho
 # Gap between two columns.
 GAP = "  "
 
-# Only the first items are examined, so that a list of a million costs nothing.
+# Only the first items are examined, so that a list of a million is cheap.
 _BRIEF = reprlib.Repr()
 _BRIEF.maxdict = _BRIEF.maxlist = _BRIEF.maxtuple = _BRIEF.maxset = 20
 _BRIEF.maxstring = _BRIEF.maxlong = _BRIEF.maxother = 1_000

@@ -2,7 +2,7 @@
 
 Any code can wrap slow work in :func:`working`. Only the command line installs a :class:`Display`;
 in library use the same messages go to the logger ``worldgen`` at level INFO, so nothing is printed
-unless logging asks for it.
+unless logging is set up for it.
 
 Do not use another live display (a ``rich`` progress bar or status) inside :func:`working`: the two
 would overwrite each other. :meth:`Work.count` shows numbers, rate and time left.
@@ -41,7 +41,7 @@ _FIRST = 2.0
 # Seconds between two lines in a log, at first and in longer work.
 _EVERY = 5.0
 _LATER = 15.0
-# Work that has taken this many seconds is long.
+# Work that has taken this many seconds counts as long.
 _LONG = 60.0
 # Work that took this many seconds gets a line at its end.
 _WORTH_SAYING = 1.0
@@ -109,7 +109,7 @@ class Work:
 
 
 class _LoggedWork(Work):
-    """Work in library use; its details go to the log, at most every few seconds."""
+    """Work in library use, which logs its details, at most every few seconds."""
 
     _logged = 0.0
 
@@ -211,7 +211,7 @@ class Display:
             self._write(f"warning: {shown(message)}\n")
 
     def tick(self) -> None:
-        """Check the clock and print what is due; the thread calls this several times a second."""
+        """Check the clock and print anything that is due; the thread calls this several times a second."""
         works = tuple(self._works)
         if not works or self.verbosity < 0 or self.silent:
             return

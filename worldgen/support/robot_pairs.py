@@ -83,9 +83,9 @@ def _fault_of(first: int, second: int, robots: Sequence[Robot], cell_size: float
     if needed > 0 and dx * dx + dy * dy < needed * needed:
         return Message(
             "targets-exclude",
-            "the targets of robots {first} and {second} exclude each other: no two points in them "
-            "are {radii:.6g} m apart, as the radii require",
-            "move one of them, or make it larger",
+            "the targets of robots {first} and {second} exclude each other: the radii add up to "
+            "{radii:.6g} m, but no two points in the targets are that far apart",
+            "move one of them, or make one larger",
             first=first + 1,
             second=second + 1,
             radii=float(apart),

@@ -66,7 +66,7 @@ def time_limit(seconds: float) -> Iterator[None]:
         watcher.start()
         yield
     finally:
-        # The exception may still come while the watch stops, so stop it twice.
+        # The exception may still arrive while the watch stops, so stop it twice.
         try:
             stop()
         finally:

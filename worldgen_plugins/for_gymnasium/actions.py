@@ -36,7 +36,7 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
         if given.min() < 0 or given.max() >= len(CHOICES):
             raise InvalidParameter(
                 "out-of-range",
-                "actions from {low} to {high}: there are 0 to {last}",
+                "actions from {low} to {high} are out of range: valid actions are 0 to {last}",
                 low=given.min(),
                 high=given.max(),
                 last=len(CHOICES) - 1,
@@ -55,6 +55,6 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
     # The sum is NaN if any entry is, and costs less than a mask; infinities may cancel to NaN too.
     if np.isnan(given.sum()) and np.isnan(given).any():
         raise InvalidParameter(
-            "not-finite", "an action is nan", "give fractions of turn rate and top speed, -1 to 1"
+            "not-finite", "an action is NaN", "give fractions of turn rate and top speed, -1 to 1"
         )
     return np.ascontiguousarray(given, np.float32)

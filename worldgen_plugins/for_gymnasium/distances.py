@@ -41,7 +41,7 @@ def distances_to_target(world: World) -> npt.NDArray[np.float32]:
         raise InvalidParameter(
             "world-changes",
             "distance='way' needs worlds that do not change",
-            "take distance='straight' for this one",
+            "use distance='straight' for this one",
         )
 
     # Edges join a node to its eight neighbours; slanted ones also need the middle to be clear.

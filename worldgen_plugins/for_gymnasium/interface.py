@@ -119,7 +119,7 @@ class Interface:
         if self.reverse and self.actions == "discrete":
             raise InvalidParameter(
                 "conflict",
-                "reverse=True goes with continuous actions",
+                "reverse=True needs continuous actions",
                 "remove it, or actions='discrete'",
             )
         for name, most, unit in (("turn_rate", MOST_TURN_RATE, "rad/s"), ("extent", 1e6, "m")):

@@ -30,7 +30,7 @@ def check_render_mode(mode: object) -> str | None:
     raise InvalidParameter(
         "unknown-name",
         "render_mode={render_mode!r} is unknown",
-        "there are {known!l}, and None",
+        "the modes are {known!l}, and None",
         render_mode=mode,
         known=list(RENDER_MODES),
     )

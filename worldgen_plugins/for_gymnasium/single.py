@@ -8,7 +8,8 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.random_streams import GAMMA, MASK64, mix64
+from worldgen.domain import MASK64
+from worldgen.random_streams import GAMMA, mix64
 from worldgen.world import World
 from worldgen_plugins.for_gymnasium.actions import checked_actions
 from worldgen_plugins.for_gymnasium.interface import Interface

@@ -10,6 +10,7 @@ from typing import Any
 from sim.options.run import whole
 from worldgen.difficulty.expression import parse
 from worldgen.difficulty.search import TRIES, Search, found
+from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, Family
 from worldgen.files.grid import read_world
@@ -22,7 +23,6 @@ __all__ = ["DEFAULT_FAMILY", "DEFAULT_POOL", "SOURCES", "Supply"]
 DEFAULT_FAMILY = "trap"
 DEFAULT_POOL = 64
 MOST_POOL = 1_000_000
-MAX_SEED = 2**64 - 1
 
 SOURCES = ("world", "worlds", "family", "params", "difficulty", "pool", "pool_seed")
 """The options that determine the source of worlds."""
@@ -57,7 +57,7 @@ class Supply:
         if stray:
             raise InvalidParameter(
                 "conflict",
-                "{only_for_family} is for a family, and {named} is given",
+                "{only_for_family} is for a family, but {named} is given",
                 "remove one of them",
                 only_for_family=stray[0],
                 named=named[0],
@@ -182,7 +182,7 @@ def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
             given=repr(name),
         )
     family = name if isinstance(name, Family) else FAMILIES.find(name, params)
-    seed = whole("pool_seed", given.get("pool_seed", 0), 0, MAX_SEED)
+    seed = whole("pool_seed", given.get("pool_seed", 0), 0, MASK64)
     # Without a range of difficulty, worlds are drawn from consecutive seeds.
     if "difficulty" not in given:
         return stream(family, seed, count, **params)

@@ -115,14 +115,14 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         which = _mask_of(options, self.num_envs)
         if self._seen is None and not which.all():
             raise InvalidParameter(
-                "conflict", "the first reset is of all robots", "omit reset_mask"
+                "conflict", "the first reset must include all robots", "omit reset_mask"
             )
         supply = self._supply.changed(sources_in(options, _MASK))
         if supply is not self._supply or not self._lockstep.worlds:
             if not which.all():
                 raise InvalidParameter(
                     "conflict",
-                    "a reset of some robots cannot change the worlds of all",
+                    "a reset of some robots cannot change the worlds of all robots",
                     "omit reset_mask",
                 )
             with working(f"preparing {len(supply):,} worlds for {self.num_envs:,} robots") as work:

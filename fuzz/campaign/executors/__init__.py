@@ -38,7 +38,7 @@ def cluster_executor(address: str, config: CampaignConfig) -> Executor:
         raise InvalidParameter(
             "package-missing",
             "{option} needs Dask",
-            "{install}, or leave it out",
+            "{install}, or omit it",
             at_terminal=True,
             option="--scheduler",
             install=pip_install("dask"),

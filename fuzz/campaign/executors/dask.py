@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, suppress
-from types import TracebackType
 from typing import ParamSpec, Self, TypeVar
 
 from distributed import Client, KilledWorker
@@ -38,7 +37,7 @@ _GONE = "the Dask scheduler at {address} no longer answers"
 
 
 class _Client(Client):  # type: ignore[misc] # it has no types
-    """A client that is not awaited by code that failed to create it."""
+    """A client that code which failed to create it does not await."""
 
     def __del__(self) -> None:
         if self.status == "running":
@@ -90,7 +89,7 @@ class DaskExecutor:
         return future
 
     def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
-        """Do nothing: workers come and go, and each loads what it needs with its first work."""
+        """Do nothing: workers come and go, and each loads its modules with its first work."""
         return []
 
     def counts(self) -> None:
@@ -100,7 +99,7 @@ class DaskExecutor:
         """Do nothing: work in progress is cancelled at the end."""
 
     def listen(self) -> None:
-        """Raise ``KeyboardInterrupt`` if Ctrl-C came.
+        """Raise ``KeyboardInterrupt`` if Ctrl-C was pressed.
 
         Raises:
             WorkersLost: If the scheduler can't be reached.
@@ -132,12 +131,7 @@ class DaskExecutor:
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _kind: object, error: BaseException | None, _at: object) -> None:
         """Disconnect, which cancels work in progress.
 
         Raises:
@@ -156,9 +150,8 @@ def _retell(error: BaseException, address: str) -> None:
     if isinstance(error, KilledWorker):
         raise WorkersLost(
             "killed-worker",
-            "one piece of work ended {workers} workers, as many as the scheduler allows: perhaps "
-            "the controller kills them, or they have too little memory "
-            "(docs/howto/campaigns.md)",
+            "the same piece of work ended {workers} workers, the most that the scheduler allows; "
+            "the controller may kill them, or they may need more memory (docs/howto/campaigns.md)",
             workers=error.allowed_failures + 1,
         ) from error
     if isinstance(error, CancelledError | OSError):

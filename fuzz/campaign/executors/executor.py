@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from types import TracebackType
 from typing import ParamSpec, Protocol, Self, TypeVar
 
 from fuzz.campaign.live import LiveCounts
@@ -32,9 +31,9 @@ class Executor(Protocol):
         """Submit a piece of work, which may have to wait for others."""
 
     def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
-        """Begin to load what the first units need, in every place that will do the work.
+        """Start loading what the first units need, in every process that will do the work.
 
-        The results are those of :func:`fuzz.campaign.loading.load`.
+        The results are those of :func:`fuzz.campaign.executors.local.load`.
         """
 
     def listen(self) -> None:
@@ -49,14 +48,9 @@ class Executor(Protocol):
     def __enter__(self) -> Self:
         """Start what is needed."""
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _kind: object, error: BaseException | None, _at: object) -> None:
         """End the executor, immediately if there was an error.
 
         Raises:
-            WorkersLost: If that is what went wrong.
+            WorkersLost: If that caused the error.
         """

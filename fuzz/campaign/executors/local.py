@@ -11,17 +11,18 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from ctypes import c_double
 from multiprocessing import get_context
-from types import TracebackType
 from typing import Any, ParamSpec, Self, TypeVar
 
 from fuzz.campaign.deadline import TO_HAND_IN, now, stop_from, stopping_from
 from fuzz.campaign.executors.executor import Executor, WorkersLost
 from fuzz.campaign.live import LiveCounts, count_in
-from fuzz.campaign.loading import load
+from fuzz.triage.proofs import certified
+from sim.runners.controller_time import Effort
+from sim.runners.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
 from worldgen.support.workers import WorkerPool, ctrl_c_held_back
 
-__all__ = ["InlineExecutor", "ProcessExecutor", "local_executor"]
+__all__ = ["InlineExecutor", "ProcessExecutor", "load", "local_executor"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -65,7 +66,8 @@ class InlineExecutor:
         """Load it in this process.
 
         Raises:
-            KeyboardInterrupt: If Ctrl-C came in the meantime; nothing has been found by then.
+            KeyboardInterrupt: If Ctrl-C was pressed in the meantime; nothing has been found by
+                then.
         """
         loaded = self.submit(load, scenarios)
         self._hear_ctrl_c()
@@ -107,12 +109,7 @@ class InlineExecutor:
         self._listen = self._open.enter_context(ctrl_c_held_back(self._stop))
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Restore Ctrl-C."""
         self._stop_waiting()
         self._open.close()
@@ -159,12 +156,7 @@ class ProcessExecutor:
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _kind: object, error: BaseException | None, _at: object) -> None:
         """End the processes, immediately if there was an error or they were told to stop.
 
         Raises:
@@ -182,6 +174,24 @@ class ProcessExecutor:
                 "({reason})",
                 reason=str(error),
             ) from error
+
+
+def load(scenarios: Sequence[Scenario]) -> float:
+    """Load what a search's first units need: the library and the controllers.
+
+    Each controller takes two steps, and a world is proved.
+
+    Args:
+        scenarios: The controllers, and how they run.
+
+    Returns:
+        Seconds of this spent in the controllers' own code.
+    """
+    began = Effort.so_far()
+    for scenario in scenarios:
+        try_out(scenario)
+    certified(EMPTY_ARENA)
+    return began.since().own
 
 
 def _begin(stopped_at: c_double, counters: Any) -> None:

@@ -38,7 +38,7 @@ T = TypeVar("T")
 _ONE = threading.Lock()
 _PACKAGES_OF_DASK = ("dask", "distributed", "tornado")
 # Key of the job that this process is ready for.
-_here: dict[str, str] = {}
+_installed: dict[str, str] = {}
 _REGISTRIES: tuple[Registry[Any], ...] = (CONTROLLERS, FAMILIES, ORACLES)
 
 
@@ -83,7 +83,7 @@ class RemoteJob:
         )
         with _ONE:
             give_dask_its_own_random()
-            _be_alike(self)
+            _install_and_compare(self)
             return work(*args, **kwargs)
 
 
@@ -128,7 +128,7 @@ def _places(config: CampaignConfig) -> list[str]:
     )
 
 
-def _be_alike(job: RemoteJob) -> None:
+def _install_and_compare(job: RemoteJob) -> None:
     """Install the job's files, and check that all code is the same.
 
     This happens once per campaign.
@@ -137,9 +137,9 @@ def _be_alike(job: RemoteJob) -> None:
         InvalidParameter: If it differs.
     """
     key = digest_of([job.fingerprint.digest, sorted(job.files)])
-    if _here.get("job") == key:
+    if _installed.get("job") == key:
         return
-    _here.clear()
+    _installed.clear()
     for place, data in job.files.items():
         lend(place, _copy(Path(place).name, data))
         for registry in _REGISTRIES:
@@ -148,12 +148,12 @@ def _be_alike(job: RemoteJob) -> None:
     if said:
         raise InvalidParameter(
             "other-code",
-            "the worker on {host} has other code: {differences!l}",
+            "the worker on {host} runs different code: {differences!l}",
             "install the same code there as here, and restart the workers",
             host=socket.gethostname(),
             differences=list(said),
         )
-    _here["job"] = key
+    _installed["job"] = key
 
 
 def _copy(name: str, data: bytes) -> Path:

@@ -1,13 +1,17 @@
 """The store of a campaign on disk.
 
-No matter how a campaign ends, it loses only the units in progress. Contents: FolderStore: the
-folder
-    ``OUT/.campaign`` and its lock. CampaignRun, Budget, begin, resume: open it for a new campaign,
-    or to continue one. Fingerprint, fingerprint_of: a configuration, and the code that determines
-    the units' results. errors_recorded, record_error, read_error, forget_error: why a campaign gave
-    up, as data for other programs. Summary, Status, StrategyTotals, BucketTotals, Archive, read_summary:
-    the numbers in ``summary.json``. MEMORY: name of the store's folder in a campaign's folder.
-    CampaignStore: the interface of a store; this one stores nothing.
+No matter how a campaign ends, it loses only the units in progress.
+
+Contents:
+    FolderStore: The folder ``OUT/.campaign`` and its lock.
+    CampaignStore: The interface of a store; this one stores nothing.
+    CampaignRun, Budget, begin, resume: Open the store for a new campaign, or to continue one.
+    Fingerprint, fingerprint_of: A configuration, and the code that determines the units' results.
+    errors_recorded, record_error, read_error, forget_error: Why a campaign gave up, as data for
+        other programs.
+    Summary, Status, StrategyTotals, BucketTotals, Archive, read_summary: The numbers in
+        ``summary.json``.
+    MEMORY: Name of the store's folder in a campaign's folder.
 
 ``docs/howto/campaigns.md`` describes it for users.
 """

@@ -32,7 +32,7 @@ class UnitEntry(msgspec.Struct, frozen=True, kw_only=True):
 
     Args:
         unit: Number of the unit.
-        strategy: See :class:`UnitResult`, as are the others.
+        strategy: See :class:`UnitResult`, also for the other fields.
         seconds: Seconds of the campaign, over all runs, when the unit was merged.
         failures: Name of the failure's file, by class.
     """
@@ -57,7 +57,7 @@ class Done:
     """A finished unit.
 
     Args:
-        result: Its result; with only those failures and elites that are worth keeping.
+        result: Its result, with only those failures and elites that are worth keeping.
         seconds: Seconds of the campaign, over all runs, when the unit was merged.
     """
 

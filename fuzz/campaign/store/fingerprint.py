@@ -19,10 +19,10 @@ from fuzz.oracles import ORACLES, NamedOracle
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
+from worldgen.domain import MASK64
 from worldgen.family import FAMILIES
 from worldgen.files.grid import dumps, loads
 from worldgen.plugins.registry import Registry
-from worldgen.random_streams import MASK64
 from worldgen.support.plain_text import quote
 
 __all__ = ["Fingerprint", "config_of", "digest_of", "digest_of_sources", "fingerprint_of"]
@@ -38,7 +38,7 @@ _SHOWS = (
     "worldgen/cli",
     "worldgen/commands",
 )
-"""Packages that present campaigns and decide nothing in them.
+"""Packages that only present campaigns and do not affect their results.
 
 A contract in pyproject.toml ensures that no search imports them.
 """
@@ -71,18 +71,31 @@ class Fingerprint:
 
     def differences(self, now: Fingerprint) -> list[str]:
         """Describe how another fingerprint differs from this one: ``seed is 5, not 6``."""
-        found = []
-        for name in sorted(self.configuration.keys() | now.configuration.keys()):
-            before = self.configuration.get(name)
-            after = now.configuration.get(name)
-            if before != after:
-                found.append(f"{name} is {quote(before, _LONGEST)}, not {quote(after, _LONGEST)}")
-        for name in sorted(self.code.keys() | now.code.keys()):
+        was = dict(_leaves(self.configuration))
+        is_now = dict(_leaves(now.configuration))
+        found = [
+            f"{name} is {quote(was.get(name), _LONGEST)}, not {quote(is_now.get(name), _LONGEST)}"
+            for name in sorted(was.keys() | is_now.keys())
+            if was.get(name) != is_now.get(name)
+        ]
+        # Another configuration has other code, such as another controller's: naming it says nothing
+        # more.
+        names = self.code.keys() & now.code.keys() if found else self.code.keys() | now.code.keys()
+        for name in sorted(names):
             before = self.code.get(name, "none")
             after = now.code.get(name, "none")
             if before != after:
                 found.append(f"{name} was {before} and is now {after}")
         return found
+
+
+def _leaves(configuration: Mapping[str, Any], of: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the values inside nested configurations: ``scenario motion``, ``scenario beams``."""
+    for name, value in configuration.items():
+        if isinstance(value, Mapping):
+            yield from _leaves(value, of or f"{name} ")
+        else:
+            yield of + name, value
 
 
 def fingerprint_of(config: CampaignConfig) -> Fingerprint:

@@ -107,7 +107,7 @@ class CampaignStore:
         """Store a unit; one that was cut short is stored separately."""
 
     def seconds(self) -> float:
-        """Return the duration of earlier runs, as far as it is known."""
+        """Return the duration of earlier runs, as far as known."""
         return 0.0
 
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:
@@ -245,11 +245,19 @@ class FolderStore(CampaignStore):
         names: dict[str, str] = {}
         for bucket, failure in done.result.failures.items():
             names[bucket] = failure.id
-            self._save(f"failures/{names[bucket]}.grid", failure.dumps())
+            self.save_original(failure)
         file = self._cut_file(unit) if done.result.cut else self._unit_file(unit)
         write_bytes(file, write_entry(unit, done, self._fingerprint, names), force=True)
         if not done.result.cut:
             self._cut_file(unit).unlink(missing_ok=True)
+
+    def save_original(self, failure: Failure) -> None:
+        """Store a failure as it was found.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        self._save(f"failures/{failure.id}.grid", failure.dumps())
 
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:
         """Return the stored result of shrinking a failure.

@@ -77,7 +77,7 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
     try:
         if force or not store.units_done():
             store.forget()
-        # Check again, because another process may have begun.
+        # Check again, because another process may have started.
         stored = FolderStore.stored_in(out)
         if stored is not None:
             _refuse_another(
@@ -127,7 +127,7 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
         out,
         fingerprint,
         now,
-        "resume it in the folder where it began, with the code with which it began",
+        "resume it in its original folder, with its original code",
     )
     store = FolderStore(out)
     try:

@@ -36,7 +36,7 @@ _Rows = msgspec.Meta(max_length=_MOST_ROWS)
 
 
 class Status(StrEnum):
-    """How far a campaign has come; unknown if an earlier version wrote its summary."""
+    """A campaign's progress; unknown if an earlier version wrote its summary."""
 
     UNKNOWN = ""
     RUNNING = "running"
@@ -117,7 +117,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     """A campaign in numbers; ``docs/howto/campaigns.md`` describes each part.
 
     Args:
-        status: How far it has come.
+        status: Its progress.
         controller: Name of the controller.
         motion: Name of the motion model.
         seed: Seed of the campaign.
@@ -169,7 +169,7 @@ SUMMARY = JsonFile(
     version=2,
     code="invalid-summary",
     problem="not a campaign summary: {reason}",
-    remedy="let the campaign write it again, or delete it",
+    remedy="resume the campaign to write it again, or delete it",
 )
 """The form of the file."""
 
@@ -180,5 +180,4 @@ def read_summary(folder: Path) -> Summary | None:
     Raises:
         FormatError: If it cannot be read, or isn't a summary of version 2.
     """
-    path = folder / MEMORY / SUMMARY_FILE
-    return SUMMARY.read(path) if path.is_file() else None
+    return SUMMARY.find(folder / MEMORY / SUMMARY_FILE)

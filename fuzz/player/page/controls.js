@@ -1,4 +1,4 @@
-// The controls under the stage: the scrub bar, the buttons of the clock, layers, the camera.
+// The controls below the stage: scrub bar, clock buttons, layers and camera.
 
 import { openWorld } from "#player/decode.js";
 import { choice, el, grouped, icon, keyButton, svg } from "#player/dom.js";
@@ -19,7 +19,8 @@ export const LAYERS = {
 };
 
 /**
- * Builds the controls under the stage. Earlier choices, such as layers, are kept; `also` is called at each change.
+ * Builds the controls below the stage. Keeps earlier choices, such as layers; calls `also` after
+ * each change.
  * @param {HTMLCanvasElement} canvas
  * @param {HTMLElement} under
  * @param {Drawn} drawn
@@ -56,7 +57,8 @@ export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
   return player;
 }
 
-// As high as the world needs at this width, but low enough to leave the controls in the window.
+// As tall as the world needs at this width, but short enough to leave room for the controls in the
+// window.
 function fitStage(canvas, world) {
   const wanted = canvas.clientWidth * ((world.height + 0.5) / (world.width + 0.5));
   canvas.style.height = `${Math.round(Math.max(240, Math.min(wanted, innerHeight * 0.58)))}px`;
@@ -149,7 +151,7 @@ function jumpButtons(player, parts) {
     jumps.push({
       step: run.loop[0] + run.loop[1],
       name: "End of period",
-      text: "the state of the entry recurs",
+      text: "the entry state recurs",
     });
   }
   return [
@@ -182,7 +184,7 @@ export function stepBy(player, steps) {
 }
 
 /**
- * Goes to the next marked step; from the last one to the first.
+ * Goes to the next marked step, or from the last one to the first.
  * @param {Player} player
  */
 export function nextMark(player) {
@@ -272,9 +274,9 @@ function momentOf(run, step) {
   const mark = run.marks.find((one) => one.step === step);
   if (mark) return `: ${mark.text}`;
   if (!run.loop || step < run.loop[0]) return "";
-  // Next to robots that drive longer, a loop repeats many times.
+  // If other robots drive longer, a loop repeats many times.
   const into = (step - run.loop[0]) % run.loop[1];
-  return into === 0 ? ": the state of the entry again" : `, ${into} into the period`;
+  return into === 0 ? ": the entry state again" : `, ${into} into the period`;
 }
 
 /**

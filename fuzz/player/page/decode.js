@@ -13,7 +13,7 @@ export function bytesOf(text) {
  * @returns {Float64Array}
  */
 export function numbersOf(text) {
-  // Undo the groups of seven bits, then the zigzag, then the second differences.
+  // Undo the seven-bit groups, then the zigzag encoding, then the second differences.
   const values = [];
   let value = 0,
     rate = 0,
@@ -83,7 +83,7 @@ export function openWorld(world) {
       },
       witness: openWitness(world.witness),
       others: (world.others ?? []).map((other) => openWitness(other.witness)), // witnesses of the other robots
-      now: null, // cells at some time, and how many events are in them
+      now: null, // cells at some time, and the number of events applied to them
       done: 0,
     };
   });

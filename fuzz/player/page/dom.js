@@ -54,7 +54,7 @@ export function icon(name) {
 }
 
 /**
- * Makes a button that a key also presses.
+ * Makes a button with a keyboard shortcut.
  * @param {Content} content
  * @param {string} label
  * @param {string} key
@@ -95,7 +95,7 @@ export function choice(pairs, chosen, change) {
  */
 export function plainName(name) {
   const plain = name.match(/^([\w-]+|.+\.py:[A-Za-z_]\w*|[\w.]+:[A-Za-z_]\w*)(?=\+|$)/s);
-  // Any other name may contain a plus itself; options at its end have no slash in their values.
+  // Any other name may itself contain a plus; the options at its end have no slash in their values.
   return plain?.[0] ?? name.replace(/(\+[A-Za-z][\w-]*(=[^+/\\]*)?)+$/, "");
 }
 
@@ -171,7 +171,7 @@ const SIGNS = {
 };
 
 /**
- * Returns the verdict of a class of failures, whose name begins with it.
+ * Returns the verdict of a failure class, which is the first part of the class's name.
  * @param {string} name
  * @returns {string}
  */
@@ -180,7 +180,8 @@ export function verdictOfClass(name) {
 }
 
 /**
- * Makes a sign for a verdict next to robots, whose colours are taken: a shape in the colour of the text.
+ * Makes a sign for a verdict next to robots: a shape in the text's colour, because colours stand
+ * for robots there.
  * @param {string} verdict
  * @returns {HTMLElement}
  */

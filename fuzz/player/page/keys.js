@@ -35,7 +35,7 @@ export function keyTable(rows) {
 }
 
 /** @type {WeakSet<EventTarget>} */
-const clicked = new WeakSet(); // has the focus by a click; any key makes :focus-visible true, so that alone does not tell
+const clicked = new WeakSet(); // the element that a click focused; :focus-visible cannot tell, because any key makes it true
 addEventListener("click", ({ detail }) => detail > 0 && document.activeElement && clicked.add(document.activeElement));
 addEventListener("focusout", ({ target }) => target && clicked.delete(target));
 
@@ -49,7 +49,7 @@ export function keepsKey(target, key) {
   if (target.matches("input:not([type=range], [type=checkbox], [type=radio]), select, textarea")) return true;
   if (target.matches("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(key);
   if (target.matches("input[type=radio]")) return /^( |Enter|Arrow)/.test(key);
-  // After a click with the mouse Space is free for the clock; who has come by Tab presses the button with it.
+  // After a mouse click, Space is free for the clock; after Tab, it presses the focused button.
   if (key === " ") return target.matches("button, a, summary, input") && target.matches(":focus-visible") && !clicked.has(target);
   return key === "Enter" && target.matches("button, a, summary, input");
 }

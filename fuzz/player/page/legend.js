@@ -1,4 +1,4 @@
-// The legend of a player: the marks that its picture has, in the words of the static pictures.
+// The legend of a player: the marks in its picture, described as in the static pictures.
 
 import { BURNING, SOLID, openWorld } from "#player/decode.js";
 import { el } from "#player/dom.js";
@@ -6,7 +6,7 @@ import { hasMap } from "#player/picture/memory.js";
 import { robotColour } from "#player/picture/pen.js";
 
 /**
- * Returns the marks of what is drawn, as pairs of a class and words.
+ * Returns the marks that are drawn, as pairs of a class and a description.
  * @param {Drawn} drawn
  * @returns {[string, string][]}
  */

@@ -1,4 +1,4 @@
-// Two runs side by side in one stage, played in step: the other one on the left, as it was before.
+// Two runs side by side on one stage, played in step: the earlier one on the left.
 
 import { el } from "#player/dom.js";
 

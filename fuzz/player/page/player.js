@@ -34,10 +34,10 @@ export function makePlayer(canvas, drawn, changed) {
     step: last,
     last,
     playing: false,
-    period: false, // plays the loop's period only
+    period: false, // plays only the loop's period
     speed: run ? usualSpeed(last, run.dt) : 1,
     show: { changes: false, trail: true, witness: false, sensors: true, signal: true, touched: true, memory: true },
-    drawnMore: null, // called after each frame, while a file of both runs is made
+    drawnMore: null, // called after each frame, while both runs are saved to a file
     view: null, // null: the whole world
     follow: false,
     draw() {
@@ -82,7 +82,7 @@ function drawBeside(player, beside) {
 }
 
 /**
- * Return the end of the longest of all runs, in steps of the one in front.
+ * Return the end of the longest run, in steps of the one in front.
  * @param {Drawn} drawn
  * @returns {number}
  */
@@ -93,7 +93,7 @@ function lastStep({ run, others, beside }) {
 }
 
 /**
- * Return the step of another run at the time of a run's step.
+ * Return the step of another run at the time of this run's step.
  * @param {number} step
  * @param {DrawnRun | null} run
  * @param {DrawnRun | null} other
@@ -113,7 +113,7 @@ function clockOf(player) {
     before = 0;
   const tick = (now) => {
     if (!run) return;
-    const passed = Math.max(0, Math.min(0.25, (now - before) / 1000)); // a frame's time may precede that of play()
+    const passed = Math.max(0, Math.min(0.25, (now - before) / 1000)); // a frame's time may be earlier than the call of play()
     before = now;
     player.step = advanced(player, run, (passed * player.speed) / run.dt);
     player.playing = goesRound(player, run) || player.step < player.last;
@@ -178,7 +178,8 @@ function cameraOf(player) {
 }
 
 /**
- * Return whether the clock repeats a loop; if other runs are longer, only if the period alone is played.
+ * Return whether the clock repeats a loop; if other runs are longer, it does so only while the
+ * period alone is played.
  * @param {Player} player
  * @param {DrawnRun} run
  */

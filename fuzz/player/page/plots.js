@@ -1,4 +1,4 @@
-// Plots of a run under its time line: they can be zoomed, and a drag over them moves through time.
+// Plots of a run below its timeline; they can be zoomed, and dragging over them moves through time.
 
 import { openRun, rowAt } from "#player/decode.js";
 import { el, keyButton } from "#player/dom.js";
@@ -7,8 +7,8 @@ import { seriesOf } from "#player/series.js";
 
 const HIGH = 30; // pixels of one plot
 const LEFT = 4; // pixels at both ends, so that the first and the last step can be hit
-const NEAREST = 20; // steps that are shown at least
-const TALL = 820; // pixels of a window that has room for the plots without being asked
+const NEAREST = 20; // least number of steps to show
+const TALL = 820; // height in pixels of a window that shows the plots by default
 
 /**
  * Makes the plots of a player.
@@ -78,7 +78,7 @@ function zoomAt(view, last, factor, at) {
   Object.assign(view, { from, to: from + span });
 }
 
-// Moves what is shown along with the time, while that runs out of it.
+// Scrolls the plots to keep the current time in view.
 function follow(view, { step, last }) {
   const span = view.to - view.from;
   if (step >= view.from && step <= view.to) return;
@@ -129,7 +129,7 @@ function drawPlot(context, colours, { name, unit, values, most }, run, { view, a
   context.strokeStyle = colours.link;
   context.lineWidth = 1.25;
   context.beginPath();
-  // One column of pixels shows the least and the greatest value in it, so that no peak is lost.
+  // Each column of pixels shows its least and greatest value, so that no peak is lost.
   const first = Math.max(0, rowAt(run, view.from) - 1),
     last = Math.min(values.length - 1, rowAt(run, view.to) + 1);
   let column = NaN,

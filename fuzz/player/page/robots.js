@@ -14,7 +14,7 @@ import { robotColour } from "#player/picture/pen.js";
  */
 export function sceneOf(world, robots, number) {
   const front = robots[number];
-  // In a world of several robots, each entry has all of them.
+  // In a world with several robots, each entry has all of them.
   if (front.others?.length)
     return { world, run: front.run, sensors: front.sensors, number: 1, others: front.others };
   const alone = robots.filter((one) => one.run).length === 1;
@@ -34,7 +34,7 @@ export function sceneOf(world, robots, number) {
 export const endingOf = (robot) => robot.error || [robot.verdict, robot.why].filter(Boolean).join(" ");
 
 /**
- * Shows where a user's code has failed: file and line, function, and the statement; the innermost last.
+ * Shows where the user's code failed: file, line, function and statement, innermost frame last.
  * @param {Frame[]} [frames]
  * @returns {HTMLElement | null}
  */
@@ -46,7 +46,8 @@ export function framesPart(frames = []) {
 }
 
 /**
- * Shows the list of robots with their results, and a note for all that did not arrive; a click puts one in front.
+ * Lists the robots with their results, and a note for each that did not arrive; a click puts one in
+ * front.
  * @param {HTMLElement} list
  * @param {Robot[]} robots
  * @param {number} looked

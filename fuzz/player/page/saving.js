@@ -1,5 +1,5 @@
-// Saves what the player shows as files: a picture of this moment, or a film of the whole run. Two runs side by side
-// are both in the file.
+// Saves what the player shows as files: a picture of this moment, or a film of the whole run. If
+// two runs are side by side, the file shows both.
 
 import { el, say } from "#player/dom.js";
 import { palette } from "#player/picture/pen.js";
@@ -8,10 +8,11 @@ import { usualSpeed } from "#player/player.js";
 const FILMS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"]; // the best first
 const FILM_RATE = 30; // frames a second
 const FILM_BITS = 4_000_000; // a second
-const REST = 800; // ms for which a film shows its last picture
+const REST = 800; // ms that a film shows its last picture
 
 /**
- * Makes the menu: what every page can save, and `drawn.saves`, pairs of a label and a function for this page.
+ * Makes the menu: everything that any page can save, and `drawn.saves`, pairs of a label and a
+ * function for this page.
  * @param {Player} player
  * @returns {HTMLElement}
  */
@@ -119,7 +120,7 @@ function ending(kind) {
   return kind.startsWith("video/mp4") ? "mp4" : "webm";
 }
 
-/* Plays the run from start to end, or a loop once, at the chosen speed, and records the canvas. Pause ends the film. */
+/* Plays the run from start to end, or a loop once, at the chosen speed, and records the canvas. Pausing ends the film. */
 async function keepFilm(player, request) {
   const recorder = new MediaRecorder((await together(player)).captureStream(FILM_RATE), {
     mimeType: filmKind(),
@@ -129,7 +130,7 @@ async function keepFilm(player, request) {
   recorder.addEventListener("dataavailable", (event) => parts.push(event.data));
   const stopped = new Promise((done) => recorder.addEventListener("stop", done));
   player.play(false);
-  if (player.period) player.speed = usualSpeed(player.last, player.drawn.run.dt); // instead of the period's speed
+  if (player.period) player.speed = usualSpeed(player.last, player.drawn.run.dt); // instead of the speed for playing a period
   player.period = false;
   player.go(0);
   const begun = new Promise((done) => recorder.addEventListener("start", done));

@@ -2,7 +2,7 @@
 
 import { FREE, cellsAt, openRun, stateAt } from "#player/decode.js";
 
-const FAR = 4; // cells of clearance that are looked for; what is farther away counts as that far
+const FAR = 4; // largest clearance to look for, cells; anything farther away counts as this far
 
 /**
  * Returns the series of a run, each with its unit, computed once.
@@ -32,7 +32,8 @@ export function seriesOf(world, run) {
   return open.series;
 }
 
-// Returns the speed up to a row, cells/s, over a step at least: between two contacts, rounding would count too much.
+// Returns the speed up to a row, cells/s, over at least one step, because rounding would distort it
+// between two contacts.
 function speedAt({ at, x, y }, row, dt) {
   let first = row,
     path = 0;

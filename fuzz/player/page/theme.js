@@ -9,7 +9,7 @@ function setTheme(theme, button, changed) {
   changed();
 }
 
-// Returns the choice that was kept; empty if there is none, or the browser keeps nothing.
+// Returns the stored choice; empty if there is none, or the browser stores nothing.
 function keptTheme() {
   try {
     return localStorage.getItem(KEPT) ?? "";
@@ -23,7 +23,7 @@ function keepTheme(theme, system) {
     if (theme === system) localStorage.removeItem(KEPT);
     else localStorage.setItem(KEPT, theme);
   } catch {
-    // the page follows the system when it is reloaded
+    // after a reload, the page follows the system
   }
 }
 

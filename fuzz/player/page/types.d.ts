@@ -255,6 +255,8 @@ interface ReportFailure {
   cause: string;
   sentence: string;
   advice: string;
+  /** What the robot repeats; empty if that is not one short loop of a single robot. */
+  repeats: string;
   /** After which single changes the robot arrives; empty if that was not tried. */
   why: string;
   shrunk: boolean;
@@ -272,6 +274,7 @@ interface ReportCampaign {
   motion: string;
   seed: string;
   units: number;
+  units_cut: number;
   worlds: number;
   steps: number;
   seconds: number;
@@ -309,8 +312,10 @@ interface ReportCause {
   met: number;
   natural: number | null;
   classes: string[];
+  verdicts: Record<string, number>;
   /** Path of the clearest failure; empty if there is none. */
   file: string;
+  repeats: string;
   why: string;
 }
 

@@ -18,7 +18,7 @@ const OWN_PHRASES = {
   "gives-no-answer": "Its controller does not answer",
   "invalid-command": "Its controller sends invalid commands",
 };
-// The severity's colour is that of the verdict that is typical of it.
+// A severity has the colour of its typical verdict.
 const COLOURS = {
   "through-walls": "tunnel",
   "through-robots": "tunnel",
@@ -30,8 +30,12 @@ const COLOURS = {
   unsensed: "burned",
 };
 
-// What can depend on a wall or a number; an error of the controller or a rule of the user's does not.
+// Causes that can depend on a wall or a number, unlike an error in the controller or a rule set by
+// the user.
 const EXPLAINED = new Set(["through-walls", "harmed", "never-arrives", "too-slow"]);
+
+// Causes that are described; the names of the others follow. The first has its example too, so that all fits a screen.
+const MOST_SHOWN = 3;
 
 /**
  * Fills the section with the answer for each controller.
@@ -55,8 +59,10 @@ export function makeAnswer(section, data) {
 }
 
 function answerPart(answer, find, several, campaign) {
-  const causes = answer.causes.filter((cause) => cause.severity !== "unsensed");
-  const worst = causes[0];
+  const own = answer.causes.filter(isCounted);
+  const worst = own[0];
+  const causes = own.length ? own : answer.causes;
+  const others = answer.causes.filter((cause) => !causes.includes(cause));
   const failure = worst && find(worst.file);
   return el(
     "div",
@@ -72,14 +78,46 @@ function answerPart(answer, find, several, campaign) {
         el(
           "ol",
           { class: "causes" },
-          answer.causes.map((cause, index) => causeItem(cause, answer, find(cause.file), index === 0)),
+          causes.slice(0, MOST_SHOWN).map((cause, index) => causeItem(cause, answer, find(cause.file), index === 0)),
         ),
+        causes.length > MOST_SHOWN ? morePart(causes.slice(MOST_SHOWN), find) : null,
+        others.length ? othersPart(others, find) : null,
         answer.comparison ? el("p", { class: "quiet" }, capital(`${answer.comparison.sentence}.`)) : null,
         answer.natural && answer.natural.worlds ? coverage(answer.natural) : null,
       ),
       failure ? picturePart(failure) : null,
     ),
   );
+}
+
+// The controller's own causes count, if a world that nobody shrunk shows them.
+function isCounted(cause) {
+  return cause.severity !== "unsensed" && (cause.met > 0 || cause.natural > 0);
+}
+
+function morePart(causes, find) {
+  return namesPart(`And ${plural(causes.length, "more cause")}`, causes, find, verdictsOf);
+}
+
+function othersPart(causes, find) {
+  return namesPart("Not counted", causes, find, (cause) =>
+    cause.severity === "unsensed" ? verdictsOf(cause) : "only in worlds that shrinking made",
+  );
+}
+
+function namesPart(words, causes, find, noteOn) {
+  const part = (cause) => {
+    const failure = find(cause.file);
+    const name = cause.cause.replaceAll("-", " ");
+    const remark = noteOn(cause);
+    return [failure ? el("a", { href: `#${failure.id}` }, name) : name, remark ? ` (${remark})` : ""];
+  };
+  return el("p", { class: "quiet" }, `${words}: `, ...causes.flatMap((cause, index) => [index ? "; " : "", ...part(cause)]), ".");
+}
+
+function verdictsOf(cause) {
+  const met = Object.entries(cause.verdicts).filter(([, count]) => count);
+  return met.map(([verdict, count]) => `${grouped(count)} ${verdict}`).join(", ");
 }
 
 function verdictPart(worst, answer, campaign) {
@@ -108,17 +146,23 @@ function doubtPart(campaign) {
   return el("p", {}, `It did not arrive in ${grouped(late)} of ${plural(campaign.worlds, "world")} searched; none of these is proved to be a failure.`);
 }
 
-// Half of all worlds: a robot whose rate is surely below it arrives rarely.
+// A robot arrives rarely if its rate is surely below the first, and nearly always if it is surely above the second.
 const RARE = 0.5;
+const NEARLY_ALWAYS = 0.95;
 
 function headline(worst, natural) {
-  const rare = worst.severity === "never-arrives" && natural && natural.worlds && natural.high < RARE;
-  return rare ? "It rarely arrives" : (OWN_PHRASES[worst.cause] ?? PHRASES[worst.severity]);
+  if (worst.severity === "never-arrives" && natural && natural.worlds) {
+    if (natural.high < RARE) return "It rarely arrives";
+    if (natural.low > NEARLY_ALWAYS) return "It nearly always arrives";
+  }
+  return OWN_PHRASES[worst.cause] ?? PHRASES[worst.severity];
 }
 
 // How often it arrives in natural worlds, as a sentence and as a bar with the interval.
 function ratePart(natural) {
-  const [low, high, arrives] = [natural.low, natural.high, natural.share].map((share) => Math.round(100 * share));
+  const [low, high] = [natural.low, natural.high].map((share) => Math.round(100 * share));
+  // 100 % only if it is all.
+  const arrives = Math.min(Math.round(100 * natural.share), natural.arrived === natural.worlds ? 100 : 99);
   const bar = el("span", { class: "rate", role: "img", "aria-label": `95 % interval: ${low} % to ${high} %` });
   const range = el("i", { class: "range" }),
     point = el("i", { class: "point" });
@@ -161,9 +205,8 @@ function listed(names) {
 function causeItem(cause, answer, failure, first) {
   const often = [];
   if (answer.natural && answer.natural.worlds && cause.natural !== null && cause.severity !== "unsensed")
-    often.push(`${cause.natural} of ${plural(answer.natural.worlds, "natural world")}`);
-  if (cause.met > 0) often.push(`${grouped(cause.met)} met in ${plural(cause.classes.length, "class", "classes")}`);
-  else if (cause.classes.length > 0) often.push(plural(cause.classes.length, "class", "classes"));
+    often.push(`${cause.natural || "none"} of ${plural(answer.natural.worlds, "natural world")}`);
+  often.push(cause.met > 0 ? `examined: ${verdictsOf(cause)}` : "not met by the search");
   const name = cause.cause.replaceAll("-", " ");
   return el(
     "li",
@@ -178,14 +221,17 @@ function causeItem(cause, answer, failure, first) {
     ),
     el("p", {}, `${cause.sentence} ${cause.advice}`),
     cause.fault ? el("p", { class: "why" }, el("code", {}, cause.fault)) : null,
-    whyPart(cause, first && failure),
+    first ? whyPart(cause, failure) : null,
     first && failure ? commandPart(failure) : null,
   );
 }
 
-// What no change explains has no sentence; where the campaign had no time for it, a command makes up for that.
+// A failure that no change explains gets no sentence; if the campaign had no time to try, show the
+// command that does.
 function whyPart(cause, failure) {
-  if (cause.why) return el("p", { class: "why" }, `It ${cause.why}.`);
+  const known = [cause.repeats || (failure ? failure.repeats : ""), cause.why].filter(Boolean);
+  const who = failure && failure.now.others?.length ? "the fleet" : "it";
+  if (known.length) return el("p", { class: "why" }, `In its example ${who} ${known.join(". It ")}.`);
   if (!failure || !EXPLAINED.has(cause.severity)) return null;
   return el("p", { class: "why" }, "What it depends on: ", el("code", {}, failure.explain));
 }

@@ -1,11 +1,11 @@
-// The course of a campaign: what was found when and by which search strategy, and the archive of behaviours.
-// Each picture has its table.
+// The course of a campaign: what each search strategy found, and when, and the archive of
+// behaviours. Each picture has its table.
 
 import { archivePlot, rangeOf, rounded, short } from "#player/archive.js";
 import { choice, el, grouped, plural, svg, verdictDot } from "#player/dom.js";
 import { compareText } from "#report/overview.js";
 
-// As wide as the window allows, so that the text in it is as large as elsewhere.
+// As wide as the window allows, so that its text is as large as elsewhere.
 const PLOT = {
   width: Math.max(300, Math.min(640, innerWidth - 60)),
   height: 260,
@@ -28,7 +28,7 @@ export function makeCampaign(section, campaigns, failures) {
   );
 }
 
-// Returns the failure on this page of each class of a campaign.
+// Returns, for each class of a campaign, its failure on this page.
 function linksOf(failures, index) {
   const links = new Map();
   for (const failure of failures)
@@ -81,7 +81,8 @@ function chart(title, note, ...content) {
   );
 }
 
-// Finds over time: a step up for each new class, a ring where a later failure of a class replaced the one before.
+// Finds over time: a step up for each new class, and a ring where a later failure replaced an
+// earlier one of its class.
 function foundChart(campaign, links) {
   if (campaign.found.length === 0) return chart("Found over time", "Nothing was found.");
   const curve = cumulated(campaign.found);
@@ -159,7 +160,7 @@ function foundPlot(campaign, curve, axis) {
       class: "plot",
       viewBox: `0 0 ${PLOT.width} ${PLOT.height}`,
       role: "img",
-      "aria-label": `Classes found over ${AXES[axis]}: ${most} in the end; the table below lists them`,
+      "aria-label": `Classes found over ${AXES[axis]}: ${most} in total; the table below lists them`,
     },
     axes(x, y, end, most, AXES[axis]),
     svg("path", { class: "under", d: `${path}V${y(0)}Z` }),

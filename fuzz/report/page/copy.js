@@ -2,10 +2,10 @@
 
 import { el, say } from "#player/dom.js";
 
-const SHOWN = 1500; // ms that the button says what it did
+const SHOWN = 1500; // ms for which the button confirms what it did
 
 /**
- * Returns a button that copies a text, or says that it could not.
+ * Returns a button that copies a text, or reports that it could not.
  * @param {string} words
  * @param {() => string} text
  * @returns {HTMLButtonElement}
@@ -22,7 +22,7 @@ export function copyButton(words, text) {
   return button;
 }
 
-// A page from disk may not use the clipboard; then a hidden text area does.
+// A page opened from disk may not use the clipboard, so a hidden text area does the copying.
 async function copied(text) {
   try {
     await navigator.clipboard.writeText(text);

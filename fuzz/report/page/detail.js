@@ -84,10 +84,13 @@ function topOf(failure, [before, after]) {
     el("h2", { tabindex: "-1" }, verdictDot(failure.verdict), " ", failure.bucket),
     el("p", { class: "words" }, `${failure.controller} under ${failure.motion}: ${failure.words}`),
     el("p", { class: "words" }, el("b", {}, failure.cause.replaceAll("-", " ")), `: ${failure.sentence} ${failure.advice}`),
-    failure.why ? el("p", { class: "words why" }, `It ${failure.why}.`) : null,
+    failure.repeats ? el("p", { class: "words why" }, `It ${failure.repeats}.`) : null,
+    failure.why
+      ? el("p", { class: "words why" }, `${failure.now.others?.length ? "The fleet" : "It"} ${failure.why}.`)
+      : null,
     failure.shrunk
       ? null
-      : el("p", { class: "notice" }, "This world is as it was found: walls in it may not matter. worldgen shrink makes it small."),
+      : el("p", { class: "notice" }, "This world is as it was found, so some of its walls may not matter. worldgen shrink makes it small."),
     failure.confirmed
       ? null
       : el("p", { class: "notice" }, `Running it again for this report did not confirm it: ${failure.reason}`),

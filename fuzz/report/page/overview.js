@@ -41,7 +41,7 @@ export function makeOverview(section, failures, causes = []) {
   const wanted = { text: "", verdicts: new Set(), controller: "", order: "class", group: "cause" };
   const list = el("div", { class: "groups" });
   const count = el("span", { class: "quiet", role: "status" });
-  // Draw a card's picture only when it is about to be seen: a page may have a thousand of them.
+  // Draw a card's picture only when it is about to be seen: a page may have a thousand cards.
   const visible = new IntersectionObserver(
     (entries) => {
       for (const entry of entries) {
@@ -185,7 +185,7 @@ function card(failure, several) {
   const { run } = failure.now;
   const facts = [
     `${failure.size}, ${grouped(failure.solid)} solid`,
-    run && (run.loop ? `period ${grouped(run.loop[1])}` : plural(run.steps, "step")),
+    run && (run.loop ? `period ${plural(run.loop[1], "step")}` : plural(run.steps, "step")),
     failure.met && `met ${grouped(failure.met)}×`,
   ].filter(Boolean);
   return el(
@@ -223,7 +223,7 @@ function moveBetweenCards(event) {
   next()?.focus();
 }
 
-// Returns the nearest card in another row; the distance between rows counts most.
+// Returns the nearest card in another row; the nearest row comes first.
 function nearestCard(card, others) {
   const from = card.getBoundingClientRect();
   const away = others

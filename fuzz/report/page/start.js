@@ -1,4 +1,4 @@
-// Starts the page: its views by address, its keys and colours.
+// Starts the page: selects the view by address, and sets up keys and colours.
 
 import { short } from "#player/archive.js";
 import { byId, el, grouped } from "#player/dom.js";
@@ -31,10 +31,10 @@ function showTotals() {
   if (failures.length > 0)
     items.push(["", `${grouped(confirmed)} of ${grouped(failures.length)}`, " confirmed by running them again"]);
   const all = campaigns.length === 1 && failures.every((failure) => failure.campaign === 0); // one campaign's folder
-  for (const { seed, units, worlds, steps, seconds } of all ? campaigns : []) {
+  for (const { seed, units, units_cut, worlds, steps, seconds } of all ? campaigns : []) {
     items.push(
       ["seed ", seed, ""],
-      some(units, "unit"),
+      units_cut ? ["", grouped(units), ` units and ${grouped(units_cut)} cut short`] : some(units, "unit"),
       some(worlds, "world"),
       ["", short(steps), " steps"],
       ["", seconds.toFixed(1), " s"],
@@ -105,7 +105,14 @@ function start() {
   addEventListener("keydown", keyListener(page, neighboursOf));
   addEventListener("resize", redraw);
   // Small pictures are drawn when they come into view, which on paper they all do.
-  addEventListener("beforeprint", () => page.overview?.drawAll());
+  addEventListener("beforeprint", () => {
+    page.overview?.drawAll();
+    // Paper cannot unfold anything.
+    for (const folded of document.querySelectorAll("main details:not([open])")) folded.setAttribute("open", "for-print");
+  });
+  addEventListener("afterprint", () => {
+    for (const unfolded of document.querySelectorAll("details[open='for-print']")) unfolded.removeAttribute("open");
+  });
   route();
   page.answer.redraw();
 }

@@ -1,4 +1,4 @@
-"""The studio's campaigns: begun, watched, stopped and resumed, each in its own process.
+"""The studio's campaigns: started, watched, stopped and resumed, each in its own process.
 
 The modules are imported one by one, because watching a campaign needs none of the code that begins
 one.

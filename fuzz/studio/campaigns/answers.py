@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.campaign.store import MEMORY, FolderStore, forget_error, read_error
-from fuzz.studio.campaigns.beginning import beginning
 from fuzz.studio.campaigns.elites import elite_of, runs_in
 from fuzz.studio.campaigns.fuzz_words import (
     baseline,
@@ -34,6 +33,7 @@ from fuzz.studio.campaigns.fuzz_words import (
 )
 from fuzz.studio.campaigns.state import (
     SAID,
+    beginning,
     campaign_state,
     interrupt,
     is_campaign,
@@ -179,7 +179,7 @@ class CampaignAnswers(Opened):
         ):
             raise InvalidParameter(
                 "not-named",
-                "{name} runs a controller that was not named at the start",
+                "{name} runs a controller that was not named when the studio started",
                 "name it when starting: worldgen studio --controller",
                 at_terminal=True,
                 name=name,
@@ -290,7 +290,7 @@ def _wait_until_begun(
 
 
 def _stopped() -> OutputError:
-    return OutputError("campaign-stopped", "the campaign was stopped before it had begun")
+    return OutputError("campaign-stopped", "the campaign was stopped before it began")
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -47,7 +47,7 @@ def elite_of(folder: Path, i: int, j: int) -> World:
             return decode_scene(bytes.fromhex(layout))
     raise InvalidParameter(
         "world-not-kept",
-        "{name} has not kept the world of this cell",
+        "{name} no longer has the world of this cell",
         "resume the campaign",
         name=folder.name,
     )

@@ -21,8 +21,7 @@ from fuzz.studio.folder import KNOWN, Folder
 from fuzz.studio.limits import MOST_SECONDS, MOST_UNITS, MOST_WORKERS
 from fuzz.studio.messages import field as part_of
 from fuzz.studio.messages import seed_of
-from fuzz.studio.pasted import from_anywhere
-from fuzz.studio.running import check_named, check_registered
+from fuzz.studio.running import check_named, check_registered, from_anywhere
 from sim.controllers import CONTROLLERS
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter

@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -27,12 +27,23 @@ from worldgen.files.worlds import is_world_file
 __all__ = [
     "SAID",
     "Activity",
+    "beginning",
     "campaign_state",
+    "end_beginnings",
     "interrupt",
     "is_campaign",
     "is_own",
     "running_process",
 ]
+
+_TOTALS = (
+    "controller", "status", "units", "worlds", "steps", "seconds", "verdicts", "met", "known",
+    "strategies",
+)  # fmt: skip
+
+# Name of the mark of a campaign that is about to begin. The number of the waiting process follows,
+# since two studios may begin a campaign in one folder.
+_MARK = "studio.begins."
 
 SAID = "studio.txt"
 """Name, in the campaign store, of the stderr of a process that the studio started; for people."""
@@ -42,7 +53,7 @@ _ENDED_WELL = (Status.DONE, Status.STOPPED)
 
 
 class Activity(StrEnum):
-    """What a campaign does, or how it ended."""
+    """What a campaign is doing, or how it ended."""
 
     PREPARING = "preparing"
     SEARCHING = "searching"
@@ -170,28 +181,19 @@ def _totals(folder: Path) -> dict[str, Any]:
     """Return the totals so far; zeros before the campaign has written a summary."""
     summary = read_summary(folder)
     if summary is None:
-        none: dict[str, Any] = {"units": 0, "worlds": 0, "steps": 0, "seconds": 0.0}
-        return none | {
+        counts: dict[str, Any] = dict.fromkeys(("units", "worlds", "steps"), 0)
+        tables: dict[str, Any] = {name: {} for name in ("verdicts", "met", "known")}
+        return {
             "status": Status.UNKNOWN,
-            "verdicts": {},
-            "met": {},
-            "known": {},
+            **counts,
+            "seconds": 0.0,
+            **tables,
             "strategies": [],
             "archive": None,
         }
-    return {
-        "controller": summary.controller,
-        "status": summary.status,
-        "units": summary.units,
-        "worlds": summary.worlds,
-        "steps": summary.steps,
-        "seconds": summary.seconds,
-        "verdicts": summary.verdicts,
-        "met": summary.met,
-        "known": summary.known,
-        "strategies": list(map(plain, summary.strategies)),
-        "archive": None if summary.archive is None else summary.archive.table(),
-    }
+    archive = None if summary.archive is None else summary.archive.table()
+    whole = plain(summary)
+    return {name: whole[name] for name in _TOTALS} | {"archive": archive}
 
 
 def _stamp(folder: Path) -> str:
@@ -202,3 +204,28 @@ def _stamp(folder: Path) -> str:
         if is_world_file(path.name)
     ]
     return f"{len(found)}-{max((when for _, when in found), default=0)}"
+
+
+@contextlib.contextmanager
+def beginning(memory: Path) -> Iterator[Path]:
+    """Keep a mark in a campaign's store while the campaign is about to begin.
+
+    Removing the mark ends the campaign before it has begun.
+
+    Args:
+        memory: The store, which must exist.
+    """
+    mark = memory / f"{_MARK}{os.getpid()}"
+    mark.touch()
+    try:
+        yield mark
+    finally:
+        mark.unlink(missing_ok=True)
+
+
+def end_beginnings(memory: Path) -> bool:
+    """End all campaigns that are about to begin in a store; return True if there were any."""
+    marks = list(memory.glob(f"{_MARK}*")) if memory.is_dir() else []
+    for mark in marks:
+        mark.unlink(missing_ok=True)
+    return bool(marks)

@@ -9,7 +9,6 @@ from collections.abc import AsyncGenerator, Sequence
 from pathlib import Path
 from typing import Any
 
-from fuzz.studio.campaigns.beginning import end_beginnings
 from fuzz.studio.folder import Folder
 from worldgen.errors import InvalidParameter, Message, WorldgenError
 
@@ -79,7 +78,7 @@ class Watching:
         """Do nothing: there is no process to start."""
 
     def end(self) -> None:
-        """Do nothing: the generator ends when nobody reads on."""
+        """Do nothing: the generator ends when nobody reads from it."""
 
     def _state(self, message: dict[str, Any]) -> dict[str, Any] | None:
         name = str(message.get("folder"))
@@ -97,7 +96,7 @@ class Watching:
         process = reads.running_process(place)
         if process is not None:
             reads.interrupt(process)
-        stopped = process is not None or end_beginnings(place / reads.MEMORY)
+        stopped = process is not None or reads.end_beginnings(place / reads.MEMORY)
         until = time.monotonic() + _ENDS
         while (
             process is not None

@@ -44,7 +44,7 @@ const studio = {
   page: () => (Object.hasOwn(PAGES, readLink(location.hash).page) ? readLink(location.hash).page : "draw"),
   go: (page) => {
     location.hash = page;
-    route(); // now, because the next action may need the page, and the browser reports the change later
+    route(); // now, because the next action may need the page before the browser reports the change
   },
   show,
   showName,
@@ -93,7 +93,7 @@ function setWidest(widest) {
   studio.draw.refresh();
 }
 
-// Keeps the address a link to what the page shows.
+// Keeps the address up to date, as a link to what the page shows.
 function showLink() {
   if (!followed) return; // the link that the page was opened with is still to be followed
   const page = studio.page();
@@ -122,7 +122,7 @@ async function followLink() {
   }
   try {
     await openFile(studio, { name: shows.world, world: /\.grid(\.gz)?$/.test(shows.world) });
-    if (page === "play") studio.play.follow(shows); // a failure's file brings its own robot, a link with robots theirs
+    if (page === "play") studio.play.follow(shows); // a failure's file names its own robot, and so does a link with robots
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     if (error instanceof Refused) notice(error.message);
@@ -150,7 +150,7 @@ function showName() {
   byId("redo").disabled = future.length === 0;
 }
 
-/** Replaces the drawn world by another one; undo brings it back. */
+/** Replaces the drawn world with another one; undo brings it back. */
 function show(answer, name, label) {
   const world = worldOf(answer.world, name, answer.file || null);
   studio.draw.cancel();
@@ -231,7 +231,7 @@ async function begun(begins) {
     studio.offered = sameIfEqual(studio.offered, stillOffered(studio.offered, offered));
     const linked = readLink(location.hash).shows.world;
     const file = linked ? "" : openedBefore() || begins.file;
-    const untouched = () => studio.model.past.length === 0; // nothing has been dropped on the page meanwhile
+    const untouched = () => studio.model.past.length === 0; // nothing has been dropped on the page in the meantime
     if (first && (untouched() || studio.page() === "campaign")) await followLink();
     followed = true;
     if (first && file && untouched())
@@ -268,10 +268,10 @@ async function hello(told) {
   }
 }
 
-// Returns the former object if it says the same, because the pages then have nothing to do.
+// Returns the former object if nothing has changed, so that the pages have nothing to do.
 const sameIfEqual = (before, now) => (before && JSON.stringify(before) === JSON.stringify(now) ? before : now);
 
-// Runs edited code at once, and learns which controllers can be loaded now.
+// Runs edited code immediately, and finds out which controllers can be loaded now.
 async function codeEdited(files) {
   studio.play.edited(files);
   studio.campaign.edited(files);
@@ -323,7 +323,7 @@ function selectNumbers() {
   });
 }
 
-// Makes the menu for those who are here for the first time: three worlds, and the tour.
+// Makes the menu for first-time users: three worlds, and the tour.
 function startMenu(tour) {
   const close = () => (menu.open = false);
   const take = el("button", { type: "button", id: "take-tour", onclick: () => (close(), tour.begin()) }, "Tour of a minute");

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
+
+from worldgen.support.arrays import Floats, Ints
 
 if TYPE_CHECKING:
     from sim.trace import Trace
@@ -24,9 +25,6 @@ __all__ = [
     "sentences",
     "shares",
 ]
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 # Number of memories that are read at once.
 _PORTION = 4096

@@ -144,7 +144,7 @@ def parts_of(listed: str) -> tuple[Layer, ...]:
     if not all(texts):
         raise InvalidParameter(
             "empty-name",
-            "{listed!q} lists a behaviour without a name",
+            "{listed!q} contains an empty name",
             "write {example}",
             listed=listed,
             example=_EXAMPLE,

@@ -218,7 +218,7 @@ def _questions(chart: Chart, arbitration: Arbitration) -> None:
         name = arbitration.names[k]
         lines = _action(part, name, part.control)
         if part.trigger == ALWAYS and not learns:
-            # Nothing below it ever gets a turn.
+            # The parts below it never get a turn.
             chart.below(_HALF, lines, name)
             return
         chart.ask(part.trigger, lines, name)

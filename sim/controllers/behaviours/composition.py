@@ -20,38 +20,32 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import lib
 from sim.controllers.base import CompiledController, Controller, Memory, Observation
 from sim.controllers.behaviours.arbitration import Arbitration, PartFacts, in_words
 from sim.controllers.behaviours.base import Behaviour, Layer
 from sim.controllers.behaviours.catalogue import ARBITERS, PREFIX, read_composition
-from sim.controllers.behaviours.library import HANDS, TURN_WORDS, TURNS
+from sim.controllers.behaviours.library import HANDS, IDLE, TURN_WORDS, TURNS
 from sim.controllers.behaviours.with_python import ComposedController
-from sim.controllers.core_act import CoreAct, place, size_of
+from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.learning import Learning
 from sim.controllers.memory_view import MemoryField
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats, Ints
 
 __all__ = ["composed", "composition_named"]
 
-ffi: Any = _ffi
-lib: Any = _lib
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-
 MOST_PARTS = int(lib.WG_MOST_PARTS)
+# The memory begins with the arbiter's, a WgShared.
 ACTED = place("WgComposition", "acted")
+ARBITER = place("WgComposition", "arbiter")
+COUNT = place("WgComposition", "count")
 _WORDS: dict[str, dict[str, float]] = {"turn": TURNS, "hand": HANDS}
 
-# The thesis's robots as compositions: their parts, and the speed and target at the start.
+# The thesis's robots as compositions: their parts.
 _THESIS_PARTS = ("collide", "seek", "drive")
-_NO_TARGET = -1.0
-_FULL_SPEED = 1.0
 
 
 def composition_named(name: str) -> Controller:
@@ -177,15 +171,8 @@ def _learning(count: int) -> Learning:
 
 def _memory(parts: Sequence[Layer], priorities: Sequence[float], arbiter: str) -> Memory:
     """Return the memory at reset: see ``WgComposition``."""
-    head = np.zeros(size_of("WgComposition"))
-    head[place("WgComposition", "shared", "behaviour")] = -1.0
-    head[place("WgComposition", "shared", "target")] = _NO_TARGET
-    head[place("WgComposition", "shared", "speed")] = _FULL_SPEED
-    head[place("WgComposition", "shared", "old_speed")] = _FULL_SPEED
-    head[ACTED] = -1.0
-    head[place("WgComposition", "arbiter")] = ARBITERS.index(arbiter)
-    head[place("WgComposition", "count")] = len(parts)
-    memory = head.tolist()
+    counts = {ARBITER: ARBITERS.index(arbiter), COUNT: len(parts)}
+    memory = [*memory_at_reset(size_of("WgComposition"), {**IDLE, ACTED: -1.0, **counts})]
 
     # Add the parts, each with its options padded to the same size.
     own = 0

@@ -9,15 +9,16 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.controllers.behaviours.arbitration import ALWAYS
 from sim.controllers.behaviours.base import UNTIL_DONE, Behaviour
+from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
 from worldgen.support.bounds import Bounds
 
 __all__ = [
     "HANDS",
+    "IDLE",
     "TURNS",
     "TURN_WORDS",
     "approach",
@@ -32,9 +33,6 @@ __all__ = [
     "wander",
 ]
 
-ffi: Any = _ffi
-lib: Any = _lib
-
 TURNS = {"right": 1.0, "left": 2.0, "random": 3.0}
 """Words for the turn of ``collide``, with the thesis's numbers for its rules."""
 
@@ -48,6 +46,14 @@ TURN_WORDS = {
 HANDS = {"left": 1.0, "right": -1.0}
 """Words for the side on which ``follow`` keeps its wall."""
 
+IDLE = {
+    place("WgShared", "behaviour"): -1.0,
+    place("WgShared", "target"): -1.0,
+    place("WgShared", "speed"): 1.0,
+    place("WgShared", "old_speed"): 1.0,
+}
+"""What the arbiter's memory holds at reset: no behaviour in control, no target, the top speed."""
+
 _STEER = ("heading", "time_step", "top_speed")
 
 
@@ -60,16 +66,11 @@ def _kind(name: str) -> int:
 
 
 @dataclass(frozen=True)
-class _NoOptions:
-    """No options."""
-
-
-@dataclass(frozen=True)
 class CollideOptions:
     """How ``collide`` turns.
 
     Args:
-        turn: The side to which it turns by a quarter; ``random`` takes any heading.
+        turn: The direction of its quarter turn; ``random`` picks any heading.
     """
 
     turn: Literal["right", "left", "random"] = "right"
@@ -138,7 +139,7 @@ class EscapeOptions:
 
 
 def _behaviour(name: str, **fields: Any) -> Behaviour:
-    return Behaviour(name, kind=_kind(name), **({"options": _NoOptions} | fields))
+    return Behaviour(name, kind=_kind(name), **fields)
 
 
 collide = _behaviour(

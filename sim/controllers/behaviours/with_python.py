@@ -9,25 +9,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.behaviours.arbitration import Arbitration
 from sim.controllers.behaviours.base import Behaviour
 from sim.controllers.contract import no_memory
 from sim.controllers.memory_view import MemoryField
+from sim.kernels.layout import OBS_SIZE
 from sim.options.robot import RobotOptions
 
 __all__ = ["ComposedController"]
 
-ffi: Any = _ffi
-lib: Any = _lib
-
 # The C type of a trigger and of an action.
 _CALL = dict(ffi.typeof("WgBehaviour").fields)["trigger"].type
-
-# Numbers of an observation before its beams.
-_PLAIN = 17
 
 
 @dataclass(frozen=True)
@@ -70,11 +64,8 @@ class ComposedController:
         calls.now.observation = observation
         calls.now.error = None
         beams = ffi.new("double[]", observation.beams) if observation.beams else ffi.NULL
-        plain: Any = observation[:_PLAIN]
-        seen = ffi.new(
-            "WgObservation *",
-            (*map(float, plain), beams, len(observation.beams)),
-        )
+        plain: Any = observation[:OBS_SIZE]
+        seen = ffi.new("WgObservation *", (*map(float, plain), beams, len(observation.beams)))
         command = ffi.new("WgCommand *")
         into = ffi.from_buffer("double[]", numbers, require_writable=True)
         lib.wg_compose(calls.behaviours, seen, into, command)

@@ -1,6 +1,6 @@
 """Bug1: circle each obstacle once, and leave it where it came nearest to the target.
 
-The robot drives straight to the target. Where a wall stops it, at the hit point, it follows the
+The robot drives straight to the target. If a wall stops it, at the hit point, it follows the
 wall with its left hand all the way around, and notes the point nearest to the target: the leave
 point. From the hit point it returns there by the shorter route, and drives straight to the target
 again. Each leave point is nearer than the last, so it arrives if any robot can, on a path no longer
@@ -19,28 +19,20 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
-from sim.controllers.library import _boundary as body
+from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_of
+from sim.controllers.library._common import BY_TOUCH, HAND
 from sim.controllers.memory_view import MemoryField, MemoryMap
+from worldgen.support.arrays import Floats
 
 __all__ = ["bug1"]
 
-Floats = npt.NDArray[np.float64]
-
-MODE = place("WgBug1Memory", "mode")
-HIT = place("WgBug1Memory", "hit")
-LEAVE = place("WgBug1Memory", "leave")
-LEAVE_FAR = place("WgBug1Memory", "leave_far")
-PATH = place("WgBug1Memory", "path")
+AT = fields_of("WgBug1Memory")
 
 
 def shown_map(memory: Floats) -> MemoryMap:
     """Return the hit point and the leave point, m, once they are known."""
-    points = {"hit": HIT, "leave": LEAVE} if memory[LEAVE_FAR] < math.inf else {}
+    points = {"hit": AT.hit, "leave": AT.leave} if memory[AT.leave_far] < math.inf else {}
     return MemoryMap(
         places={name: (float(memory[k]), float(memory[k + 1])) for name, k in points.items()}
     )
@@ -49,17 +41,17 @@ def shown_map(memory: Floats) -> MemoryMap:
 bug1 = CompiledController(
     "bug1",
     CoreAct("bug1"),
-    memory_at_reset(size_of("WgBug1Memory"), {body.HAND: 1.0, LEAVE_FAR: math.inf}),
-    senses=body.SENSES,
+    memory_at_reset(size_of("WgBug1Memory"), {HAND: 1.0, AT.leave_far: math.inf}),
+    senses=BY_TOUCH,
     memory_fields=(
         MemoryField(
             "doing",
-            MODE,
+            AT.mode,
             ("start", "to the target", "meets a wall", "round it", "to the leave point"),
         ),
-        MemoryField("nearest, m", LEAVE_FAR),
-        MemoryField("path since the hit, m", PATH),
+        MemoryField("nearest, m", AT.leave_far),
+        MemoryField("path since the hit, m", AT.path),
     ),
     memory_map=shown_map,
-    memory_map_on=(HIT, HIT + 1, LEAVE, LEAVE + 1, LEAVE_FAR),
+    memory_map_on=(AT.hit, AT.hit + 1, AT.leave, AT.leave + 1, AT.leave_far),
 )

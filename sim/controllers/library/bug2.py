@@ -1,6 +1,6 @@
-"""Bug2: follow an obstacle until it meets the straight line to the target again, nearer to it.
+"""Bug2: follow an obstacle until it crosses the straight line to the target again, at a nearer point.
 
-The robot drives straight to the target. Where a wall stops it, at the hit point, it follows the
+The robot drives straight to the target. If a wall stops it, at the hit point, it follows the
 wall with its left hand until it crosses the line from the hit point to the target, at a place
 nearer to the target than the hit point. It returns to that place and drives on. The line enters the
 obstacle at the hit point and ends outside, so it leaves somewhere on the same wall. Such a place
@@ -20,44 +20,39 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
-from sim.controllers.library import _boundary as body
+from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_of
+from sim.controllers.library._common import BY_TOUCH, HAND
 from sim.controllers.memory_view import MemoryField, MemoryMap
+from worldgen.support.arrays import Floats
 
 __all__ = ["bug2"]
 
-Floats = npt.NDArray[np.float64]
-
-MODE = place("WgBug2Memory", "mode")
-HIT_X = place("WgBug2Memory", "hit_x")
-HIT_Y = place("WgBug2Memory", "hit_y")
-HIT_FAR = place("WgBug2Memory", "hit_far")
-LINE_X = place("WgBug2Memory", "line_x")
-LINE_Y = place("WgBug2Memory", "line_y")
+AT = fields_of("WgBug2Memory")
 
 
 def shown_map(memory: Floats) -> MemoryMap:
     """Return the hit point, m, and the line from it to the target, once they are known."""
-    if memory[HIT_FAR] == math.inf:
+    if memory[AT.hit_far] == math.inf:
         return MemoryMap()
-    hit = memory[HIT_X : HIT_Y + 1]
-    towards = memory[LINE_X : LINE_Y + 1]
-    line = np.array((hit, hit + memory[HIT_FAR] * towards))
+    hit = memory[AT.hit_x : AT.hit_y + 1]
+    towards = memory[AT.line_x : AT.line_y + 1]
+    line = np.array((hit, hit + memory[AT.hit_far] * towards))
     return MemoryMap(plan=line, places={"hit": (float(hit[0]), float(hit[1]))})
 
 
 bug2 = CompiledController(
     "bug2",
     CoreAct("bug2"),
-    memory_at_reset(size_of("WgBug2Memory"), {body.HAND: 1.0, HIT_FAR: math.inf}),
-    senses=body.SENSES,
+    memory_at_reset(size_of("WgBug2Memory"), {HAND: 1.0, AT.hit_far: math.inf}),
+    senses=BY_TOUCH,
     memory_fields=(
-        MemoryField("doing", MODE, ("start", "to the target", "round the obstacle", "to the line")),
-        MemoryField("hit point's distance, m", HIT_FAR),
+        MemoryField(
+            "doing", AT.mode, ("start", "to the target", "round the obstacle", "to the line")
+        ),
+        MemoryField("hit point's distance, m", AT.hit_far),
     ),
     memory_map=shown_map,
-    memory_map_on=(HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y),
+    memory_map_on=(AT.hit_x, AT.hit_y, AT.hit_far, AT.line_x, AT.line_y),
 )

@@ -19,23 +19,12 @@ from typing import NamedTuple
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, size_of
+from sim.controllers.library._common import TO_TARGET, tuned_controller
 from sim.options.robot import RobotOptions
 
 __all__ = ["DynamicWindow", "dynamic_window", "dynamic_window_robot"]
 
 _DEFAULT = default_of("wg_dynamic_window_default")
-AT_RESET = memory_at_reset(size_of("WgDynamicWindowMemory"), {})
-SENSES = (
-    "bump",
-    "heading",
-    "target_heading",
-    "target_distance",
-    "time_step",
-    "top_speed",
-    "radius",
-    "beams",
-)
-NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
 class DynamicWindow(NamedTuple):
@@ -73,9 +62,14 @@ class DynamicWindow(NamedTuple):
 
 def dynamic_window_robot(tuned: DynamicWindow, name: str = "dynamic-window") -> CompiledController:
     """Return a dynamic-window controller with these parameters."""
-    act = CoreAct("dynamic-window") if tuned == DynamicWindow() else CoreAct("dynamic-window-tuned")
-    memory = AT_RESET if tuned == DynamicWindow() else AT_RESET + tuple(map(float, tuned))
-    return CompiledController(name, act, memory, senses=SENSES, needs=NEEDS, slow=True)
+    return tuned_controller(dynamic_window, tuned, name)
 
 
-dynamic_window = dynamic_window_robot(DynamicWindow())
+dynamic_window = CompiledController(
+    "dynamic-window",
+    CoreAct("dynamic-window"),
+    memory_at_reset(size_of("WgDynamicWindowMemory"), {}),
+    senses=("bump", *TO_TARGET, "beams"),
+    needs=RobotOptions(beams=36, beam_range=2.0),
+    slow=True,
+)

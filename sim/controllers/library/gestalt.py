@@ -1,11 +1,11 @@
 """GESTALT: a small grid of how well the ground can be driven on, by which arcs are scored.
 
 The grid moves with the robot. A cell has a degree of goodness from 1 to 15, or is unknown: beams
-that pass a cell make it better, beams that end there make it much worse, and touch makes it bad at
-once. The robot scores arcs in 17 directions by the goodness under it along them and by the progress
-that they make, drives the best one for five radii without looking, and looks again. Where no arc is
-good, it forgets the grid. Everything it knows is near by, so it goes back and forth in cups and in
-front of long walls.
+that pass a cell make it better, beams that end there make it much worse, and touch makes it bad
+immediately. The robot scores arcs in 17 directions by the goodness of the ground under it and by
+the progress that they make, drives the best one for five radii without looking, and looks again.
+Where no arc is good, it forgets the grid. It only knows its surroundings, so it drives back and
+forth in cups and in front of long walls.
 
 Source: Steven B. Goldberg, Mark W. Maimone and Larry Matthies, "Stereo vision and rover navigation
     software for planetary exploration", IEEE Aerospace Conference (2002), section 4. Departures:
@@ -19,39 +19,21 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
+from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_of
+from sim.controllers.library._common import BY_TOUCH
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
+from worldgen.support.arrays import Floats
 from worldgen.support.bounds import Bounds
 
 __all__ = ["GestaltOptions", "gestalt", "gestalt_robot"]
 
-Floats = npt.NDArray[np.float64]
+AT = fields_of("WgGestaltMemory")
 
-SIDE = place("WgGestaltMemory", "side")
-PITCH = place("WgGestaltMemory", "pitch")
-WINDOW_X = place("WgGestaltMemory", "window_x")
-WINDOW_Y = place("WgGestaltMemory", "window_y")
-LEFT = place("WgGestaltMemory", "left")
 CELLS = size_of("WgGestaltMemory")
-SENSES = (
-    "bump",
-    "bump_bearing",
-    "heading",
-    "x",
-    "y",
-    "target_heading",
-    "target_distance",
-    "time_step",
-    "top_speed",
-    "radius",
-    "beams",
-)
-NEEDS = RobotOptions(beams=72, beam_range=1.0)
 
 # Cells in a number of the memory, and the best degree.
 _CELLS_A_WORD = 12
@@ -72,8 +54,8 @@ class GestaltOptions:
 
 def shown_map(memory: Floats) -> MemoryMap:
     """Return the cells that the controller has judged, with their degrees from 0 to 1."""
-    side = int(memory[SIDE])
-    pitch = memory[PITCH]
+    side = int(memory[AT.side])
+    pitch = memory[AT.pitch]
     if pitch == 0.0:
         return MemoryMap()
     words = memory[CELLS:].astype(np.int64)
@@ -82,8 +64,8 @@ def shown_map(memory: Floats) -> MemoryMap:
     # A cell's place in the memory is its place in the world, modulo the window's side.
     row, column = np.nonzero(degrees.reshape(side, side))
     worth = degrees.reshape(side, side)[row, column]
-    column = memory[WINDOW_X] + (column - memory[WINDOW_X]) % side
-    row = memory[WINDOW_Y] + (row - memory[WINDOW_Y]) % side
+    column = memory[AT.window_x] + (column - memory[AT.window_x]) % side
+    row = memory[AT.window_y] + (row - memory[AT.window_y]) % side
     corners = np.column_stack((column, row, column + 1.0, row + 1.0)) * pitch
     return MemoryMap(degrees=np.column_stack((corners, worth / _BEST)))
 
@@ -95,12 +77,12 @@ def gestalt_robot(options: GestaltOptions, name: str = "gestalt") -> CompiledCon
     return CompiledController(
         name,
         CoreAct("gestalt"),
-        memory_at_reset(size, {SIDE: float(options.side)}),
-        senses=SENSES,
-        needs=NEEDS,
-        memory_fields=(MemoryField("metres of the arc left", LEFT),),
+        memory_at_reset(size, {AT.side: float(options.side)}),
+        senses=(*BY_TOUCH, "beams"),
+        needs=RobotOptions(beams=72, beam_range=1.0),
+        memory_fields=(MemoryField("metres of the arc left", AT.left),),
         memory_map=shown_map,
-        memory_map_on=(WINDOW_X, WINDOW_Y, *range(CELLS, size)),
+        memory_map_on=(AT.window_x, AT.window_y, *range(CELLS, size)),
         variants=Variants(GestaltOptions, gestalt_robot),
     )
 

@@ -1,6 +1,6 @@
 """Mapping: remember where the robot could not pass, and drive the shortest path that remains.
 
-The map is a coarse grid of nodes around the start, and the robot drives from node to node. Where a
+The map is a coarse grid of nodes around the start, and the robot drives from node to node. If a
 wall stops it, it marks that edge as blocked. It then feels for the wall, which blocks all edges on
 which the robot would overlap that place, returns, and plans again. If no path remains, the map must
 be mistaken: the robot empties it and no longer feels for walls. Unknown edges count as free. Each
@@ -21,18 +21,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, memory_at_reset, place
-from sim.controllers.library import _boundary as body
-from sim.controllers.library import _lattice_map as lattice
+from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_of
+from sim.controllers.library._common import BY_TOUCH
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats
 
 __all__ = ["PITCH", "mapper", "mapper_small", "mapping", "shown_map"]
 
-Floats = npt.NDArray[np.float64]
+AT = fields_of("WgMapperMemory")
 
 # Distance between two nodes, m: half a cell of the families' worlds.
 PITCH = 0.05
@@ -47,44 +46,100 @@ SMALL_SIDE = 12
 LEAST_SIDE = 8
 MOST_SIDE = 1024
 
-MODE = place("WgMapperMemory", "mode")
-FROM_X = place("WgMapperMemory", "from_x")
-FROM_Y = place("WgMapperMemory", "from_y")
-START_X = place("WgMapperMemory", "start_x")
-START_Y = place("WgMapperMemory", "start_y")
-GRID = place("WgMapperMemory", "grid")
-TRIES = place("WgMapperMemory", "tries")
-NO_ROOM = place("WgMapperMemory", "no_room")
-
-# Values of MODE.
+# Values of the mode.
 _START = 0.0
 _GO = 1.0
+
+# ``sim/core/controllers/shared/lattice_map.c`` packs several entries of the map into each number: moves,
+# at 3 bits each, and nodes, at 4 bits each.
+_MOVES_A_WORD = 16
+_NODES_A_WORD = 12
+
+# Nodes at most this far from the target along each axis have an edge to it.
+_REACH = 2
+
+
+def memory_size(side: int) -> int:
+    """Return the number of memory entries that a map takes, given the nodes along one side."""
+    return size_of("WgMapperMemory") + -(-side * side // _NODES_A_WORD)
+
+
+def neighbour(x: int, y: int, move: int) -> tuple[int, int]:
+    """Return the node that a move leads to.
+
+    Moves are numbered counter-clockwise by eighths of a turn; 0 is east.
+    """
+    dx = 1 if move in (0, 1, 7) else (-1 if move in (3, 4, 5) else 0)
+    dy = 1 if move in (1, 2, 3) else (-1 if move in (5, 6, 7) else 0)
+    return x + dx, y + dy
+
+
+def blocked_edges(memory: Floats) -> Floats:
+    """Return the edges that are blocked on the map: (n, 4), x and y of the nodes at both ends.
+
+    A blocked door is an edge that ends at the target.
+    """
+    # Unpack the four bits of each node, one for each direction in which an edge leaves it.
+    side = int(memory[AT.side])
+    words = memory[size_of("WgMapperMemory") :].astype(np.int64)
+    nodes = (words[:, None] >> (4 * np.arange(_NODES_A_WORD))) & 15
+    bits = nodes.ravel()[: side * side].reshape(side, side)
+
+    # The map is a ring in both directions, so that the window can move without copying.
+    low_x = int(memory[AT.window_x])
+    low_y = int(memory[AT.window_y])
+    found = []
+    for move in range(4):
+        row, column = np.nonzero((bits >> move) & 1)
+        x = low_x + (column - low_x) % side
+        y = low_y + (row - low_y) % side
+        dx, dy = neighbour(0, 0, move)
+        found.append(np.column_stack((x, y, x + dx, y + dy)).astype(np.float64))
+
+    # Doors are the edges between the target and the nodes around it.
+    for number in range(4 * _REACH * _REACH):
+        if (int(memory[AT.doors]) >> number) & 1:
+            up, along = divmod(number, 2 * _REACH)
+            node_x, node_y = (math.floor(memory[AT.target_x + k]) - _REACH + 1 for k in range(2))
+            found.append(
+                np.array([[node_x + along, node_y + up, memory[AT.target_x], memory[AT.target_y]]])
+            )
+    return np.concatenate(found)
+
+
+def planned_moves(memory: Floats) -> list[int]:
+    """Return all moves of the plan, including those already done."""
+    count = int(memory[AT.plan_length])
+    return [
+        (int(memory[AT.plan + k // _MOVES_A_WORD]) >> (3 * (k % _MOVES_A_WORD))) & 7
+        for k in range(count)
+    ]
 
 
 def shown_map(memory: Floats) -> MemoryMap:
     """Return the blocked edges of the map, and the plan from the place where it was made, in m."""
-    if memory[MODE] == _START:
+    if memory[AT.mode] == _START:
         return MemoryMap()
 
     # Follow the plan's moves from its first node, and shift it so that the robot's node fits.
-    origin = np.array((memory[START_X], memory[START_Y]))
-    pitch = memory[GRID]
-    done = int(memory[lattice.PLAN_AT])
-    moves = lattice.planned_moves(memory)
+    origin = np.array((memory[AT.start_x], memory[AT.start_y]))
+    pitch = memory[AT.grid]
+    done = int(memory[AT.plan_at])
+    moves = planned_moves(memory)
     nodes = [(0, 0)]
     for move in moves:
-        nodes.append(lattice.neighbour(*nodes[-1], move))
-    at = nodes[min(max(done - 1 if memory[MODE] == _GO else done, 0), len(moves))]
-    plan = np.array(nodes) - at + np.array((memory[FROM_X], memory[FROM_Y]))
+        nodes.append(neighbour(*nodes[-1], move))
+    at = nodes[min(max(done - 1 if memory[AT.mode] == _GO else done, 0), len(moves))]
+    plan = np.array(nodes) - at + np.array((memory[AT.from_x], memory[AT.from_y]))
     return MemoryMap(
-        blocked=lattice.blocked_edges(memory) * pitch + np.tile(origin, 2),
+        blocked=blocked_edges(memory) * pitch + np.tile(origin, 2),
         plan=plan * pitch + origin if moves else np.zeros((0, 2)),
     )
 
 
 _FIELDS = (
-    MemoryField("doing", MODE, ("start", "go", "to the target", "feel for the wall", "back")),
-    MemoryField("tries", TRIES),
+    MemoryField("doing", AT.mode, ("start", "go", "to the target", "feel for the wall", "back")),
+    MemoryField("tries", AT.tries),
 )
 
 
@@ -128,15 +183,19 @@ def mapping(
             "give a fraction near 1",
             no_room=no_room,
         )
-    size = lattice.memory_size(side)
+    size = memory_size(side)
     return CompiledController(
         name,
         CoreAct("mapper"),
-        memory_at_reset(size, {lattice.SIDE: float(side), GRID: pitch, NO_ROOM: no_room}),
-        senses=body.SENSES,
+        memory_at_reset(size, {AT.side: float(side), AT.grid: pitch, AT.no_room: no_room}),
+        senses=BY_TOUCH,
         memory_fields=_FIELDS,
         memory_map=shown_map,
-        memory_map_on=(*lattice.SHOWN, *range(lattice.NODES, size)),
+        memory_map_on=(
+            AT.doors,
+            *range(AT.plan_length, AT.mode),
+            *range(size_of("WgMapperMemory"), size),
+        ),
     )
 
 

@@ -34,6 +34,7 @@ from sim.controllers.memory_view import MemoryField
 from sim.options.robot import RobotOptions
 from worldgen.lattice import radius_in_cells
 from worldgen.reach.still.lattice_graph import build_graph
+from worldgen.support.arrays import Bools
 from worldgen.support.grid_search import steps_from
 from worldgen.world import World
 
@@ -42,7 +43,7 @@ __all__ = ["Pibt", "pibt"]
 Node = tuple[int, int]
 Move = tuple[int, int]
 
-# Nodes per cell side. Starts and targets of the families lie in the middle of cells or on their
+# Nodes per cell side. The families' starts and targets are in the middle of cells or on their
 # corners, so both are nodes.
 _PER_CELL = 2
 # Moves in the order in which equally good ones are preferred.
@@ -86,7 +87,7 @@ class _Agent(NamedTuple):
         priority: Higher ones choose first.
         node: Where it stands.
         radius: In edges.
-        target: Where it wants to go.
+        target: Its preferred destination.
     """
 
     priority: float
@@ -139,18 +140,11 @@ class Pibt:
         y = world.start.y / edge
         start = _nearest(x, y, _clear_nodes(grid)) or (round(x), round(y))
         # The start makes priorities differ, unless two robots start off the grid at the same node.
-        to_go = _distances(grid, target).get(start) or 0
+        to_go = _edges_from(start, _distances(grid, target)) or 0
         priority = to_go * len(bits) + start[1] * grid.columns + start[0]
-        return (
-            0.0,
-            0.0,
-            *map(float, start),
-            float(priority),
-            *target,
-            edge,
-            float(grid.columns),
-            *words,
-        )
+        move = (0.0, 0.0, *map(float, start))
+        sent = (float(priority), *target)
+        return (*move, *sent, edge, float(grid.columns), *words)
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """Return the command for the next step, and the new memory."""
@@ -166,7 +160,7 @@ class Pibt:
         if memory[_LEFT] == 0.0:
             now[_X], now[_Y] = self._next_place(observation, memory, x, y)
             now[_LEFT] = memory[_STEPS]
-        # Divide what is left of the edge by the steps left, so that rounding does not add up.
+        # Divide the remaining edge by the remaining steps, so that rounding does not add up.
         ahead = now[_X] - x
         left = now[_Y] - y
         speed = math.hypot(ahead, left) * edge / (now[_LEFT] * observation.time_step)
@@ -187,7 +181,7 @@ class Pibt:
         if node is None:
             return x, y
         # The last part of the path leads off the grid, unless a node lies in the target.
-        if _distances(grid, target).get(node) == 0:
+        if _edges_from(node, _distances(grid, target)) == 0:
             return target.x, target.y
         # Something pushed the robot off the grid, or it started there.
         if math.hypot(x - node[0], y - node[1]) > _NEAR:
@@ -252,7 +246,7 @@ def _plan(
     Args:
         grid: The map.
         agents: The agents, in descending order of priority.
-        obstacles: What stands in their way.
+        obstacles: Their obstacles.
     """
     plan = _JointMove(grid, agents, obstacles)
     for agent in agents:
@@ -292,10 +286,10 @@ class _JointMove:
             False if no move is free, so that whoever pushes it must look for another move.
         """
         field = _distances(self._grid, agent.target, agent.radius, self._parked)
-        if field.get(agent.node) is None:
+        if _edges_from(agent.node, field) is None:
             # Arrived robots block its path; get as close as possible.
             field = _distances(self._grid, agent.target)
-        to_go = {move: field.get(agent.after(move)) for move in _MOVES}
+        to_go = {move: _edges_from(agent.after(move), field) for move in _MOVES}
         moves = sorted(
             (move for move in _MOVES if to_go[move] is not None), key=lambda move: to_go[move] or 0
         )
@@ -312,7 +306,7 @@ class _JointMove:
             # The agent that found no way out stays; the others that it pushed may choose again.
             self.decided = before
             if not self._is_free(failed, _STAY):
-                # It is also in the way of an agent that pushes this one, so this one fails too.
+                # It also blocks an agent that pushes this one, so this one fails too.
                 break
             self.decided[failed] = _STAY
             self._late.setdefault(failed, agent.after(move))
@@ -320,7 +314,7 @@ class _JointMove:
         return False
 
     def make_way(self) -> None:
-        """Let agents that could not get out of the way in time begin to do so.
+        """Let agents that could not make room in time start to do so.
 
         A wide robot cannot leave around a corner while another one follows closely.
         """
@@ -339,16 +333,12 @@ class _JointMove:
 
     def _is_free(self, agent: _Agent, move: Move) -> bool:
         """Return True if a move touches neither an obstacle nor a decided move."""
-        return not any(
-            _touch_at(
-                one.x - agent.node[0],
-                one.y - agent.node[1],
-                -move[0],
-                -move[1],
-                agent.radius + one.radius,
-            )
-            for one in self._obstacles
-        ) and not any(_touch(agent, move, one, other) for one, other in self.decided.items())
+        for one in self._obstacles:
+            x = one.x - agent.node[0]
+            y = one.y - agent.node[1]
+            if _touch_at(x, y, -move[0], -move[1], agent.radius + one.radius):
+                return False
+        return not any(_touch(agent, move, one, other) for one, other in self.decided.items())
 
 
 def _touch(one: _Agent, move: Move, other: _Agent, other_move: Move) -> bool:
@@ -378,26 +368,21 @@ def _touch_at(x: float, y: float, dx: float, dy: float, together: float) -> bool
     return math.hypot(x + at * dx, y + at * dy) < together - 1e-9
 
 
-class _Field:
-    """The edges from each node to a target.
+def _edges_from(node: Node, steps: npt.NDArray[np.int32]) -> int | None:
+    """Return the edges from a node to a target; ``None`` if there is no path, or no such node.
 
     Args:
-        steps: (rows, columns) int32, -1 at nodes from which no path leads there.
+        node: The node.
+        steps: (rows, columns) edges from each node, -1 where no path leads to the target.
     """
-
-    def __init__(self, steps: npt.NDArray[np.int32]) -> None:
-        self._steps = steps
-
-    def get(self, node: Node) -> int | None:
-        """Return the edges from a node; ``None`` if there is no path, or no such node."""
-        x, y = node
-        rows, columns = self._steps.shape
-        found = int(self._steps[y, x]) if 0 <= x < columns and 0 <= y < rows else -1
-        return None if found < 0 else found
+    x, y = node
+    rows, columns = steps.shape
+    found = int(steps[y, x]) if 0 <= x < columns and 0 <= y < rows else -1
+    return None if found < 0 else found
 
 
 @functools.lru_cache(maxsize=16)
-def _clear_nodes(grid: _Map) -> npt.NDArray[np.bool_]:
+def _clear_nodes(grid: _Map) -> Bools:
     """Return (rows, columns) where a robot alone is clear of walls."""
     words = np.array(grid.words).astype(np.uint64)
     bits = (words[:, np.newaxis] >> np.arange(_BITS, dtype=np.uint64)) & np.uint64(1)
@@ -408,7 +393,7 @@ def _clear_nodes(grid: _Map) -> npt.NDArray[np.bool_]:
 @functools.lru_cache(maxsize=128)
 def _distances(
     grid: _Map, target: _Target, radius: float = 0.0, parked: tuple[_Bystander, ...] = ()
-) -> _Field:
+) -> npt.NDArray[np.int32]:
     """Return the edges from each node to the clear node nearest to a target.
 
     Args:
@@ -423,12 +408,12 @@ def _distances(
         clear &= np.hypot(x - one.x, y - one.y) >= radius + one.radius - 1e-9
     source = _nearest(target.x, target.y, clear)
     if source is None:
-        return _Field(np.full(clear.shape, -1, np.int32))
+        return np.full(clear.shape, -1, np.int32)
     steps, _ = steps_from(clear, source[1] * grid.columns + source[0])
-    return _Field(steps.reshape(clear.shape))
+    return steps.reshape(clear.shape)
 
 
-def _nearest(x: float, y: float, clear: npt.NDArray[np.bool_]) -> Node | None:
+def _nearest(x: float, y: float, clear: Bools) -> Node | None:
     """Return the clear node nearest to a place; ``None`` if no node is clear."""
     rows, columns = clear.shape
     rounded = (round(x), round(y))

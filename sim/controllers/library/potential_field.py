@@ -17,21 +17,12 @@ from typing import NamedTuple
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, default_of
+from sim.controllers.library._common import TO_TARGET, tuned_controller
 from sim.options.robot import RobotOptions
 
 __all__ = ["PotentialField", "potential_field", "potential_field_robot"]
 
 _DEFAULT = default_of("wg_potential_field_default")
-SENSES = (
-    "heading",
-    "target_heading",
-    "target_distance",
-    "time_step",
-    "top_speed",
-    "radius",
-    "beams",
-)
-NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
 class PotentialField(NamedTuple):
@@ -58,13 +49,12 @@ def potential_field_robot(
     tuned: PotentialField, name: str = "potential-field"
 ) -> CompiledController:
     """Return a potential-field controller with these parameters."""
-    act = (
-        CoreAct("potential-field")
-        if tuned == PotentialField()
-        else CoreAct("potential-field-tuned")
-    )
-    memory = () if tuned == PotentialField() else tuple(map(float, tuned))
-    return CompiledController(name, act, memory, senses=SENSES, needs=NEEDS)
+    return tuned_controller(potential_field, tuned, name)
 
 
-potential_field = potential_field_robot(PotentialField())
+potential_field = CompiledController(
+    "potential-field",
+    CoreAct("potential-field"),
+    senses=(*TO_TARGET, "beams"),
+    needs=RobotOptions(beams=36, beam_range=2.0),
+)

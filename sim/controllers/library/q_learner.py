@@ -20,31 +20,22 @@ Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thes
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
-
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, place, size_of
+from sim.controllers.core_act import CoreAct, fields_of, size_of
 from sim.controllers.learning import Learning
 from sim.controllers.library.q_learning import NEEDS, SENSES
 from sim.controllers.memory_view import MemoryField
+from worldgen.support.arrays import Floats
 
 __all__ = ["AT_RESET", "LEARNING", "q_learner"]
 
-Floats = npt.NDArray[np.float64]
-
-ffi: Any = _ffi
-lib: Any = _lib
+AT = fields_of("WgQLearnerMemory")
 
 # Reward for arriving, in thousandths; the same as in the training of its first table.
 _ARRIVED = 30_000.0
 
 _SIZE = size_of("WgQLearnerMemory")
-_VALUES = place("WgQLearnerMemory", "values")
 
 
 def _at_reset() -> tuple[float, ...]:
@@ -58,13 +49,7 @@ def _arrives(memory: Floats) -> None:
 
 
 AT_RESET = _at_reset()
-LEARNING = Learning(
-    _VALUES,
-    _SIZE - _VALUES,
-    explore=place("WgQLearnerMemory", "explore"),
-    arrives=_arrives,
-    whole=True,
-)
+LEARNING = Learning(AT.values, _SIZE - AT.values, AT.explore, _arrives, whole=True)
 
 q_learner = CompiledController(
     "q-learner",
@@ -73,8 +58,8 @@ q_learner = CompiledController(
     senses=(*SENSES, "target_distance"),
     needs=NEEDS,
     memory_fields=(
-        MemoryField("situation", place("WgQLearnerMemory", "situation")),
-        MemoryField("turn", place("WgQLearnerMemory", "choice")),
+        MemoryField("situation", AT.situation),
+        MemoryField("turn", AT.choice),
     ),
     learning=LEARNING,
 )

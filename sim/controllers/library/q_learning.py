@@ -16,15 +16,13 @@ Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thes
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
-from sim import _core
+from sim._core import lib
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, size_of
 from sim.options.robot import RobotOptions
+from worldgen.support.arrays import Ints
 
 __all__ = [
     "AT_RESET",
@@ -37,14 +35,10 @@ __all__ = [
     "q_learning_robot",
 ]
 
-Ints = npt.NDArray[np.int64]
-
-_lib: Any = _core.lib
-
-SITUATIONS = int(_lib.WG_Q_SITUATIONS)
-TURNS = tuple(_lib.wg_q_turn_of)
+SITUATIONS = int(lib.WG_Q_SITUATIONS)
+TURNS = tuple(lib.wg_q_turn_of)
 """Turns to choose from, in eighths of a turn, counter-clockwise; the first wins a tie."""
-DRIVEN = int(_lib.WG_Q_DRIVEN)
+DRIVEN = int(lib.WG_Q_DRIVEN)
 """Steps between two decisions, if no bump occurs."""
 
 AT_RESET = memory_at_reset(size_of("WgQMemory"), {})

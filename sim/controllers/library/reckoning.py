@@ -2,10 +2,10 @@
 
 ``odometry-bug`` is Bug2 by odometry: it learns once where the target is, and from then on derives
 its own position and heading only from its wheels. With ``odometry_noise`` its world turns and
-drifts away from the real one, and it ends where it believes the target to be.
+drifts away from the real one, and it ends up where it believes the target to be.
 
 ``signal-mapper`` is the mapper with the same restriction, except that it has a compass, and it
-corrects itself: the strength of the signal tells the distance of the target, and it corrects its
+corrects itself: the strength of the signal reveals the distance to the target, and it corrects its
 estimated position by a fifth of the error in that distance. This pulls its map back into place,
 whichever side it approaches from.
 
@@ -24,24 +24,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
+from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_of
 from sim.controllers.library import bug2, mapper, three_layer
-from sim.controllers.memory_view import MemoryField, MemoryMap
+from sim.controllers.memory_view import MemoryMap
+from worldgen.support.arrays import Floats
 from worldgen.support.bounds import check_positive
 
 __all__ = ["odometry_bug", "signal_mapper", "signal_three_layer", "signal_three_layer_robot"]
 
-Floats = npt.NDArray[np.float64]
+AT = fields_of("WgReckoning")
 
 SIZE = size_of("WgReckoning")
-CELL = place("WgReckoning", "cell")
-KNOWN = place("WgReckoning", "known")
-X = place("WgReckoning", "x")
-TARGET_X = place("WgReckoning", "target_x")
 
 # Distance at which the signal falls to a half in the families' worlds, m.
 _CELL = 0.1
@@ -63,38 +57,28 @@ def _reckoning(
     shows_itself: bool,
 ) -> CompiledController:
     """Return a controller that estimates, and then drives like another one."""
-    # The other's memory follows this one's, so its indices shift by this one's size.
+    # The other controller's memory follows this one's, so its indices shift by this one's size.
     read = driven.memory_map
 
     def shown_map(memory: Floats) -> MemoryMap:
-        """Return the other's map, and the estimates, in m."""
+        """Return the other controller's map, and the estimates, in m."""
         shown = MemoryMap() if read is None else read(memory[SIZE:])
         places = dict(shown.places)
-        if memory[KNOWN] != 0.0:
-            places["target, estimated"] = (float(memory[TARGET_X]), float(memory[TARGET_X + 1]))
-            if shows_itself:
-                places["itself, estimated"] = (float(memory[X]), float(memory[X + 1]))
+        known = {"target": AT.target_x} | ({"itself": AT.x} if shows_itself else {})
+        for who, at in known.items() if memory[AT.known] != 0.0 else ():
+            places[f"{who}, estimated"] = (float(memory[at]), float(memory[at + 1]))
         return replace(shown, places=places)
 
+    own = (AT.known, AT.x, AT.x + 1, AT.target_x, AT.target_x + 1)
     return replace(
         driven,
         name=name,
         act=CoreAct(name),
-        memory=(*memory_at_reset(SIZE, {CELL: cell}), *driven.memory),
+        memory=(*memory_at_reset(SIZE, {AT.cell: cell}), *driven.memory),
         senses=senses,
-        memory_fields=tuple(
-            MemoryField(one.name, one.place + SIZE, one.words, one.least)
-            for one in driven.memory_fields
-        ),
+        memory_fields=tuple(one._replace(place=one.place + SIZE) for one in driven.memory_fields),
         memory_map=shown_map,
-        memory_map_on=(
-            KNOWN,
-            X,
-            X + 1,
-            TARGET_X,
-            TARGET_X + 1,
-            *(at + SIZE for at in driven.memory_map_on),
-        ),
+        memory_map_on=(*own, *(at + SIZE for at in driven.memory_map_on)),
     )
 
 

@@ -23,29 +23,28 @@ from __future__ import annotations
 import math
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
-from sim.controllers.library import _boundary as body
+from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_of
+from sim.controllers.library._common import BY_TOUCH, HAND
 from sim.controllers.memory_view import MemoryField
 from sim.options.robot import RobotOptions
 
 __all__ = ["BEAMS", "RANGE", "tangent_bug"]
 
+AT = fields_of("WgTangentBugMemory")
+
 BEAMS = 72
 # Metres; the controller ignores points that are farther away.
 RANGE = 1.0
 
-_MODE = place("WgTangentBugMemory", "mode")
-_BEST = place("WgTangentBugMemory", "best")
-
 tangent_bug = CompiledController(
     "tangent-bug",
     CoreAct("tangent-bug"),
-    memory_at_reset(size_of("WgTangentBugMemory"), {body.HAND: 1.0, _BEST: math.inf}),
-    senses=(*body.SENSES, "beams"),
+    memory_at_reset(size_of("WgTangentBugMemory"), {HAND: 1.0, AT.best: math.inf}),
+    senses=(*BY_TOUCH, "beams"),
     needs=RobotOptions(beams=BEAMS, beam_range=RANGE),
     memory_fields=(
         MemoryField(
-            "doing", _MODE, ("to the target", "by an end", "along the wall", "leaves the wall")
+            "doing", AT.mode, ("to the target", "by an end", "along the wall", "leaves the wall")
         ),
     ),
 )

@@ -23,16 +23,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, place, size_of
+from sim.controllers.library._common import LOCATED, tuned_controller
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.options.robot import RobotOptions
+from worldgen.support.arrays import Floats
 
 __all__ = ["SIDE", "ThreeLayer", "three_layer", "three_layer_robot"]
-
-Floats = npt.NDArray[np.float64]
 
 _DEFAULT = default_of("wg_three_layer_default")
 LAID = place("WgThreeLayerMemory", "laid")
@@ -47,19 +46,6 @@ RIGHT = place("WgThreeLayerMemory", "right")
 UP = place("WgThreeLayerMemory", "up")
 MEMORY = size_of("WgThreeLayerMemory")
 SIDE = UP - RIGHT  # cells along a side of the map
-AT_RESET = memory_at_reset(MEMORY, {})
-SENSES = (
-    "heading",
-    "x",
-    "y",
-    "target_heading",
-    "target_distance",
-    "time_step",
-    "top_speed",
-    "radius",
-    "beams",
-)
-NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
 class ThreeLayer(NamedTuple):
@@ -102,22 +88,21 @@ def shown_map(memory: Floats) -> MemoryMap:
     )
 
 
-_FIELDS = (MemoryField("steps to the waypoint", WAITED), MemoryField("map forgotten", FORGOTTEN))
-
-
 def three_layer_robot(tuned: ThreeLayer, name: str = "three-layer") -> CompiledController:
     """Return a three-layer controller with these parameters."""
-    act = CoreAct("three-layer") if tuned == ThreeLayer() else CoreAct("three-layer-tuned")
-    return CompiledController(
-        name,
-        act,
-        AT_RESET if tuned == ThreeLayer() else AT_RESET + tuple(map(float, tuned)),
-        senses=SENSES,
-        needs=NEEDS,
-        memory_fields=_FIELDS,
-        memory_map=shown_map,
-        memory_map_on=(LAID, TO_X, TO_Y, *range(RIGHT, MEMORY)),
-    )
+    return tuned_controller(three_layer, tuned, name)
 
 
-three_layer = three_layer_robot(ThreeLayer())
+three_layer = CompiledController(
+    "three-layer",
+    CoreAct("three-layer"),
+    memory_at_reset(MEMORY, {}),
+    senses=(*LOCATED, "beams"),
+    needs=RobotOptions(beams=36, beam_range=2.0),
+    memory_fields=(
+        MemoryField("steps to the waypoint", WAITED),
+        MemoryField("map forgotten", FORGOTTEN),
+    ),
+    memory_map=shown_map,
+    memory_map_on=(LAID, TO_X, TO_Y, *range(RIGHT, MEMORY)),
+)

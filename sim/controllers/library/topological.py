@@ -1,4 +1,4 @@
-"""A topological map: places where the robot decided, joined by the ways that it drove.
+"""A topological map: places where the robot made decisions, joined by the paths that it drove.
 
 At a place the robot notes its *exits*: directions, out of 16 and the one to the target, that are
 free for the whole disc and lead away from everything that the map holds. It leaves by the exit with
@@ -7,7 +7,7 @@ it drives back along its map when a place has no exits left. A leg ends at a wal
 opens at the robot's side, or after four strides; the next place is there. When the map has no exit
 left, the robot forgets it and makes a finer one.
 
-The map has room for so many places. When it is full, the oldest place is forgotten, with its links.
+Limit on the places in the map. When it is full, the oldest place is forgotten, with its links.
 A robot with few places explores the same part again, and then its run may be an endless loop.
 
 Sources: Benjamin Kuipers and Yung-Tai Byun, "A robot exploration and mapping strategy based on a
@@ -23,18 +23,17 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
+from sim.controllers.library._common import LOCATED
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.variants import Variants
 from sim.options.robot import RobotOptions
+from worldgen.support.arrays import Floats
 from worldgen.support.bounds import Bounds
 
 __all__ = ["TopologicalOptions", "topological", "topological_robot"]
-
-Floats = npt.NDArray[np.float64]
 
 MOST = place("WgTopologicalMemory", "most")
 MODE = place("WgTopologicalMemory", "mode")
@@ -43,19 +42,6 @@ COUNT = place("WgTopologicalMemory", "count")
 PLACES = size_of("WgTopologicalMemory")
 PLACE = size_of("WgMapPlace")
 LINKS = place("WgMapPlace", "links")
-SENSES = (
-    "bump",
-    "heading",
-    "x",
-    "y",
-    "target_heading",
-    "target_distance",
-    "time_step",
-    "top_speed",
-    "radius",
-    "beams",
-)
-NEEDS = RobotOptions(beams=72, beam_range=1.0)
 
 # Bits of a link, and how many there are.
 _LINK_BITS = 10
@@ -74,7 +60,7 @@ class TopologicalOptions:
 
 
 def shown_map(memory: Floats) -> MemoryMap:
-    """Return the places of the map and the ways between them, in m."""
+    """Return the places of the map and the paths between them, in m."""
     rows = memory[PLACES:].reshape(-1, PLACE)[: int(memory[COUNT])]
     points = rows[:, :2]
 
@@ -103,8 +89,8 @@ def topological_robot(options: TopologicalOptions, name: str = "topological") ->
         name,
         CoreAct("topological"),
         memory_at_reset(size, {MOST: float(options.places)}),
-        senses=SENSES,
-        needs=NEEDS,
+        senses=("bump", *LOCATED, "beams"),
+        needs=RobotOptions(beams=72, beam_range=1.0),
         memory_fields=_FIELDS,
         memory_map=shown_map,
         memory_map_on=(COUNT, *range(PLACES, size)),

@@ -1,4 +1,4 @@
-"""VFH+: drive through the opening between obstacles that costs the fewest turns.
+"""VFH+: drive through the opening between obstacles that requires the least turning.
 
 Obstacles around the robot fill a polar histogram, each widened by the robot's radius. The free
 sectors form openings. Of the directions through them, the robot takes the cheapest; cost grows with
@@ -20,14 +20,12 @@ from typing import NamedTuple
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, place, size_of
+from sim.controllers.library._common import tuned_controller
 from sim.options.robot import RobotOptions
 
 __all__ = ["VfhPlus", "vfh", "vfh_robot"]
 
 _DEFAULT = default_of("wg_vfh_default")
-AT_RESET = memory_at_reset(size_of("WgVfhMemory"), {place("WgVfhMemory", "last"): -1.0})
-SENSES = ("heading", "target_heading", "time_step", "top_speed", "radius", "beams")
-NEEDS = RobotOptions(beams=72, beam_range=2.0)
 
 
 class VfhPlus(NamedTuple):
@@ -63,9 +61,13 @@ class VfhPlus(NamedTuple):
 
 def vfh_robot(tuned: VfhPlus, name: str = "vfh") -> CompiledController:
     """Return a VFH+ controller with these parameters."""
-    act = CoreAct("vfh") if tuned == VfhPlus() else CoreAct("vfh-tuned")
-    memory = AT_RESET if tuned == VfhPlus() else AT_RESET + tuple(map(float, tuned))
-    return CompiledController(name, act, memory, senses=SENSES, needs=NEEDS)
+    return tuned_controller(vfh, tuned, name)
 
 
-vfh = vfh_robot(VfhPlus())
+vfh = CompiledController(
+    "vfh",
+    CoreAct("vfh"),
+    memory_at_reset(size_of("WgVfhMemory"), {place("WgVfhMemory", "last"): -1.0}),
+    senses=("heading", "target_heading", "time_step", "top_speed", "radius", "beams"),
+    needs=RobotOptions(beams=72, beam_range=2.0),
+)

@@ -12,18 +12,20 @@ Source: the hand-on-wall rule, W. H. Matthews, "Mazes and Labyrinths: A General 
 from __future__ import annotations
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
-from sim.controllers.library import _boundary as body
+from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_of
+from sim.controllers.library._common import BY_TOUCH, HAND
 from sim.controllers.memory_view import MemoryField
 
 __all__ = ["wall_left", "wall_right"]
 
+AT = fields_of("WgWallMemory")
+
 
 def _controller(name: str, hand: float) -> CompiledController:
-    doing = MemoryField("doing", place("WgWallMemory", "mode"), ("to the target", "along the wall"))
-    memory = memory_at_reset(size_of("WgWallMemory"), {body.HAND: hand})
+    doing = MemoryField("doing", AT.mode, ("to the target", "along the wall"))
+    memory = memory_at_reset(size_of("WgWallMemory"), {HAND: hand})
     return CompiledController(
-        name, CoreAct("wall"), memory, senses=body.SENSES, memory_fields=(doing,)
+        name, CoreAct("wall"), memory, senses=BY_TOUCH, memory_fields=(doing,)
     )
 
 

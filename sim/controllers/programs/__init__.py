@@ -1,1 +1,1 @@
-"""Controllers that are separate programs: start them, talk to them, and report how they die."""
+"""Controllers that are separate programs: start them, talk to them, and report how they end."""

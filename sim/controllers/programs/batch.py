@@ -8,23 +8,26 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.controllers.base import Observation
-from sim.controllers.controller_error import ControllerError
-from sim.controllers.programs.program import shown
+from sim.controllers.programs.program import invalid_answer
 from sim.kernels import layout
-from sim.verdict import Verdict
+from worldgen.support.arrays import Floats, Ints
 
-__all__ = ["MOST_ROBOTS", "Offer", "batch_line", "fill_commands", "read_offer", "reset_batch_line"]
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
+__all__ = [
+    "MOST_ROBOTS",
+    "Offer",
+    "batch_line",
+    "fill_commands",
+    "json_line",
+    "read_offer",
+    "reset_batch_line",
+]
 
 MOST_ROBOTS = 1_024
 """Limit on the robots that are driven at the same time; their commands fit into one line."""
@@ -40,7 +43,7 @@ class Offer:
 
     Args:
         robots: Number of robots that it can drive at the same time, at least 1.
-        senses: The fields of an observation that it then needs.
+        senses: The fields of an observation that it needs.
     """
 
     robots: int
@@ -69,17 +72,13 @@ def read_offer(given: Any, answer: bytes) -> Offer:
         or not known
         or not offer.keys() <= {"robots", "senses"}
     ):
-        raise ControllerError(
-            Verdict.INVALID_COMMAND,
-            "batch is not an offer",
-            {"rule": "batch-is-not-an-offer", "answer": shown(answer)},
-        )
+        raise invalid_answer("batch is not an offer", answer)
     return Offer(min(robots, MOST_ROBOTS), tuple(senses))
 
 
 def reset_batch_line(version: int, robots: int) -> bytes:
     """Return the line that begins a batch."""
-    return _encode({"worldgen": version, "batch": {"robots": robots}}).encode() + b"\n"
+    return json_line({"worldgen": version, "batch": {"robots": robots}})
 
 
 def batch_line(offer: Offer, robots: Ints, fresh: Ints, seen: Floats) -> bytes:
@@ -88,18 +87,14 @@ def batch_line(offer: Offer, robots: Ints, fresh: Ints, seen: Floats) -> bytes:
     Args:
         offer: The program's offer.
         robots: (n,) numbers of the robots.
-        fresh: Numbers of those that begin an episode.
+        fresh: Numbers of the robots that begin an episode.
         seen: (n, OBS_SIZE + beams) the robots' observations.
     """
     message: dict[str, Any] = {"robots": robots.tolist(), "reset": fresh.tolist()}
     for name in offer.senses:
         column = seen[:, layout.OBS_SIZE :] if name == "beams" else seen[:, _COLUMNS[name]]
         message[name] = (column != 0.0).tolist() if name == "bump" else column.tolist()
-    try:
-        return _encode(message).encode() + b"\n"
-    except ValueError:  # nan or infinity, which JSON does not have
-        finite = {name: _finite(values) for name, values in message.items()}
-        return _encode(finite).encode() + b"\n"
+    return json_line(message)
 
 
 def fill_commands(answer: bytes, command: Floats) -> None:
@@ -123,9 +118,9 @@ def fill_commands(answer: bytes, command: Floats) -> None:
             raise TypeError("columns")
         numbers = np.array((speed, turn_rate), np.float64)
     except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
-        raise _no_commands(answer) from None
+        raise invalid_answer("no commands for a batch", answer) from None
     if not np.isfinite(numbers).all() or not all(isinstance(used, bool) for used in used_random):
-        raise _no_commands(answer)
+        raise invalid_answer("no commands for a batch", answer)
     command[:, layout.CMD_SPEED] = numbers[0]
     command[:, layout.CMD_TURN_RATE] = numbers[1]
     command[:, layout.CMD_DRAW] = used_random
@@ -140,21 +135,21 @@ def _fits(column: object, count: int) -> bool:
     )
 
 
-def _no_commands(answer: bytes) -> ControllerError:
-    return ControllerError(
-        Verdict.INVALID_COMMAND,
-        "no commands for a batch",
-        {"rule": "no-commands-for-a-batch", "answer": shown(answer)},
-    )
+def json_line(message: Mapping[str, Any]) -> bytes:
+    """Return a message as a line of JSON.
+
+    Numbers read back to the same bits; nan and infinity become null.
+    """
+    try:
+        text = _encode(message)
+    except ValueError:  # nan or infinity, which JSON does not have
+        text = _encode(_finite(message))
+    return text.encode() + b"\n"
 
 
-def _finite(values: Sequence[Any]) -> list[Any]:
-    """Return the same values, with None for numbers that are not finite."""
-    return [
-        _finite(value)
-        if isinstance(value, list)
-        else None
-        if isinstance(value, float) and not math.isfinite(value)
-        else value
-        for value in values
-    ]
+def _finite(value: Any) -> Any:
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    if isinstance(value, dict):
+        return {name: _finite(item) for name, item in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value

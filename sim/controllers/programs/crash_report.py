@@ -213,7 +213,7 @@ def _undefined(said: str) -> dict[str, Value]:
     reports = list(_UNDEFINED.finditer(said))
     if not reports:
         return {}
-    last = reports[-1]  # A program may continue after the others.
+    last = reports[-1]  # A program may continue after the other kinds of report.
     return _report(last["reason"], [_frame(last["file"], last["line"])])
 
 

@@ -17,22 +17,27 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, BinaryIO
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.programs.batch import (
     Offer,
     batch_line,
     fill_commands,
+    json_line,
     read_offer,
     reset_batch_line,
 )
-from sim.controllers.programs.program import Program, ProgramLimits, find_program, shown
+from sim.controllers.programs.program import (
+    Program,
+    ProgramLimits,
+    find_program,
+    invalid_answer,
+    shown,
+)
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import split_headed, split_options
+from worldgen.support.arrays import Floats, Ints
 
 __all__ = [
     "PROGRAM_OPTIONS",
@@ -43,9 +48,6 @@ __all__ = [
     "read_answer",
     "read_command",
 ]
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 PROTOCOL_VERSION = 1
 PROGRAM_OPTIONS = ("deadline", "start", "memory")
@@ -164,7 +166,7 @@ class ProcessController:
                 known = f"{', '.join(PROGRAM_OPTIONS)} and the run's"
                 raise InvalidParameter(
                     "unknown-name",
-                    "controller {name!r}: no option {key!r}, but {known}",
+                    "controller {name!r}: there is no option {key!r}; the options are {known}",
                     "write {example}",
                     name=name,
                     key=key,
@@ -309,7 +311,7 @@ class ProcessController:
         Args:
             offer: The program's offer.
             robots: (n,) numbers of the robots.
-            fresh: Numbers of those that begin an episode.
+            fresh: Numbers of the robots that begin an episode.
             seen: (n, OBS_SIZE + beams) the robots' observations.
             command: (n, CMD_SIZE), filled in.
 
@@ -337,38 +339,18 @@ def is_process_name(name: str) -> bool:
 
 
 def observation_line(observation: Observation) -> bytes:
-    """Return an observation as a line of JSON.
-
-    Numbers read back to the same bits; nan and infinity become null.
-    """
+    """Return an observation as a line of JSON."""
     values = observation._asdict()
     # A robot that does not sense others gets lines in the original form.
     neighbours = values.pop("neighbours")
     if neighbours:
         values["neighbours"] = [one._asdict() for one in neighbours]
-    try:
-        return _encode(values).encode() + b"\n"
-    except ValueError:  # nan or infinity, which JSON does not have
-        return _encode({name: _finite(value) for name, value in values.items()}).encode() + b"\n"
-
-
-_encode = json.JSONEncoder(allow_nan=False, check_circular=False, separators=(",", ":")).encode
-
-
-_decode = json.JSONDecoder().decode
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    if isinstance(value, dict):
-        return {name: _finite(item) for name, item in value.items()}
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return json_line(values)
 
 
 def _reset_line(observation: Observation) -> bytes:
     reset = {name: getattr(observation, name) for name in ("time_step", "top_speed", "radius")}
-    return _encode({"worldgen": PROTOCOL_VERSION, "reset": reset}).encode() + b"\n"
+    return json_line({"worldgen": PROTOCOL_VERSION, "reset": reset})
 
 
 def read_command(answer: bytes) -> Command:
@@ -393,68 +375,49 @@ def read_answer(answer: bytes) -> tuple[Command, Offer | None]:
 
 def _object(answer: bytes) -> dict[str, Any]:
     try:
-        found = _decode(answer.decode())
+        found = json.loads(answer.decode())
     except (ValueError, RecursionError):
-        raise _no_command("not", "not JSON", answer) from None
+        raise invalid_answer("not JSON", answer, "not") from None
     if not isinstance(found, dict):
-        raise _no_command("no-object", "no object", answer)
+        raise invalid_answer("no object", answer)
     return found
 
 
 def _command(found: dict[str, Any], answer: bytes) -> Command:
     for key in ("speed", "turn_rate"):
         if key not in found:
-            raise _no_command(f"no-{_dashed(key)}", f"no {key}", answer)
+            raise invalid_answer(f"no {key}", answer)
     if len(found) > 2 and not found.keys() <= _KEYS:
         unknown = sorted(found.keys() - _KEYS)[0]
         name = shown(unknown.encode("utf-8", "replace"))
-        raise _no_command("unknown-key", f"unknown key {name!r}", answer)
+        raise invalid_answer(f"unknown key {name!r}", answer, "unknown-key")
     used_random = found.get("used_random", False)
     if not isinstance(used_random, bool):
-        raise _no_command(
-            "used-random-is-neither-true-nor-false",
-            "used_random is neither true nor false",
-            answer,
-        )
-    return Command(
-        _number(found, "speed", answer),
-        _number(found, "turn_rate", answer),
-        used_random,
-        _message(found, answer),
-    )
+        raise invalid_answer("used_random is neither true nor false", answer)
+    speed = _number(found, "speed", answer)
+    turn_rate = _number(found, "turn_rate", answer)
+    return Command(speed, turn_rate, used_random, _message(found, answer))
 
 
 def _message(found: dict[str, Any], answer: bytes) -> tuple[float, ...]:
     """Return the numbers to send to the neighbours; empty if the answer has none."""
     message = found.get("message", [])
     if not isinstance(message, list):
-        raise _no_command(
-            "message-is-not-a-list-of-numbers", "message is not a list of numbers", answer
-        )
+        raise invalid_answer("message is not a list of numbers", answer)
     return tuple(_number({"message": one}, "message", answer) for one in message)
 
 
 def _number(found: dict[str, Any], key: str, answer: bytes) -> float:
     value = found[key]
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise _no_command(f"{_dashed(key)}-is-not-a-number", f"{key} is not a number", answer)
+        raise invalid_answer(f"{key} is not a number", answer)
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise _no_command(f"{_dashed(key)}-is-not-finite", f"{key} is not finite", answer)
+        raise invalid_answer(f"{key} is not finite", answer)
     return number
-
-
-def _no_command(rule: str, error: str, answer: bytes) -> ControllerError:
-    # Replays compare these errors with the ones in stored failures, so their wording must not
-    # change. The rules are part of the names of buckets, so "not JSON" is called "not".
-    return ControllerError(Verdict.INVALID_COMMAND, error, {"rule": rule, "answer": shown(answer)})
-
-
-def _dashed(key: str) -> str:
-    return key.replace("_", "-")
 
 
 def _words(name: str, command: str) -> list[str]:

@@ -14,7 +14,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from sim.controllers.controller_error import NO_ANSWER, ControllerError, how_it_ended
+from sim.controllers.controller_error import NO_ANSWER, ControllerError, how_it_ended, rule_of
 from sim.controllers.programs.crash_report import report_of
 from sim.evidence import evidence_table
 from sim.runners.controller_time import timed
@@ -31,6 +31,7 @@ __all__ = [
     "ProgramLimits",
     "WantsMemory",
     "find_program",
+    "invalid_answer",
     "shown",
 ]
 
@@ -47,8 +48,8 @@ _KEPT = 64 << 10
 _LAST_LINES = 5
 _LINE_WIDTH = 200
 
-# Seconds between two checks of a silent program. A grandchild may hold its pipes open after the
-# program has ended, so the pipes alone prove nothing.
+# Seconds between two checks of a silent program. A grandchild may hold the pipes open after the
+# program has ended, so open pipes do not prove that it still runs.
 _LOOK_AGAIN = 0.05
 
 # Seconds that a program may take to exit after it has closed its output.
@@ -116,7 +117,7 @@ def find_program(command: tuple[str, ...]) -> str:
         raise InvalidParameter(
             "needs-posix",
             "a program can be a controller only on POSIX systems",
-            "bring it as a Python class",
+            "use a Python class instead",
         )
     found = shutil.which(command[0])
     if found is not None:
@@ -202,7 +203,7 @@ class Program:
             raise InvalidParameter(
                 "cannot-limit-memory",
                 "the memory limit of {memory} bytes cannot be set: {reason}",
-                "give another, or none",
+                "give another limit, or none",
                 memory=memory,
                 reason=str(error),
             ) from error
@@ -235,11 +236,7 @@ class Program:
         try:
             self._hear(0)
             if self._answer:
-                raise ControllerError(
-                    Verdict.INVALID_COMMAND,
-                    "more than one line",
-                    {"rule": "more-than-one-line", "answer": shown(self._answer)},
-                )
+                raise invalid_answer("more than one line", self._answer)
             answer = self._exchange(line, end, seconds)
             self._answers += 1
             return answer
@@ -316,11 +313,8 @@ class Program:
                 raise self._ending()
             self._wait(end, seconds)
         if newline > LONGEST_LINE or newline < 0:
-            raise ControllerError(
-                Verdict.INVALID_COMMAND,
-                f"a line of more than {LONGEST_LINE} bytes",
-                {"rule": "a-line-of-more-than-bytes", "answer": shown(answer)},
-            )
+            error = f"a line of more than {LONGEST_LINE} bytes"
+            raise invalid_answer(error, answer, "a-line-of-more-than-bytes")
         line = bytes(answer[:newline])
         del answer[: newline + 1]
         return line
@@ -505,6 +499,21 @@ def _plain(data: bytes | bytearray) -> str:
     """Return output as text without control sequences, safe for a file and a terminal."""
     text = re.sub(r"\x1b\[[0-9;?]*[ -/]*[@-~]", "", bytes(data).decode("utf-8", "replace"))
     return "".join(char if char.isprintable() or char == "\n" else " " for char in text)
+
+
+def invalid_answer(error: str, answer: bytes | bytearray, rule: str = "") -> ControllerError:
+    """Return the error for a program's answer.
+
+    Replays compare these errors with the ones in stored failures, so their wording must not change.
+
+    Args:
+        error: The fault.
+        answer: The answer, to quote.
+        rule: Name of the rule that it breaks, if that is not :func:`rule_of` the error; buckets
+            are named after it.
+    """
+    facts: dict[str, Value] = {"rule": rule or rule_of(error), "answer": shown(answer)}
+    return ControllerError(Verdict.INVALID_COMMAND, error, facts)
 
 
 def shown(data: bytes | bytearray) -> str:

@@ -4,8 +4,8 @@ A controller that crashes or hangs then ends a run, not the program. Campaigns r
 shared libraries this way. The other process is forked when it is first needed. It has the library
 loaded and makes whole calls at full speed, such as a run, or screening runs in a thousand worlds.
 Everything that a call works on is in memory that both processes share (:data:`SHARED`). If the
-other process dies, the memory is as it was when the controller was called, and shows which run it
-was. ``sim/core/runs/wg_guard.h`` is the other side.
+other process dies, the memory is in the state of the last call of the controller, and shows which
+run it was. ``sim/core/runs/wg_guard.h`` is the other side.
 """
 
 from __future__ import annotations
@@ -25,8 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from sim.controllers.controller_error import NO_ANSWER, ControllerError, how_it_ended
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
@@ -42,9 +41,6 @@ __all__ = [
     "call",
     "renew",
 ]
-
-ffi: Any = _ffi
-lib: Any = _lib
 
 DEADLINE = 1.0
 """Processor time that a controller may take for a step, s."""
@@ -126,7 +122,7 @@ class _SharedMemory(CoreMemory):
 
     @property
     def chunks(self) -> int:
-        """How many times it has grown; a process only knows the chunks from before it was forked."""
+        """How many times it has grown; a process only knows the chunks that existed when it was forked."""
         return len(self._chunks)
 
     def new(self, kind: str, value: Any = None, ffi: Any = ffi) -> Any:
@@ -160,7 +156,7 @@ class _SharedMemory(CoreMemory):
 
     def take(self, size: int) -> Any:
         """Return the address of a block for cffi; its content is arbitrary."""
-        # Powers of two make freed blocks easy to use again.
+        # Powers of two make freed blocks easy to reuse.
         size = max(_SMALLEST, 1 << (size - 1).bit_length())
         with self._lock:
             free = self._free.get(size)
@@ -195,7 +191,7 @@ PRIVATE = CoreMemory()
 """Ordinary memory of this process."""
 
 SHARED = _SharedMemory()
-"""Memory for everything that calls in the other process work on."""
+"""Memory for all data of calls in the other process."""
 
 
 class _Server:
@@ -313,7 +309,7 @@ def call(
         act: Address of the controller's function.
         objects: Arguments of the function. They, and everything that they point to, must be in
             :data:`SHARED`.
-        number: The number that the function takes.
+        number: The function's number argument.
         report: ``WgReport`` of the run under way, which changes in each step.
         progress: Other structs that change as the work progresses.
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from sim._core import ffi, lib
 from sim.containment import is_contained
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Observation, bits_of
-from sim.controllers.core_act import CoreAct, ffi, lib
+from sim.controllers.core_act import CoreAct
 from sim.controllers.shared.object_file import declares, info_of
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
@@ -93,7 +94,7 @@ def _within(name: str, field: str, value: int, most: int) -> int:
         raise InvalidParameter(
             "out-of-range",
             "controller {name!r} has {field}={value}, outside 0 to {most}",
-            "change it and build again",
+            "correct it and build the library again",
             name=name,
             field=field,
             value=value,
@@ -104,14 +105,10 @@ def _within(name: str, field: str, value: int, most: int) -> int:
 
 def _senses(name: str, bits: int) -> tuple[str, ...]:
     """Return the names of the senses that a library's controller reads."""
-    known = sum(
-        bits_of(sense) for sense in ("bump_bearing", "signal", "signal_heading", "target_heading")
-    )
-    known += sum(
-        bits_of(sense)
-        for sense in ("target_distance", "random", "time", "odometry_x", "beams", "neighbours")
-    )
-    if bits & ~(known | int(lib.WG_SENSE_NOTHING_ELSE)):
+    known = int(lib.WG_SENSE_NOTHING_ELSE)
+    for sense in Observation._fields:
+        known |= bits_of(sense)
+    if bits & ~known:
         raise InvalidParameter(
             "unknown-senses",
             "controller {name!r} has senses={bits:#x}, which are not all WG_SENSE_ bits",

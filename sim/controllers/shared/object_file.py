@@ -11,15 +11,11 @@ import functools
 from pathlib import Path
 from typing import Any
 
-from sim._core import ffi as _ffi
-from sim._core import lib as _lib
+from sim._core import ffi, lib
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
 
 __all__ = ["check_file", "include_folder", "info_of", "is_library_name", "library_file"]
-
-ffi: Any = _ffi
-lib: Any = _lib
 
 _PREFIX = "lib:"
 # Suffix of the function that describes a controller.

@@ -88,7 +88,8 @@ static double voted_direction(int64_t k)
     return wg_wrap(k % 2 == 0 ? -away : away);
 }
 
-// Returns the share of its weight that a part gives to a direction, if it wants to turn by a given angle.
+// Returns the share of its weight that a part gives to a direction, if it is to turn by a given
+// angle.
 static double vote_for(double direction, double turn)
 {
     return wg_higher(0.0, 1.0 - fabs(wg_wrap(direction - turn)) / SPREAD);
@@ -241,8 +242,8 @@ static void take_feedback(Composed *made, const WgObservation *seen)
     }
 }
 
-// Lets the part act that has proved most useful in the present condition. It keeps control until it is done, so that it
-// gets the credit for the outcome.
+// Lets the part act that has proved most useful in the current condition. It keeps control until it
+// is done, so that it gets the credit for the outcome.
 static int64_t act_as_learned(Composed *made, const WgObservation *seen, WgCommand *command)
 {
     take_feedback(made, seen);

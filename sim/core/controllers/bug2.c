@@ -1,4 +1,5 @@
-// Bug2: goes around an obstacle until it is back on the straight line to the target, nearer to it.
+// Bug2: goes around an obstacle until it is back on the straight line to the target, at a nearer
+// point.
 //
 // Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
 // moving amidst unknown obstacles of arbitrary shape", Algorithmica 2 (1987), section 5. In the

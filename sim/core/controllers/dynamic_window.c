@@ -26,13 +26,6 @@ const WgDynamicWindow wg_dynamic_window_default = {
     .to_speed = 0.3,
 };
 
-// The ends of the beams, m, in the robot's frame.
-typedef struct Points {
-    double x[WG_MOST_BEAMS];
-    double y[WG_MOST_BEAMS];
-    int64_t count;
-} Points;
-
 // A speed, m/s, and a turn rate, rad/s.
 typedef struct Arc {
     double speed;
@@ -65,18 +58,8 @@ double wg_arc_to_contact(double x, double y, double speed, double turn_rate, dou
     return wg_higher(turned, 0.0) * bend;
 }
 
-static void fill(const WgObservation *seen, Points *points)
-{
-    points->count = seen->beam_count < WG_MOST_BEAMS ? seen->beam_count : WG_MOST_BEAMS;
-    for (int64_t beam = 0; beam < points->count; beam++) {
-        double angle = wg_bearing_of(beam, seen->beam_count);
-        points->x[beam] = seen->beams[beam] * wg_cos(angle);
-        points->y[beam] = seen->beams[beam] * wg_sin(angle);
-    }
-}
-
 // Returns the length of an arc, m, until a disc meets the first beam's end; at most `far`.
-static double free_path(const Points *points, Arc arc, double radius, double far)
+static double free_path(const WgPoints *points, Arc arc, double radius, double far)
 {
     double free = far;
     for (int64_t beam = 0; beam < points->count; beam++) {
@@ -107,8 +90,8 @@ static double facing(const WgObservation *seen, Arc arc, const WgDynamicWindow *
 static void drive(const WgObservation *seen, WgDynamicWindowMemory *own, WgCommand *command,
                   const WgDynamicWindow *tuned)
 {
-    Points points;
-    fill(seen, &points);
+    WgPoints points;
+    wg_beam_ends(seen, 0.0, &points);
     double step = seen->time_step;
     double top = seen->top_speed;
     double radius = seen->radius + tuned->margin;

@@ -111,7 +111,8 @@ static void move_window(const WgObservation *seen, WgGestaltMemory *own)
     move_along(own, &own->window_y, low_y, false);
 }
 
-// Judges the cells that the beams pass, and those where they end. A beam that ends beyond the window meets nothing in it.
+// Judges the cells that the beams pass, and those where they end. A beam that ends beyond the
+// window hits nothing inside it.
 static void look(const WgObservation *seen, WgGestaltMemory *own)
 {
     double window = 0.5 * own->side * own->pitch;
@@ -198,7 +199,7 @@ static void choose(const WgObservation *seen, WgGestaltMemory *own)
     double best = -INFINITY;
     for (int64_t k = 0; k <= HEADINGS; k++) {
         for (int64_t side = 0; side < 3; side++) {
-            // The straight arc to the target first: of equals the first is taken.
+            // The straight arc to the target comes first, because ties go to the first.
             double bend = side == 0 ? 0.0 : (side == 1 ? BEND : -BEND) / whole;
             double heading = WG_WHOLE_TURN * (double)(k - 1) / (double)HEADINGS;
             Arc arc = {k == 0 ? seen->target_heading : wg_wrap(heading), bend, wg_lower(whole, seen->target_distance)};

@@ -129,7 +129,7 @@ static void remember_distance(const WgObservation *seen, WgReckoning *own, doubl
     own->far = far;
 }
 
-// Returns where a robot drives that has never received a signal: straight on, then elsewhere.
+// Returns where a robot drives that has never received a signal: straight ahead, then elsewhere.
 static void search(const WgObservation *seen, WgReckoning *own)
 {
     bool begins = own->search == 0.0;

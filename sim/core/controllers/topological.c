@@ -1,5 +1,6 @@
-// A topological map: places where the robot decided, joined by the ways that it drove. It explores from place to place,
-// the most promising exit first, and drives back along its map when a place has no exits left.
+// A topological map: places where the robot made decisions, joined by the paths that it drove. It
+// explores from place to place, the most promising exit first, and drives back along its map when a
+// place has no exits left.
 //
 // Sources: Benjamin Kuipers and Yung-Tai Byun, "A robot exploration and mapping strategy based on a semantic hierarchy of
 // spatial representations", Robotics and Autonomous Systems 8 (1991), for places that the sensors single out, joined by ways
@@ -31,19 +32,12 @@ static const double SCALE[LEVELS] = {1.0, 0.6, 0.35};  // of a stride, by how fi
 static const double REACH = 4.0;   // strides from one place to the next, at most
 static const double NEAR = 0.6;    // of a stride: points nearer than this to a driven path are explored
 static const double SEES = 1.5;    // strides within which two places are joined if nothing is between them
-static const double CLOSE = 0.95;  // of the radius: width of the way that must be free, so that it may slide along walls
+static const double CLOSE = 0.95;  // of the radius: half the width that must be free; below 1 to slide along walls
 static const double APART = 0.25;  // of the radius: no new place is made within this distance of the place that it left
 static const double THERE = 0.02;  // of the radius: the robot is at a place within this distance
 static const double STANDS = 0.1;  // of the radius: also within this distance, if it comes no nearer
-static const double ALONG = 0.9;   // share of a step by which it must advance if a wall bent the step
+static const double ALONG = 0.9;   // least progress, in steps, if a wall deflected the step
 static const double ACROSS = 0.5;  // an exit opens at the side if the cosine from the direction of driving is at most this
-
-// What the beams see, in the world's frame, m from the robot.
-typedef struct Points {
-    double x[WG_MOST_BEAMS];
-    double y[WG_MOST_BEAMS];
-    int64_t count;
-} Points;
 
 // The shortest ways from a place.
 typedef struct Ways {
@@ -193,18 +187,8 @@ static void find_ways(const WgTopologicalMemory *own, Ways *ways)
 
 // ---- What is open
 
-static void fill(const WgObservation *seen, Points *points)
-{
-    points->count = seen->beam_count < WG_MOST_BEAMS ? seen->beam_count : WG_MOST_BEAMS;
-    for (int64_t beam = 0; beam < points->count; beam++) {
-        double angle = seen->heading + wg_bearing_of(beam, seen->beam_count);
-        points->x[beam] = seen->beams[beam] * wg_cos(angle);
-        points->y[beam] = seen->beams[beam] * wg_sin(angle);
-    }
-}
-
 // Returns whether the disc can drive straight on so far, m, in a world direction given by its cosine and sine.
-static bool is_free(const Points *points, double cosine, double sine, double radius, double far)
+static bool is_free(const WgPoints *points, double cosine, double sine, double radius, double far)
 {
     for (int64_t k = 0; k < points->count; k++) {
         double along = points->x[k] * cosine + points->y[k] * sine;
@@ -229,14 +213,14 @@ static double look_of(const WgObservation *seen, int64_t exit, double stride)
 }
 
 // Bits of the exits that are free for a whole stride.
-static double open_exits(const WgObservation *seen, const Points *points, double stride)
+static double open_exits(const WgObservation *seen, const WgPoints *points, double stride)
 {
     int64_t bits = 0;
     for (int64_t exit = 0; exit < EXITS; exit++) {
         double direction = direction_of(seen, exit);
         double far = look_of(seen, exit, stride);
         if (exit == TO_TARGET && far < APART * seen->radius) {
-            continue;  // it is there; if the run goes on, so does the exploration
+            continue;  // it is there; if the run continues, so does the exploration
         }
         if (is_free(points, wg_cos(direction), wg_sin(direction), CLOSE * seen->radius, far)) {
             bits |= (int64_t)1 << exit;
@@ -289,7 +273,7 @@ static bool has_opened(const WgObservation *seen, const WgTopologicalMemory *own
 
 // ---- Places
 
-// The place where an exit leads to, if the robot stood at the exit's own place.
+// The place that an exit leads to, as seen from the exit's own place.
 static void look_point(const WgObservation *seen, const WgMapPlace *place, int64_t exit, double stride, double *x, double *y)
 {
     double direction = direction_of(seen, exit);
@@ -346,7 +330,7 @@ static int64_t make_place(WgTopologicalMemory *own)
 
 // Makes the robot's position a place, joined to the place that it comes from and to those in sight nearby. If the robot
 // has hardly moved, it stays at the place that it comes from.
-static void settle(const WgObservation *seen, WgTopologicalMemory *own, const Points *points, double open)
+static void settle(const WgObservation *seen, WgTopologicalMemory *own, const WgPoints *points, double open)
 {
     double stride = stride_of(seen, own);
     int64_t from = (int64_t)own->here;
@@ -421,7 +405,7 @@ static void leave(const WgObservation *seen, WgTopologicalMemory *own, int64_t e
 
 // Chooses where to go from the robot's place. When the map has no exits left, it is forgotten, and the next map is
 // finer; the coarsest follows the finest.
-static void decide(const WgObservation *seen, WgTopologicalMemory *own, const Points *points, double open)
+static void decide(const WgObservation *seen, WgTopologicalMemory *own, const WgPoints *points, double open)
 {
     Ways ways = {0};
     find_ways(own, &ways);
@@ -466,7 +450,7 @@ static bool is_at(const WgObservation *seen, const WgTopologicalMemory *own, con
 }
 
 // Evaluates the last step, and decides if it has come to a place.
-static void continue_leg(const WgObservation *seen, WgTopologicalMemory *own, const Points *points)
+static void continue_leg(const WgObservation *seen, WgTopologicalMemory *own, const WgPoints *points)
 {
     double stride = stride_of(seen, own);
     double open = open_exits(seen, points, stride);
@@ -517,8 +501,8 @@ void wg_topological_act(const WgObservation *seen, double *memory, WgCommand *co
         command->error = "ZeroDivisionError: division by zero";  // of a whole turn by the number of beams
         return;
     }
-    Points points;
-    fill(seen, &points);
+    WgPoints points;
+    wg_beam_ends(seen, seen->heading, &points);
     if (own->mode == START) {
         double open = open_exits(seen, &points, stride_of(seen, own));
         settle(seen, own, &points, open);

@@ -1,4 +1,4 @@
-// VFH+: the robot drives through the opening between obstacles that costs it the fewest turns.
+// VFH+: the robot drives through the opening between obstacles that requires the least turning.
 //
 // Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile robots", IEEE
 // International Conference on Robotics and Automation, 1998: the four stages and the weights of section 3. Departures:
@@ -176,7 +176,7 @@ static double choose(const Wanted *wanted, Sides sides, const WgVfhMemory *own, 
     return best;
 }
 
-// Runs the four stages of one step; stands still if every direction is blocked.
+// Runs the four stages of one step; stops if every direction is blocked.
 static void drive(const WgObservation *seen, WgVfhMemory *own, WgCommand *command, const WgVfh *tuned)
 {
     Wanted wanted = {.last = own->last};

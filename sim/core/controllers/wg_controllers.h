@@ -46,7 +46,7 @@ typedef struct WgBug1Memory {
     double far;         // m: distance to the target before the step
     WgWallPlace hit;    // where a wall stopped it
     WgWallPlace leave;  // where the wall was nearest to the target
-    double leave_far;   // m: distance of that place to the target; infinity: there is none
+    double leave_far;   // m: distance of that place to the target; infinity if there is none
     double path;        // m: driven since the hit
     double leave_path;  // m: driven from the hit to the leave point
     double away;        // 0 near the hit point, 1 away from it, 2 back at it
@@ -58,7 +58,7 @@ typedef struct WgBug2Memory {
     double far;      // m: distance to the target before the step
     double hit_x;    // m
     double hit_y;
-    double hit_far;  // m: distance of the hit point to the target; infinity: there is none
+    double hit_far;  // m: distance of the hit point to the target; infinity if there is none
     double line_x;   // direction of the line, a unit vector
     double line_y;
     double leave_x;  // m: the leave point
@@ -158,7 +158,7 @@ typedef struct WgVfh {
 
 typedef struct WgVfhMemory {
     double blocked[72];  // 1 for each blocked sector
-    double last;         // heading chosen last, sectors; negative: none yet
+    double last;         // last chosen heading, sectors; negative: none yet
 } WgVfhMemory;
 
 typedef struct WgVfhTunedMemory {
@@ -175,7 +175,7 @@ typedef struct WgDynamicWindow {
     double turns;         // number of turn rates tried; an odd number includes the current one
     double ahead;         // s after which an arc's heading is compared with the target's direction
     double least;         // m: free path that an arc must have
-    double far;           // m: free path beyond which more is not better
+    double far;           // m: free path beyond which more makes no difference
     double to_target;     // weight of the heading
     double to_free;       // weight of the free path
     double to_speed;      // weight of the speed

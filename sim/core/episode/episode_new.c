@@ -145,7 +145,7 @@ void wg_episode_fail(WgEpisode *episode)
     episode->over = 1;
 }
 
-// Cells that a coverage task wants, without those that have been visited: the start's.
+// Cells that a coverage task requires, without those already visited: the start's.
 static int64_t count_unvisited(const WgArena *arena)
 {
     int64_t count = 0;
@@ -206,23 +206,13 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
 void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings)
 {
     WgObservation *seen = &workspace->observation;
-    seen->bump = NAN;
-    seen->bump_bearing = NAN;
-    seen->signal = NAN;
-    seen->signal_heading = NAN;
-    seen->heading = NAN;
-    seen->x = NAN;
-    seen->y = NAN;
-    seen->target_heading = NAN;
-    seen->target_distance = NAN;
-    seen->random = NAN;
+    double *numbers = (double *)seen;
+    for (int64_t k = 0; k < WG_SENSES; k++) {
+        numbers[k] = NAN;
+    }
     seen->time_step = settings->time_step;
     seen->top_speed = settings->top_speed;
     seen->radius = settings->radius;
-    seen->time = NAN;
-    seen->odometry_x = NAN;
-    seen->odometry_y = NAN;
-    seen->odometry_heading = NAN;
     seen->beams = workspace->beams;
     seen->beam_count = settings->beams;
     for (int64_t k = 0; k < settings->beams; k++) {

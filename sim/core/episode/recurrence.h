@@ -41,7 +41,7 @@ static inline int64_t wg_blocks(int64_t words)
     return (words + WG_BLOCK - 1) / WG_BLOCK;
 }
 
-// Odd numbers without a pattern, one for each word of a state of few words: those that SplitMix64 draws from seed 0,
+// Random odd numbers, one for each word of a state of few words: SplitMix64's numbers from seed 0,
 // made odd.
 static const uint64_t WG_FACTORS[WG_FEW_WORDS] = {
     0xE220A8397B1DCDAFu, 0x6E789E6AA1B965F5u, 0x06C45D188009454Fu, 0xF88BB8A8724C81EDu,
@@ -84,7 +84,7 @@ int64_t wg_search_look_up(WgSearch *search, int64_t step, int64_t quiet);
 // Returns the first step, not before `quiet`, from which the log repeats itself up to `step`.
 int64_t wg_entry_of_loop(const uint64_t *log, int64_t quiet, int64_t step, int64_t period);
 
-// Does the same for any state.
+// The fingerprint of a state of any size.
 static inline uint64_t wg_fingerprint(WgSearch *search, const void *state)
 {
     return search->words <= WG_FEW_WORDS ? wg_fingerprint_of_few(state, search->words)
@@ -103,7 +103,7 @@ static inline int64_t wg_search_log(WgSearch *search, uint64_t fingerprint, int6
     return wg_search_look_up(search, step, quiet);
 }
 
-// Does the same for a given state.
+// Logs a state and looks it up, like wg_search_log().
 static inline int64_t wg_search_period(WgSearch *search, const void *state, int64_t step, int64_t quiet, int64_t budget)
 {
     return wg_search_log(search, wg_fingerprint(search, state), step, quiet, budget);

@@ -59,13 +59,15 @@ static inline int64_t wg_whole_speed(double asked)
     return (int64_t)(asked + copysign(1e-9, asked));
 }
 
-// Runs a plain run (see plain.c) up to a step. Returns true if it continues.
+// Returns true if the fast loop in plain.c can do this run.
 bool wg_is_plain(const WgEpisode *episode);
+
+// Runs a plain run up to a step. Returns true if it continues.
 bool wg_run_plain(WgEpisode *episode, int64_t last);
 
 // Functions that few steps need; in step.c.
 
-// Takes command and memory from workspace.answer, if they are there.
+// Takes command and memory from workspace.answer, if it has them.
 void wg_take_answer(WgEpisode *episode);
 
 // Copies the observation into workspace->flat.
@@ -109,7 +111,7 @@ void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t ste
 // Displaces and turns a robot that is pushed in a step, after its own move.
 void wg_disturb(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
 
-// Counts a cell that a coverage task wants, and ends the run with the last one.
+// Counts a cell that a coverage task requires, and ends the run with the last one.
 void wg_count_wanted(WgRobot *robot);
 
 // The remainder of a drive after the wheels have slipped.
@@ -131,7 +133,7 @@ void wg_write_step(const WgRecording *recording, const WgRobot *robot, int64_t w
 
 // Functions that every step needs.
 
-// Returns the whole lattice units that a speed drives in a step; the rest is lost.
+// Returns the whole lattice units driven at a speed in a step; the rest is lost.
 static inline int64_t wg_drive(int64_t speed)
 {
     return speed / WG_SPEED_UNIT;
@@ -262,7 +264,7 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     }
 
     // Features that few robots have: poses on a coarser lattice, wheels that measure with errors, or miss what pushes
-    // the robot. Against a wall the wheels stand still, whatever the floor does.
+    // the robot. Against a wall the wheels do not turn, whatever the floor does.
     if (settings->lattice > 1 && report->ending == WG_LIMIT) {
         wg_round_pose(arena, settings, step, robot);
     }
@@ -304,7 +306,7 @@ static inline int64_t wg_next_speed(int64_t now, int64_t wanted, const WgSetting
         return wanted;
     }
     if ((wanted > 0 && now < 0) || (wanted < 0 && now > 0)) {
-        wanted = 0;  // it must come to a stand first
+        wanted = 0;  // it must stop first
     }
     if ((double)wg_abs(wanted) > (double)wg_abs(now) + gain) {
         return wanted > 0 ? now + (int64_t)gain : now - (int64_t)gain;

@@ -37,7 +37,7 @@ struct WgMover {
     int64_t row;
     int64_t cluster;     // index of the first robot of its cluster, once found
     int64_t next;        // index of the next robot of its cluster; -1
-    bool is_active;      // it has not parked, nor ended the run
+    bool is_active;      // it has neither parked nor ended the run
     bool is_clear;       // the path to `goal` is known to be clear of walls
     bool is_violated;    // the path to `goal` is not clear of something
 };

@@ -142,8 +142,8 @@ static bool look_for_violations(const WgFleet *fleet, WgCluster cluster, bool ba
 }
 
 // Finds goals at a share of the displacements so that all paths to them are clear of walls and of each other. Robots
-// whose paths are not clear try their next goals together. If stepping back is allowed, the last goal is to stand
-// still, so goals are always found.
+// whose paths are not clear try their next goals together. If stepping back is allowed, the last
+// goal is to stay in place, so goals are always found.
 static bool find_goals(const WgFleet *fleet, WgCluster cluster, double share, bool back)
 {
     WgMover *movers = fleet->movers;
@@ -194,7 +194,7 @@ static double pair_contact(const WgFleet *fleet, const WgPair *pair)
     const WgMover *other = &fleet->movers[pair->other];
     WgPlace from = {one->place.x - other->place.x, one->place.y - other->place.y};
     WgVector by = {one->left.x - other->left.x, one->left.y - other->left.y};
-    // A touch that only exact arithmetic detects is at the end.
+    // A touch that only exact arithmetic detects counts as one at the end.
     return wg_lower(1.0, wg_touch_time((double)pair->clear_sq, from, by));
 }
 

@@ -91,8 +91,8 @@ static int64_t next_in(const WgFleet *fleet, int64_t robot)
     return one_in(fleet, fleet->near->chain[robot], mover->column, mover->row);
 }
 
-// For each robot, examines its own cell and four of the eight around it, because each pair of neighbouring cells needs
-// only one look.
+// For each robot, examines its own cell and four of the eight around it, because each pair of
+// neighbouring cells has to be checked only once.
 static void look_around(WgFleet *fleet)
 {
     static const int64_t OTHER_CELLS[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
@@ -133,8 +133,8 @@ void wg_find_near(WgFleet *fleet)
         look_around(fleet);
     }
 
-    // Link the pairs of each cluster, and its robots; a robot that cannot meet another one stays
-    // out.
+    // Link the pairs of each cluster, and its robots; a robot that cannot meet another one is not
+    // in any cluster.
     for (int64_t k = 0; k < near->pair_count; k++) {
         int64_t root = root_of(movers, near->pairs[k].one);
         near->pairs[k].next = near->first_pair[root];

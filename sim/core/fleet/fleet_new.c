@@ -85,7 +85,7 @@ static bool make_senses(WgFleet *fleet, const WgArena *const *arenas)
         fleet->furthest = wg_higher(fleet->furthest, beams ? settings->beam_range : 0.0);
         fleet->furthest = wg_higher(fleet->furthest, neighbours ? settings->neighbour_range : 0.0);
     }
-    // A beam may meet the rim of a robot whose centre is farther away.
+    // A beam may hit the rim of a robot whose centre is farther away.
     fleet->furthest += radius;
     fleet->around = array(&is_made, fleet->count, sizeof *fleet->around);
     fleet->arenas = array(&is_made, fleet->count, sizeof *fleet->arenas);

@@ -3,6 +3,9 @@
 #include "fleet.h"
 #include "rays.h"
 
+// Up to this many robots are sorted by rank, which compares all pairs.
+enum { MOST_RANKED = 32 };
+
 double *wg_message_of(const WgFleet *fleet, int64_t robot)
 {
     WgEpisode *member = fleet->members[robot];
@@ -105,9 +108,39 @@ static bool comes_before(const WgRobotGrid *grid, WgNearby one, WgNearby other)
     return place.x < others.x || (place.x == others.x && place.y < others.y);
 }
 
+// Sorts a few robots by distance alone, without a branch that depends on one. The rank of each is the number of robots
+// that are nearer. Equal distances share a rank, so they stay unsorted.
+//
+// With eleven robots in range, insertion alone takes twice as long, because its branches cannot be predicted.
+static void sort_by_rank(WgNearby *found, int64_t count)
+{
+    int64_t away_sq[MOST_RANKED];
+    WgNearby sorted[MOST_RANKED];
+    int64_t sum = 0;
+    for (int64_t k = 0; k < count; k++) {
+        away_sq[k] = found[k].away_sq;
+    }
+    for (int64_t k = 0; k < count; k++) {
+        int64_t nearer = 0;
+        for (int64_t other = 0; other < count; other++) {
+            // The sign of the difference: unlike a comparison, compilers take two of these at a time.
+            nearer += (int64_t)((uint64_t)(away_sq[other] - away_sq[k]) >> 63);
+        }
+        sorted[nearer] = found[k];
+        sum += nearer;
+    }
+    if (2 * sum == count * (count - 1)) {
+        memcpy(found, sorted, (size_t)count * sizeof *found);
+    }
+}
+
 // Sorts robots by the order of sensing. Unless the range is long, there are few.
 static void sort_found(const WgRobotGrid *grid, int64_t count)
 {
+    if (count <= MOST_RANKED) {
+        sort_by_rank(grid->found, count);
+    }
+    // Insertion settles what is left: equal distances, or a crowd.
     for (int64_t k = 1; k < count; k++) {
         WgNearby found = grid->found[k];
         int64_t at = k;

@@ -1,8 +1,9 @@
 // Fleets: several robots in one world, each with its own controller.
 //
-// In each step all robots move at the same time, then all sense, then all act. A robot that has reached its target parks:
-// it stands still and gets no more observations, but stays an obstacle. A fleet consists of episodes, one for each
-// robot, whose states are stored next to each other: together they form the complete state that a recurrence repeats.
+// In each step all robots move at the same time, then all sense, then all act. A robot that has
+// reached its target parks: it stops and gets no more observations, but remains an obstacle. A
+// fleet consists of episodes, one for each robot, whose states are stored next to each other:
+// together they form the complete state that a recurrence repeats.
 
 #ifndef WG_FLEET_H
 #define WG_FLEET_H
@@ -32,9 +33,9 @@ typedef struct WgFleetReport {
     int64_t ending;  // WG_LIMIT, ...; WG_REACHED when all robots have parked; WG_LOOP: the complete state recurred
     int64_t steps;
     int64_t period;
-    int64_t entry;   // first step from which on the states repeat, of WG_LOOP; else -1
+    int64_t entry;   // first step from which the states repeat, for WG_LOOP; else -1
     int64_t robot;   // of an ending that one robot brought about: its index; else -1
-    int64_t other;   // of WG_COLLISION: the index of the other one; else -1
+    int64_t other;   // for WG_COLLISION: the index of the other one; else -1
     int64_t parked;  // robots that have reached their targets
 } WgFleetReport;
 

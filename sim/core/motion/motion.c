@@ -46,7 +46,8 @@ static double contact_with_corner(double radius_sq, double mx, double my, double
     return wg_higher(0.0, (-approach - sqrt(inside)) / a);
 }
 
-// Keeps the earliest of the best contact so far and those of a disc at the origin, moving by d, with a cell.
+// Keeps the earliest contact: the best so far, or one of a disc at the origin, moving by d, with a
+// cell.
 //
 double wg_touch_time(double radius_sq, WgPlace from, WgVector by)
 {

@@ -154,7 +154,7 @@ static inline WgReduced wg_reduce_positive(double x)
     return (WgReduced){quadrant, y, (r - y) - w};
 }
 
-// Sine of x rad; NaN beyond WG_REDUCTION_LIMIT either way, and for NaN.
+// Sine of x rad; NaN if |x| exceeds WG_REDUCTION_LIMIT, and for NaN.
 static inline double wg_sin(double x)
 {
     if (-WG_QUARTER_PI_END < x && x < WG_QUARTER_PI_END) {
@@ -170,7 +170,7 @@ static inline double wg_sin(double x)
     return negated ? -value : value;
 }
 
-// Cosine of x rad; NaN beyond WG_REDUCTION_LIMIT either way, and for NaN.
+// Cosine of x rad; NaN if |x| exceeds WG_REDUCTION_LIMIT, and for NaN.
 static inline double wg_cos(double x)
 {
     if (-WG_QUARTER_PI_END < x && x < WG_QUARTER_PI_END) {

@@ -107,7 +107,8 @@ static void sense_at(WgCrew *crew, int64_t robot, WgNormal contact)
              &crew->workspace.observation, crew->workspace.beams);
 }
 
-// Moves a robot and lets it sense, also at its last pose; returns true if a wall stopped or bent the move.
+// Moves a robot and lets it sense, even at its last pose; returns true if a wall stopped or
+// deflected the move.
 static bool advance(WgCrew *crew, int64_t robot)
 {
     WgArena arena = arena_of(crew, robot);

@@ -1,5 +1,5 @@
 // Computes the outcomes of one step from many states, for every value that a random number may
-// have, and what is sensed there.
+// have, and the observations there.
 
 #include "step.h"
 #include "wg_runs.h"

@@ -102,8 +102,8 @@ static bool read_numbers(PyObject *tuple, int64_t count, const Tools *tools, dou
 }
 
 // Reads an answer that is a tuple of a command, which is a Command or a tuple of two to four, and
-// a tuple of numbers. Returns the memory to continue with; NULL without an exception for any other
-// answer, which Python must judge.
+// a tuple of numbers. Returns the memory to continue with; for any other answer, which Python must
+// judge, returns NULL without an exception.
 static PyObject *take_quickly(PyObject *answer, int64_t size, const Tools *tools, double *taken)
 {
     if (!is_just(answer, tools->tuple) || PyTuple_Size(answer) != 2) {

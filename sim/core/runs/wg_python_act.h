@@ -28,8 +28,9 @@ int64_t wg_episode_stop(void *subject);
 // with PYFUNCTYPE.
 //
 // tools:  a tuple of nine: the controller's function; the same measured, for the first call; the same measured, for
-//         one call in `every`; tuple.__new__; the types Observation, Command, tuple and float; and a function that
-//         takes an answer of any other form and the size of the memory, and returns speed, turn rate, whether the
+//         one call in `every`; tuple.__new__; the types Observation, Command, tuple and float; and
+// a function that takes an answer in any other form and the size of the memory, and returns speed,
+// turn rate, whether the
 //         random number was used, and the memory, all as floats in one tuple, or raises.
 // memory: a tuple of floats.
 //

@@ -24,8 +24,8 @@ typedef struct WgStart {
 // proved.
 //
 // fresh:     the surroundings before the first event; not changed.
-// settings:  those of the episode; start, seed, steps and the search for loops are changed and set back.
-// starts:    (count,)
+// settings:  those of the episode; start, seed, steps and the search for loops are changed and then
+// restored. starts:    (count,)
 // seeds:     (count,)
 // stop:      set by another thread; once it is not 0, no run counts and the call soon returns.
 // reports:   (count,) filled.
@@ -71,13 +71,14 @@ typedef struct WgTried {
     int64_t running;  // 1: the run of the edit before `next` is not over; the next call continues it
 } WgTried;
 
-// Tries edits from tried->next on, until one is found or wanted->steps steps are done. A run that was not over after
-// the last call continues first, so the memory behind the arguments must not change in between.
+// Tries edits, starting with tried->next, until one is found or wanted->steps steps are done. A run
+// that was not over after the last call continues first, so the memory behind the arguments must
+// not change in between.
 //
 // settings:  those of the episode, whose arena has the shape after the edits and its events.
 // before:    those of the world before the edit, with the world's start.
 // old:       the cells before the edit, at time 0.
-// edits:     (count,) all of which lead to the arena's shape.
+// edits:     (count,) all of the arena's shape.
 WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
                        const WgEdit *edits, int64_t count, const WgWanted *wanted, WgTried *tried);
 

@@ -200,7 +200,7 @@ static void measure(const WgArena *arena, const WgSettings *settings, const WgSt
     }
 }
 
-// Shortens the beams that meet other robots.
+// Shortens the beams that hit other robots.
 //
 // Source: ray against sphere, Ericson, Real-Time Collision Detection (2005), 5.3.2.
 static void meet_others(const WgArena *arena, const WgSettings *settings, const WgState *state, double *beams)

@@ -68,7 +68,7 @@ typedef struct Line {
     int64_t length_y;
     int64_t step_x;
     int64_t step_y;
-    int64_t ix;  // the cell where it is now
+    int64_t ix;  // its current cell
     int64_t iy;
     int64_t last_ix;
     int64_t last_iy;

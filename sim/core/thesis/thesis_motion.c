@@ -2,8 +2,8 @@
 //
 // It slides along a wall after looking at only one cell, backs off without looking, and continues
 // if only the corner of a cell is touched; so a robot that turns often works its way into walls and
-// through them. Each fault can be repaired; with all three repaired, the disc only ever stands
-// where it was found to be clear.
+// through them. Each fault can be repaired; with all three repaired, the disc is only ever at
+// places that were found to be clear.
 //
 // Source: the thesis's listing, simGuiExp.checkCollision and advanceRobot; the disc test is Java's
 // Ellipse2D.intersects.
@@ -12,8 +12,9 @@
 
 static const double MOST_OPEN = 60.0;  // px: side of the largest box that is checked before a move
 
-// The obstacle in the path of one pixel's step: none; a wall that one of the two single-axis moves, or both, would
-// touch too; or only the corner of a cell. TOUCH_BOTH is the sum of the two before it.
+// The obstacle in the path of a one-pixel step: none; a wall that one of the two single-axis moves,
+// or both, would touch too; or only the corner of a cell. TOUCH_BOTH is the sum of the two before
+// it.
 enum { TOUCH_NOTHING = 0, TOUCH_X = 1, TOUCH_Y = 2, TOUCH_BOTH = 3, TOUCH_CORNER = 4 };
 
 // Distance along one axis from the disc's centre to a cell, in the ellipse's own coordinates, where
@@ -156,7 +157,7 @@ WgThesisMove thesis_advance(const ThesisGrid *grid, double x, double y, double g
     bool collision = false;
     int64_t ending = WG_STRAIGHT;
 
-    // The listing divides by a length of zero and compares with NaN: nothing moves.
+    // The listing divides by a length of zero and compares with NaN, so nothing moves.
     if (length != 0.0) {
         ThesisPoint unit = {1.0 / length * path.x, 1.0 / length * path.y};
         bool open = is_open(grid, here, path, radius);

@@ -13,7 +13,7 @@
 
 static const double THESIS_TURN_STEP = 0.08; // rad per tick
 static const double THESIS_TURN_SNAP =
-    0.2; // rad; closer than this the robot takes the heading at once
+    0.2; // rad; closer than this the robot takes the heading immediately
 
 // Heading after one tick of turning.
 static inline double thesis_turn(double heading, double target)
@@ -115,7 +115,7 @@ static inline void thesis_act(WgThesisState *state, double signal, double top_sp
 static inline void thesis_escape(const WgThesisSettings *settings, WgThesisState *state,
                                  const double *draws)
 {
-    // A robot that is coasting, or is interrupted while it turns, still wants its previous speed.
+    // A robot that is coasting, or is interrupted while it turns, still needs its previous speed.
     if (state->speed > 0.0 ||
         (settings->friction == 0.0 && settings->reading != WG_INTERRUPTIBLE)) {
         state->old_speed = state->speed;

@@ -26,8 +26,8 @@ enum { WG_NEEDS_DRAWS = 6 };
 // Rules: how the robot turns after a collision.
 enum { WG_RULE_ADD = 1, WG_RULE_SUBTRACT = 2, WG_RULE_RANDOM = 3 };
 
-// How a tick's move ends: as it began; sliding; backing off, or standing still if that is repaired; and, in place of
-// WG_STRAIGHT, having continued past a corner that it touched.
+// How a tick's move ends: as it began; sliding; backing off, or staying in place if that is
+// repaired; and, in place of WG_STRAIGHT, having continued past a corner that it touched.
 enum { WG_STRAIGHT = 0, WG_SLIDE = 1, WG_BACK_OFF = 2, WG_CORNER = 3 };
 
 // Faults of the motion that can be repaired: bits of WgThesisSettings.repairs.
@@ -58,7 +58,7 @@ typedef struct WgThesisSettings {
     double tolerance;       // overlap with a wall that is not reported, px
     double acceleration;    // largest gain of px/ms per ms; 0: unlimited
     double friction;        // px/ms lost per ms by a robot that rolls out; 0: stops immediately
-    double wall_friction;   // share of a slide that friction takes
+    double wall_friction;   // share of a slide that is lost to friction
     double slip;            // largest share of a tick's path that is lost
     double sensor_field;    // angle that the sensor looks into, rad; 0: all around
     double sensor_noise;    // largest share by which a reading is wrong
@@ -94,9 +94,9 @@ typedef struct WgThesisState {
     double heading;        // rad
     double target_heading; // rad
     double speed;          // px/ms, wanted
-    double old_speed;      // px/ms, wanted before the collision
+    double old_speed;      // px/ms, commanded before the collision
     double rolling;        // px/ms, at which the robot moves: `speed` without inertia and friction
-    int64_t collision;     // 1 if the last move met a wall
+    int64_t collision;     // 1 if the last move hit a wall
     int64_t behaviour;     // in control: WG_COLLIDE, ...
     int64_t ticks_left;    // 0 unless collide or drive is in control
     int64_t draws_used;
@@ -129,7 +129,7 @@ typedef struct WgThesisPlace {
     int64_t x;    // cell
     int64_t y;
     int64_t state; // WG_SOLID (debris) or WG_BURNING, of a hit
-    int64_t began; // step in which the overlap that lasted then began; -1: none lasted
+    int64_t began; // step in which the overlap at that time began; -1 if there was none
     int64_t cause; // the move of that step
 } WgThesisPlace;
 
@@ -153,7 +153,7 @@ typedef struct WgThesisRun {
     double path_length;    // px
     double deepest;        // overlap at the end of a tick, px
     int64_t next_event;
-    int64_t overlap_began; // first step of the overlap that lasts now; -1: none
+    int64_t overlap_began; // first step of the current overlap; -1 if there is none
     int64_t overlap_cause; // its move
 } WgThesisRun;
 
@@ -163,7 +163,7 @@ typedef struct WgThesisMove {
     double y;
     int64_t collision; // the listing's flag
     int64_t ending;    // WG_STRAIGHT, ...
-    double before_x;   // the centre before a wall changed the move; where none did, x and y
+    double before_x;   // the centre before a wall changed the move; x and y if none did
     double before_y;
 } WgThesisMove;
 

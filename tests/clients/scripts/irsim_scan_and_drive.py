@@ -1,4 +1,4 @@
-"""Prints what IR-SIM's lidar sees at poses, and how straight drives end.
+"""Print what IR-SIM's lidar measures at poses, and where straight drives end.
 
 Arguments: the world's YAML file; JSON with ``poses``, a list of [x, y, heading], and ``drives``, of
 {"pose": ..., "command": [v, w], "steps": n}.

@@ -1,4 +1,4 @@
-"""MiniGrid prints its own environments, and a grid built of the walls, agent and goal that a file says."""
+"""MiniGrid prints its own environments, and a grid built from the walls, agent and goal in a file."""
 
 import json
 import sys

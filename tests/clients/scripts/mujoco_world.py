@@ -1,6 +1,6 @@
-"""Loads a model and answers what a request asks.
+"""Load a model and answer a request.
 
-Rays at times, a sphere that is dropped, a robot that is driven.
+Rays at given times, a dropped sphere, a driven robot.
 """
 
 import importlib.util
@@ -31,7 +31,7 @@ def distances(model, data, rays, z):
 
 
 def rays_at(time):
-    """Rays at one time, once with a player that steps up to it and once with one that is put there."""
+    """Cast rays at a given time, with a player that steps up to it and with one that jumps there."""
     model = mujoco.MjModel.from_xml_path(path)
     played, jumped = mujoco.MjData(model), mujoco.MjData(model)
     if model.nmocap:
@@ -92,7 +92,9 @@ def marks():
 
 
 def fleet():
-    """Places of the named robots, [x, y, heading], as the model begins and after all drive along x."""
+    """Return the poses of the named robots, [x, y, heading], at the start and after all have driven
+    along x.
+    """
     model = mujoco.MjModel.from_xml_path(path)
     data = mujoco.MjData(model)
 

@@ -1,6 +1,6 @@
-"""What POGEMA makes of a map file.
+"""Print how POGEMA reads a map file:
 
-Its obstacles, agent and target, and where each move of a list leads.
+its obstacles, agent and target, and where each move of a list leads.
 """
 
 import json
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pogema import GridConfig, pogema_v0
 
-RADIUS = 2  # cells of padding that POGEMA puts round a map for the agent's view
+RADIUS = 2  # cells of padding that POGEMA puts around a map for the agent's view
 
 config = GridConfig(map=Path(sys.argv[1]).read_text(), obs_radius=RADIUS, max_episode_steps=100_000)
 env = pogema_v0(grid_config=config)

@@ -1,4 +1,4 @@
-"""What pogema-toolbox reads from MovingAI map files: rows of # and ., by file."""
+"""Print how pogema-toolbox reads MovingAI map files: rows of # and ., by file."""
 
 import importlib.abc
 import importlib.machinery
@@ -9,9 +9,9 @@ from pathlib import Path
 
 
 class Absent(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Empty modules for what the toolbox imports next to its parser.
+    """Empty modules for the toolbox's other imports.
 
-    It is installed without what it depends on.
+    It is installed without its dependencies.
     """
 
     def find_spec(self, name, path=None, target=None):

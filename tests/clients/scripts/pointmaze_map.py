@@ -1,4 +1,4 @@
-"""PointMaze on a maze map: where start and goal lie, what rays meet, and where a push leads."""
+"""PointMaze on a maze map: places of start and goal, what rays hit, and where a push leads."""
 
 import json
 import sys

@@ -1,4 +1,6 @@
-"""Loads a mesh as a body that collides as it is, not as its hull; says how long rays are."""
+"""Load a mesh as a body that collides with its exact shape, not its hull; print the lengths of
+rays.
+"""
 
 import json
 import sys
@@ -7,7 +9,7 @@ from pathlib import Path
 import pybullet
 
 path, rays, z = sys.argv[1], json.loads(Path(sys.argv[2]).read_text()), float(sys.argv[3])
-REACH = 10.0  # m: further than any wall
+REACH = 10.0  # m: farther than any wall
 
 pybullet.connect(pybullet.DIRECT)
 shape = pybullet.createCollisionShape(

@@ -1,6 +1,6 @@
 """Loads a world into PyBullet.
 
-Rays, a sphere that is dropped and then driven, and whether what is static stays.
+Cast rays, drop a sphere and drive it, and check that static bodies stay in place.
 """
 
 import json
@@ -35,7 +35,7 @@ for _ in range(480):
 driven = p.getBasePositionAndOrientation(ball)[0]
 after = [p.getBasePositionAndOrientation(body) for body in bodies]
 p.disconnect()
-print()  # the loader's warnings end without one
+print()  # the loader's warnings do not end with a newline
 said = {
     "names": names,
     "masses": masses,

@@ -1,4 +1,4 @@
-"""Lets controllers of others drive where nothing is in the way: arguments are their names."""
+"""Run third-party controllers, named by the arguments, where nothing is in the way."""
 
 import contextlib
 import json

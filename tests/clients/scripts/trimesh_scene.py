@@ -1,6 +1,6 @@
 """Loads a mesh or scene.
 
-Says whether its boxes are watertight, their volume, where rays end, and what nodes say.
+Print whether its boxes are watertight, their volume, where rays end, and the contents of nodes.
 """
 
 import json

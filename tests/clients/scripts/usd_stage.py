@@ -1,6 +1,6 @@
 """Opens and validates a stage.
 
-Says where its colliding cubes are, and what start, target and custom data say.
+Print the places of its colliding cubes, and start, target and custom data.
 """
 
 import json

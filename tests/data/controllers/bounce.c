@@ -21,9 +21,9 @@ static double number(const char *line, const char *name) {
 int main(void) {
     static char line[65536];
     const double half = acos(-1.0); /* rad: half a turn */
-    int waiting = 0;                /* steps still to drive on */
+    int waiting = 0;                /* steps left to drive straight */
     while (fgets(line, sizeof line, stdin)) {
-        if (strstr(line, "\"reset\":")) { /* a new episode: forget; nothing is answered */
+        if (strstr(line, "\"reset\":")) { /* new episode: forget everything; no answer expected */
             waiting = 0;
             continue;
         }
@@ -39,7 +39,7 @@ int main(void) {
         }
         printf("{\"speed\": %.17g, \"turn_rate\": %.17g}\n", number(line, "\"top_speed\":"),
                turn / number(line, "\"time_step\":"));
-        fflush(stdout); /* or the line waits in a buffer, and the verdict is hang */
+        fflush(stdout); /* otherwise the line waits in a buffer, and the verdict is hang */
     }
     return 0;
 }

@@ -1,4 +1,4 @@
-// Controllers that do what none should; most drive to the target until they touch a wall.
+// Controllers that misbehave; most drive to the target until they touch a wall.
 
 #include <stdlib.h>
 
@@ -56,13 +56,13 @@ static void complain(const WgObservation *seen, double *memory, WgCommand *comma
     }
 }
 
-// As segfault, but it says that it has failed.
+// Like segfault, but reports that it has failed.
 static void own_up(const WgObservation *seen, double *memory, WgCommand *command)
 {
     complain(seen, memory, command);
 }
 
-// Turns on the spot and counts its steps, so that no state of it comes back.
+// Turns on the spot and counts its steps, so that no state recurs.
 static void count_steps(const WgObservation *seen, double *memory, WgCommand *command)
 {
     (void)seen;
@@ -83,7 +83,7 @@ WG_CONTROLLER(own_up, .memory_size = 1, .senses = WG_SENSE_TARGET_HEADING)
 WG_CONTROLLER(count_steps, .memory_size = 1, .senses = WG_SENSE_NOTHING_ELSE)
 WG_CONTROLLER(complain, .reset = begin, .memory_size = 2, .beams = 12, .beam_range = 0.5, .start_speed = 0.1)
 
-// Nothing that a controller is offered with.
+// Not declared as a controller.
 WG_EXPORT int alone(void)
 {
     return 0;

@@ -1,4 +1,4 @@
-"""The planted faults as Python classes of plain Python.
+"""The planted faults as plain Python classes.
 
 ``tests.reference.fuzz.as_classes:bug2_stale_line``.
 """

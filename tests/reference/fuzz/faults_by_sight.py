@@ -11,7 +11,7 @@ from tests.reference.sim.controllers import vfh as histogram
 from tests.reference.sim.controllers._directions import target_bearing
 from tests.reference.sim.controllers.q_learning import SITUATIONS, TURNED, WAIT, situation
 
-_CELL = 0.1  # m: of the families' worlds
+_CELL = 0.1  # m: in the families' worlds
 
 
 @seeded("three-layer")
@@ -27,7 +27,7 @@ def three_layer_patience_starts_anew(
 def three_layer_forgets_its_map(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """The map is cleared with each new waypoint: what was learnt is lost with the reset."""
+    """The map is cleared with each new waypoint, so everything the robot has learned is lost."""
     to_x = memory[layers.TO_X]
     to_y = memory[layers.TO_Y]
     base(observation, memory, command)
@@ -40,7 +40,7 @@ def three_layer_forgets_its_map(
 def three_layer_columns_and_rows_swapped(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Columns and rows are mixed up where the robot's cell is looked up."""
+    """Swaps column and row when it looks up the robot's cell."""
     if memory[layers.LAID] != 0.0:
         x = observation[layout.OBS_X]
         y = observation[layout.OBS_Y]
@@ -52,7 +52,7 @@ def three_layer_columns_and_rows_swapped(
 def three_layer_stale_target(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """The heading of the target is kept from the start for the last bit of the way."""
+    """On the last stretch, the heading of the target is still the one from the start."""
     if memory[layers.MEMORY] == 0.0:
         memory[layers.MEMORY], memory[layers.MEMORY + 1] = (
             1.0,
@@ -73,7 +73,7 @@ def three_layer_turn_not_wrapped(
 
 @seeded("vfh")
 def vfh_turn_sign(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Turns the wrong way where the chosen direction is more than an eighth of a turn off."""
+    """Turns the wrong way if the chosen direction is more than an eighth of a turn off."""
     base(observation, memory, command)
     if abs(command[layout.CMD_TURN_RATE] * observation[layout.OBS_TIME_STEP]) > 0.25 * math.pi:
         command[layout.CMD_TURN_RATE] = -command[layout.CMD_TURN_RATE]
@@ -83,7 +83,7 @@ def vfh_turn_sign(observation: Floats, memory: Floats, command: Floats, base: Ac
 def vfh_histogram_never_clears(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """A sector that was blocked once stays so: the lower threshold is never asked."""
+    """A sector that was blocked once stays blocked: the lower threshold is never checked."""
     first = histogram.SECTORS + 1
     for k in range(histogram.SECTORS):
         if memory[first + k] != 0.0:
@@ -97,9 +97,9 @@ def vfh_histogram_never_clears(
 def vfh_beam_beyond_the_last(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Looks up the beam nearest to the target by a rounded index.
+    """Finds the beam nearest to the target by a rounded index.
 
-    It may be one beyond the last.
+    The index may be one past the last.
     """
     base(observation, memory, command)
     beams = observation.size - layout.OBS_SIZE
@@ -126,7 +126,7 @@ def potential_field_gap_in_whole_cells(
 def potential_field_never_slows(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Drives at its top speed near walls, too, so that between two looks it is beyond them."""
+    """Keeps its top speed near walls, so it has passed them before it looks again."""
     base(observation, memory, command)
     command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED]
 
@@ -135,7 +135,7 @@ def potential_field_never_slows(
 def dynamic_window_brakes_for_the_target(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Slows down before the target by the root of what is left less 0.1 m.
+    """Brakes for the target by the square root of the distance minus 0.1 m.
 
     It may be negative.
     """
@@ -150,7 +150,7 @@ def dynamic_window_brakes_for_the_target(
 def dynamic_window_speed_in_km_h(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Sends its speed in km/h to wheels that take m/s."""
+    """Sends its speed in km/h to wheels that expect m/s."""
     base(observation, memory, command)
     command[layout.CMD_SPEED] *= 3.6
 
@@ -159,7 +159,7 @@ def dynamic_window_speed_in_km_h(
 def q_learning_eighth_of_nine(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Counts nine eighths of a turn: straight behind on the right is beyond the table's end."""
+    """Counts nine eighths to a full turn, so straight back on the right is past the table's end."""
     number = situation(observation, memory)
     bearing = target_bearing(observation) % (2.0 * math.pi)
     if math.floor(bearing / (2.0 * math.pi) * 8.0 + 0.5) == 8:  # without the remainder
@@ -173,9 +173,9 @@ def q_learning_eighth_of_nine(
 def q_learning_timer_off_by_one(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Waits a step longer between two decisions than it did when it was trained.
+    """Waits one step longer between two decisions than during training.
 
-    An error by one in a timer.
+    A timer is off by one.
     """
     waited = memory[WAIT]
     base(observation, memory, command)
@@ -187,6 +187,6 @@ def q_learning_timer_off_by_one(
 def q_learning_last_turn_lost(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Does not remember which way it turned last."""
+    """Does not remember in which direction it last turned."""
     base(observation, memory, command)
     memory[TURNED] = 0.0

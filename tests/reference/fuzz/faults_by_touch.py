@@ -1,4 +1,4 @@
-"""Faults in the controllers that follow walls by touch: Bug1, Bug2 and the hand on the wall."""
+"""Faults in the controllers that follow walls by touch: Bug1, Bug2 and wall following."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _STILL_ROUND = 2.0  # Bug1's AWAY: it is back at the hit point
 def bug1_keeps_the_last_place(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Does not keep the nearest place of the wall but the last one.
+    """Remembers the last place along the wall instead of the nearest.
 
-    The comparison with the best so far is lost.
+    The comparison is missing.
     """
     if memory[one.MODE] == one.ROUND:
         memory[one.LEAVE_FAR] = math.inf
@@ -30,7 +30,7 @@ def bug1_keeps_the_last_place(
 def bug1_hit_point_moves_along(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Notes the hit point again at each step along the wall, so it never comes back to it."""
+    """Sets the hit point again at each step along the wall, so it never returns to it."""
     base(observation, memory, command)
     if memory[one.MODE] == one.ROUND:
         memory[one.HIT] = observation[layout.OBS_X]
@@ -43,7 +43,7 @@ def bug1_stale_round_is_over(
 ) -> None:
     """The flag of a finished round is not cleared at the second obstacle.
 
-    It counts as seen at once.
+    That obstacle then counts as explored.
     """
     before = memory[one.MODE]
     base(observation, memory, command)
@@ -57,7 +57,7 @@ def bug1_stale_round_is_over(
 def bug1_lost_wall_wrong_side(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Changes hands whenever the wall is lost at a corner: the sign of the turn is wrong there."""
+    """Switches sides whenever it loses the wall at a corner: the sign of the turn is wrong there."""
     base(observation, memory, command)
     if memory[body.LOST] == 1.0:
         memory[body.HAND] = -memory[body.HAND]
@@ -67,7 +67,7 @@ def bug1_lost_wall_wrong_side(
 def bug1_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The turn is the difference of two headings, not wrapped at pi.
 
-    So the robot turns by half a turn.
+    So the robot may turn the long way.
     """
     base(observation, memory, command)
     unwrap_turn(observation, command)
@@ -77,7 +77,7 @@ def bug1_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, 
 def bug2_leaves_by_equality(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Leaves the wall only where it is on the line exactly: a comparison of floats for equality."""
+    """Leaves the wall only exactly on the line: floats are compared for equality."""
     before = memory[two.MODE]
     base(observation, memory, command)
     x = observation[layout.OBS_X] - memory[two.HIT_X]
@@ -118,7 +118,7 @@ def bug2_leaves_behind_the_hit_point(
 ) -> None:
     """Leaves wherever it crosses the line.
 
-    That the place must be nearer than the hit point is forgotten.
+    The check that the place is nearer than the hit point is missing.
     """
     from_x = memory[body.X] - memory[two.HIT_X]
     from_y = memory[body.Y] - memory[two.HIT_Y]
@@ -127,7 +127,7 @@ def bug2_leaves_behind_the_hit_point(
     y = observation[layout.OBS_Y] - memory[two.HIT_Y]
     before = memory[two.LINE_X] * from_y - memory[two.LINE_Y] * from_x
     after = memory[two.LINE_X] * y - memory[two.LINE_Y] * x
-    away = x * x + y * y > 0.01  # (0.1 m)^2: not at once
+    away = x * x + y * y > 0.01  # (0.1 m)^2: not immediately
     if memory[two.MODE] == two.ROUND and away and (before > 0.0) != (after > 0.0):
         memory[two.MODE] = two.GOAL
 
@@ -136,7 +136,7 @@ def bug2_leaves_behind_the_hit_point(
 def bug2_bearing_in_degrees(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """The bearing of a contact on the right comes in degrees."""
+    """The bearing of a contact on the right is in degrees."""
     if observation[layout.OBS_BUMP_BEARING] < 0.0:
         observation[layout.OBS_BUMP_BEARING] *= 180.0 / math.pi
     base(observation, memory, command)
@@ -146,7 +146,7 @@ def bug2_bearing_in_degrees(
 def bug2_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The turn is the difference of two headings, not wrapped at pi.
 
-    So the robot turns by half a turn.
+    So the robot may turn the long way.
     """
     base(observation, memory, command)
     unwrap_turn(observation, command)

@@ -1,9 +1,8 @@
-"""Layout bytes to worlds as the simulator takes them, and whether a robot can surely reach the target.
+"""Decode layout bytes to worlds for the simulator, and check whether a robot can certainly reach the target.
 
-A row of cells is one number here: bit ``ix + MARGIN`` of row ``iy + MARGIN`` is 1 where the cell is
-    solid, and all
-around a world is solid. What the bytes mean is fixed by :func:`fuzz.search.features.decode_world`,
-the same bit for bit.
+A row of cells is one number here: bit ``ix + MARGIN`` of row ``iy + MARGIN`` is 1 if the cell is
+solid, and everything around a world is solid. The meaning of the bytes is fixed by
+:func:`fuzz.search.features.decode_world`, the same bit for bit.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ _ROW_OF_MASK = (1 << _WINDOW) - 1
 
 
 def byte_of(layouts: Bytes, n: int, k: int) -> Any:
-    """Byte k of layout n as a number that does not wrap round."""
+    """Byte k of layout n as a number that does not wrap around."""
     return int(layouts[n, k])
 
 
@@ -83,7 +82,7 @@ def _stamp_size(kind: int, length: int, depth: int, thickness: int) -> tuple[int
 
 
 def _is_in_stamp(kind: int, i: int, j: int, form: tuple[int, int, int]) -> bool:
-    """Whether row i, column j of a feature is solid."""
+    """Return whether row i, column j of a feature is solid."""
     length, depth, thickness = form
     if kind == layout_bytes.CUP:
         return i >= depth or j < thickness or j >= thickness + length
@@ -99,7 +98,7 @@ def _is_in_stamp(kind: int, i: int, j: int, form: tuple[int, int, int]) -> bool:
 
 
 def _draw_feature(layouts: Bytes, n: int, first: int, solid: Ints) -> None:
-    """Draws the feature whose bytes begin at ``first``; what falls outside the world is cut off."""
+    """Draws the feature whose bytes begin at ``first``; cells outside the world are cut off."""
     width, height = size_of(layouts, n)
     kind, form = byte_of(layouts, n, first) % layout_bytes.KINDS, byte_of(layouts, n, first + 5)
     x, y = (
@@ -181,7 +180,7 @@ def flood_length(layouts: Bytes, n: int, solid: Ints, room: Ints) -> int:
         room: (3, ROWS) to be used: rows of corners that are clear, reached, and reached last.
 
     Returns:
-        Their number, -1 if there is no such way. A corner of cell (ix, iy) is bit and row of the
+        Their number, -1 if there is no such path. A corner of cell (ix, iy) is bit and row of the
         cell above and right of it.
     """
     height = size_of(layouts, n)[1]

@@ -1,6 +1,6 @@
-"""Plants a fault in a controller of the library.
+"""Plants a fault in a controller of the library:
 
-Its own plain Python, with one deviation around it.
+its own plain Python, with one deviation around it.
 """
 
 import math
@@ -18,7 +18,9 @@ FAULTS: dict[str, Act] = {}
 
 
 def unwrap_turn(observation: Floats, command: Floats) -> None:
-    """Makes the commanded turn the difference of two headings in [-pi, pi), as if nobody had wrapped it."""
+    """Makes the commanded turn the difference of two headings in [-pi, pi), as if nobody had
+    wrapped it.
+    """
     turn = command[layout.CMD_TURN_RATE] * observation[layout.OBS_TIME_STEP]
     if observation[layout.OBS_HEADING] + turn > math.pi:
         command[layout.CMD_TURN_RATE] = (turn - 2.0 * math.pi) / observation[layout.OBS_TIME_STEP]
@@ -27,7 +29,7 @@ def unwrap_turn(observation: Floats, command: Floats) -> None:
 def seeded(base: str) -> Callable[[Callable[..., None]], Act]:
     """Makes an act of a function ``(observation, memory, command, base)``.
 
-    It calls ``base`` in its way.
+    It calls ``base`` in its own way.
     """
 
     def plant(deviation: Callable[..., None]) -> Act:

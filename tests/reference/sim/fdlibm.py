@@ -1,4 +1,4 @@
-"""Sine, cosine and arc tangent with fdlibm's bits, from ``+ - * /`` alone.
+"""Sine, cosine and arc tangent with fdlibm's bits, using only ``+ - * /``.
 
 The same on every machine. The thesis's simulator moves two or three pixels a tick depending on the
 last bit of a cosine, and C libraries differ in that bit. These follow Sun's algorithms and
@@ -29,7 +29,7 @@ _C1, _C2, _C3 = 4.16666666666666019037e-02, -1.38888888888741095749e-03, 2.48015
 _C4, _C5, _C6 = -2.75573143513906633035e-07, 2.08757232129817482790e-09, -1.13596475577881948265e-11
 
 _TWO_OVER_PI = 6.36619772367581382433e-01
-# pi/2 in pieces of 33 bits; each tail is what the pieces before it leave.
+# pi/2 in pieces of 33 bits; each tail is the remainder after the pieces before it.
 _PIO2_1, _PIO2_1_TAIL = 1.57079632673412561417e00, 6.07710050650619224932e-11
 _PIO2_2, _PIO2_2_TAIL = 6.07710050630396597660e-11, 2.02226624879595063154e-21
 _PIO2_3, _PIO2_3_TAIL = 2.02226624871116645580e-21, 8.47842766036889956997e-32
@@ -39,7 +39,7 @@ _A3, _A4, _A5 = -1.11111104054623557880e-01, 9.09088713343650656196e-02, -7.6918
 _A6, _A7, _A8 = 6.66107313738753120669e-02, -5.83357013379057348645e-02, 4.97687799461593236017e-02
 _A9, _A10 = -3.65315727442169155270e-02, 1.62858201153657823623e-02
 
-# atan(1/2), atan(1), atan(3/2), atan(infinity): value and what its rounding left out.
+# atan(1/2), atan(1), atan(3/2), atan(infinity): value and rounding error.
 _ATAN_HALF, _ATAN_HALF_TAIL = 4.63647609000806093515e-01, 2.26987774529616870924e-17
 _ATAN_ONE, _ATAN_ONE_TAIL = 7.85398163397448278999e-01, 3.06161699786838301793e-17
 _ATAN_THREE_HALVES, _ATAN_THREE_HALVES_TAIL = 9.82793723247329054082e-01, 1.39033110312309984516e-17
@@ -89,8 +89,7 @@ def _cos_reduced(x: float, tail: float) -> float:
 def _reduce_positive(x: float) -> tuple[int, float, float]:
     """Quadrant and ``x - quadrant * pi/2`` in two parts, for x in (pi/4, REDUCTION_LIMIT].
 
-    fdlibm finds by a table when one piece of pi/2 is enough; the table is the high words of k *
-    pi/2.
+    fdlibm uses a table to decide whether one piece of pi/2 is enough: the high words of k * pi/2.
     """
     high = _high_word(x)
     if high < 0x4002D97C:  # below 3 pi/4
@@ -127,7 +126,7 @@ def _reduce_positive(x: float) -> tuple[int, float, float]:
 def sin(x: float) -> float:
     """Sine of ``x`` rad with fdlibm's bits.
 
-    Nan beyond ``REDUCTION_LIMIT`` either way, and for nan.
+    Nan if ``abs(x)`` exceeds ``REDUCTION_LIMIT``, and for nan.
     """
     if -_QUARTER_PI_END < x < _QUARTER_PI_END:
         return _sin_reduced(x, 0.0, False)
@@ -141,7 +140,7 @@ def sin(x: float) -> float:
 def cos(x: float) -> float:
     """Cosine of ``x`` rad with fdlibm's bits.
 
-    Nan beyond ``REDUCTION_LIMIT`` either way, and for nan.
+    Nan if ``abs(x)`` exceeds ``REDUCTION_LIMIT``, and for nan.
     """
     if -_QUARTER_PI_END < x < _QUARTER_PI_END:
         return _cos_reduced(x, 0.0)

@@ -1,4 +1,4 @@
-"""What the core takes, in the flat arrays of the reference."""
+"""The core's arguments, in the flat arrays of the reference."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def settings_of(settings: Any) -> tuple[Ints, Floats]:
 
 
 def arena_of(arena: CoreArena, settings: Any) -> lattice_state.Arena:
-    """Return an arena as the reference takes it, with the pushes and decoys of a WgSettings."""
+    """Return an arena for the reference, with the pushes and decoys of a WgSettings."""
     pushes = [settings.pushes[k] for k in range(settings.push_count)]
     decoys = [settings.decoys[k] for k in range(settings.decoy_count)]
     return lattice_state.Arena(

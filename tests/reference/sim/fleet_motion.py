@@ -1,6 +1,6 @@
-"""How several robots move at once, in plain Python: the specification of ``sim/core/fleet``.
+"""How several robots move together, in plain Python: the specification of ``sim/core/fleet``.
 
-Robots that may meet nobody move as each does alone. The others form clusters, which move in phases,
+Robots that cannot meet any other move as if alone. The others form clusters, which move in phases,
 as ``docs/reference/fleets.md`` describes.
 """
 
@@ -42,7 +42,7 @@ GRAZE = 1e-6
 
 @dataclass
 class Disc:
-    """A robot in a move: its place and displacement, lattice units, and what becomes of them."""
+    """A robot in a move: its place and displacement, lattice units, and the results."""
 
     x: int
     y: int
@@ -123,13 +123,13 @@ def joint_move(
     *,
     swept: bool,
 ) -> set[tuple[int, int]]:
-    """Move all discs for a step in which the world stands still.
+    """Move all discs for a step in which the world does not change.
 
     Args:
         cells: (height, width) cell states.
         discs: The robots; their chains and contacts are filled.
-        clear_sq: Squared distance that two robots keep, by their indices, the lesser first.
-        friction: Share of a slide that walls take.
+        clear_sq: Squared distance that two robots keep, by their indices, the smaller first.
+        friction: Share of a slide that is lost to walls.
         swept: Whether under ``swept``, else under ``endpoint``.
 
     Returns:

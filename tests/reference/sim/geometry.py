@@ -37,7 +37,7 @@ _EXACT_CROSS = 3_000_000_000
 
 
 NEAR = 2
-"""How many cells a mask of :func:`near_masks` looks to each side."""
+"""How many cells a mask of :func:`near_masks` covers to each side."""
 
 _SIDE = 2 * NEAR + 1
 _EACH_ROW = 0b00001_00001_00001_00001_00001
@@ -75,7 +75,7 @@ def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y
 def _corner_is_clear(clear_sq: int, along: int, across: int, length_sq: int) -> bool:
     """Whether a corner is clear of the inside of a segment, from its dot and cross product with it."""
     if along <= 0 or along >= length_sq:
-        return True  # an end is nearest, and ends are tested as poses
+        return True  # the nearest point is an end, and ends are tested as poses
     needed = float(clear_sq) * float(length_sq)
     have = float(across) * float(across)
     if have > needed * (1.0 + 1e-12):
@@ -90,8 +90,8 @@ def segment_box_is_clear(
 ) -> bool:
     """Whether the disc swept from p to q is clear of one closed cell, exactly.
 
-    P itself is taken as clear. The nearest points of a segment and a box that do not cross include
-    an end of the segment or a corner of the box, so these and the crossing itself decide.
+    P itself is assumed to be clear. If a segment and a box do not cross, their nearest points
+    include an end of the segment or a corner of the box, so these and the crossing itself decide.
     """
     if point_box_distance_sq(qx, qy, ix, iy) < clear_sq:
         return False
@@ -123,7 +123,7 @@ def segment_first_not_clear(
         state: Which cells count.
         clear_sq: Squared clear distance.
         reach: Its root, rounded up.
-        ends: px, py, qx, qy; p is taken as clear.
+        ends: px, py, qx, qy; p is assumed to be clear.
 
     Returns:
         Whether a cell is cut, and its ix and iy.
@@ -153,7 +153,7 @@ def segment_first_not_clear(
 
 
 def segment_crosses_box(px: int, py: int, qx: int, qy: int, ix: int, iy: int) -> bool:
-    """Whether a segment, or a point where p = q, meets the open inside of a cell, exactly."""
+    """Return whether a segment, or a point if p = q, meets the open interior of a cell, exactly."""
     left, low = ix * UNIT - px, iy * UNIT - py
     dx, dy = qx - px, qy - py
     if (
@@ -172,9 +172,9 @@ def segment_crosses_box(px: int, py: int, qx: int, qy: int, ix: int, iy: int) ->
 
 
 def segment_box_depth(radius: float, px: int, py: int, qx: int, qy: int, ix: int, iy: int) -> float:
-    """How deep the disc swept from p to q cuts a cell, lattice units; 0 if it does not.
+    """Return how deep the disc swept from p to q cuts into a cell, lattice units; 0 if it does not.
 
-    The centre inside the cell counts as the whole radius.
+    If the centre is inside the cell, that counts as the whole radius.
     """
     if segment_crosses_box(px, py, qx, qy, ix, iy):
         return radius
@@ -211,7 +211,7 @@ def segment_point_within(
 
 
 def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
-    """Fills ``table`` with the chessboard distance, in cells, from each cell to the nearest one not free.
+    """Fills ``table`` with the chessboard distance, in cells, from each cell to the nearest one that is not free.
 
     A point in a cell with distance D is at least (D - 1) cells away from every such cell, so most
     steps need no test of their path. Outside counts as solid. Two passes (Rosenfeld and Pfaltz,
@@ -240,7 +240,7 @@ def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
 
 
 def mark_near(cells: Cells, near: npt.NDArray[np.int32], ix: int, iy: int) -> None:
-    """Notes in the masks of the cells around what a cell is now.
+    """Updates the masks of the surrounding cells with a cell's new state.
 
     A cell outside the grid counts as solid.
     """
@@ -267,14 +267,14 @@ def near_masks(cells: Cells, near: npt.NDArray[np.int32]) -> None:
 def window_is_free(
     near: npt.NDArray[np.int32], reach: int, ends: tuple[int, int, int, int]
 ) -> bool:
-    """Whether the masks show that no cell in the box around a disc's way is taken.
+    """Return whether the masks show that all cells in the box around a disc's path are free.
 
-    If not, a closer look is due.
+    If not, an exact test is needed.
 
     Args:
         near: :func:`near_masks`.
         reach: Radius of the disc, rounded up to whole lattice units.
-        ends: px, py, qx, qy of its way.
+        ends: px, py, qx, qy of its path.
     """
     px, py, qx, qy = ends
     ix, iy = px // UNIT, py // UNIT

@@ -1,4 +1,4 @@
-"""Whole episodes on the pose lattice: step by step, until something is decided."""
+"""Whole episodes on the pose lattice: step by step, until there is a verdict."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ def _hash_step(robot: Robot, count: int, bumped: bool) -> None:
 
 
 def _write_step(robot: Robot, step: int, count: int, bumped: bool, rows: Ints, path: Ints) -> None:
-    """Writes a step into a recording.
+    """Writes a step into a recording:
 
-    Its state, and the points of its path after those of the steps before.
+    its state, and the points of its path after those of the previous steps.
     """
     rows[step, layout.ROW_BUMP] = 1 if bumped else 0
     for k in range(robot.state.size):
@@ -62,7 +62,7 @@ def _write_step(robot: Robot, step: int, count: int, bumped: bool, rows: Ints, p
 
 
 def _period(settings: Ints, room: Room, robot: Robot, step: int, quiet: int) -> int:
-    """Steps since the state was there before, if a recurrence is looked for and ends the run here.
+    """Returns the steps since the state last occurred, if a recurrence is searched for and ends the run here.
 
     Else 0.
     """
@@ -86,7 +86,7 @@ def is_over(
     rows: Ints,
     path: Ints,
 ) -> bool:
-    """Counts, hashes and records a step; whether it was the last one, for a recurrence too.
+    """Counts, hashes and records a step; returns whether it was the last one, for any reason.
 
     Args:
         settings: ``SET_``.
@@ -117,7 +117,7 @@ def is_over(
 
 
 def _unvisited(arena: Arena) -> int:
-    """How many cells a coverage task wants, but for the start's."""
+    """How many cells a coverage task requires, except for the start's."""
     return int(((arena.wanted != 0) & (arena.visited == 0)).sum()) if len(arena.wanted) else 0
 
 
@@ -147,8 +147,8 @@ def lattice_episode(
         path: (points, POINT_SIZE) for a recording, with room for all points of the path after the
             start.
 
-    A recurrence of the complete state after the last event is found as
-    :mod:`tests.reference.sim.recurrence` says.
+    A recurrence of the complete state after the last event is found as described in
+    :mod:`tests.reference.sim.recurrence`.
     """
     set_out(settings, scales, memory, room, robot, last_event(arena))
     robot.counts[layout.OUT_UNVISITED] = _unvisited(arena)
@@ -172,10 +172,10 @@ def lattice_steps(
     rows: Ints,
     path: Ints,
 ) -> Iterator[int]:
-    """The same for a controller that is not a compiled function: stops wherever it is to act.
+    """The same for a controller that is not a compiled function: stops whenever it has to act.
 
-    Arguments as for :func:`lattice_episode`. Before it goes on, ``room.memory`` and
-    ``room.command`` must be what the controller made of ``room.observation``.
+    Arguments as for :func:`lattice_episode`. Before it continues, ``room.memory`` and
+    ``room.command`` must hold the controller's response to ``room.observation``.
 
     Yields:
         Number of the step.

@@ -1,8 +1,7 @@
 """How a commanded displacement becomes a path on the pose lattice: swept and endpoint.
 
-``swept`` never tunnels, for any controller, because every segment that it takes has passed the
-exact integer test of :mod:`tests.reference.sim.geometry`; floating point only proposes where to
-stop.
+``swept`` never tunnels, for any controller, because each of its segments has passed the exact
+integer test of :mod:`tests.reference.sim.geometry`; floating point only proposes where to stop.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ Chain = npt.NDArray[np.int64]
 
 _TRIES = 3  # straight pieces a move may have: ahead and two slides (face, then corner)
 _GRAZE = (
-    1e-6  # lattice units squared by which a way may cut a circle's square and still only graze it
+    1e-6  # lattice units squared by which a path may cut a circle's square and still only graze it
 )
 MOST_POINTS = _TRIES + 1
 """Points that one move may add to a path, the end of a wait included."""
@@ -41,7 +40,7 @@ def _contact_with_corner(
     """Time in [0, 1) at which a point moving by d from m meets the circle around the origin; 2 if
     it doesn't.
 
-    One that only grazes the circle doesn't, unless ``graze`` is 0.
+    A point that only grazes the circle doesn't meet it, unless ``graze`` is 0.
 
     Source: moving point against sphere, Ericson, Real-Time Collision Detection (2005), 5.3.2.
     """
@@ -58,7 +57,7 @@ def _contact_with_corner(
 def first_contact(
     cells: Cells, radius: float, reach: int, x: int, y: int, dx: int, dy: int, graze: float
 ) -> tuple[float, float, float]:
-    """When a disc moving by (dx, dy) first touches a solid cell, and the direction away from it.
+    """Find when a disc moving by (dx, dy) first touches a solid cell, and the direction away from it.
 
     Args:
         cells: (height, width) cell states.
@@ -68,7 +67,7 @@ def first_contact(
         y: Start.
         dx: Displacement.
         dy: Displacement.
-        graze: By how much the square of a corner's circle may be cut without a touch.
+        graze: How far the square of a corner's circle may be cut without a touch.
 
     Returns:
         Time in [0, 1] of the contact (2 for none) and the outward normal, of any length.
@@ -105,7 +104,7 @@ def first_contact(
 def _step_aside(
     cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], nx: float, ny: float
 ) -> tuple[bool, int, int]:
-    """A clear end of a slide: where it leads, or one or two lattice units further from the wall."""
+    """A clear end of a slide: its destination, or one or two lattice units farther from the wall."""
     x, y, qx, qy = ends
     sx = 1 if nx > 0.0 else (-1 if nx < 0.0 else 0)
     sy = 1 if ny > 0.0 else (-1 if ny < 0.0 else 0)
@@ -126,10 +125,10 @@ def _stop_at(
     ends: tuple[int, int, int, int],
     contact: tuple[float, float, float],
 ) -> tuple[int, int]:
-    """A lattice point near a contact that a clear segment leads to; the start if there is none.
+    """Find a lattice point near a contact that can be reached by a clear segment; the start if there is none.
 
-    Nearest to the contact, and a little away from the wall where rounding would be in it; or
-    further back.
+    It is nearest to the contact, a little away from the wall if rounding would be inside it, or
+    farther back.
     """
     x, y, dx, dy = ends
     t, nx, ny = contact
@@ -140,8 +139,8 @@ def _stop_at(
             break
         goal = (x, y, x + round_away(s * dx), y + round_away(s * dy))
         if goal[2] == x and goal[3] == y:
-            # Where it is, it is clear: nine of ten contacts of a robot that pushes along walls, 223
-            # ns, not 284.
+            # If it is there, it is clear: this covers nine of ten contacts of a robot that pushes
+            # along walls, 223 ns instead of 284.
             break
         found, qx, qy = _step_aside(cells, clear_sq, reach, goal, nx, ny)
         if found:
@@ -152,18 +151,17 @@ def _stop_at(
 def _first_stop(
     cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int]
 ) -> tuple[float, float, float, int, int]:
-    """The first contact of a way that is not clear, and where it lets the disc stop.
+    """Find the first contact of a path that is not clear, and where the disc can stop.
 
-    Corners that the way only grazes count if nothing else explains why it is not clear: they have
-        no part in a
-    slide along a wall, though they are as near as can be.
+    Corners that the path only grazes count only if nothing else explains why it is not clear: they
+    play no part in a slide along a wall, however near they are.
     """
     x, y, dx, dy = ends
     radius, graze = math.sqrt(float(clear_sq)), _GRAZE
     while True:
         t, nx, ny = first_contact(cells, radius, reach, x, y, dx, dy, graze)
         if t > 1.0 and graze == 0.0:
-            t, nx, ny = 1.0, -float(dx), -float(dy)  # a touch that only exact arithmetic sees
+            t, nx, ny = 1.0, -float(dx), -float(dy)  # a touch that only exact arithmetic detects
         if t <= 1.0:
             qx, qy = _stop_at(cells, clear_sq, reach, ends, (t, nx, ny))
             if graze == 0.0 or qx != x or qy != y or t * (abs(dx) + abs(dy)) < 1.0:
@@ -172,7 +170,7 @@ def _first_stop(
 
 
 def _append(chain: Chain, count: int, x: int, y: int, time: float) -> int:
-    """Adds a point to a chain; the number of its points then."""
+    """Adds a point to a chain; returns the new number of points."""
     chain[count, 0], chain[count, 1] = x, y
     chain[count, 2] = math.floor(time * TIME_UNIT + 0.5)
     return count + 1
@@ -195,14 +193,14 @@ def swept_move(
         clear_sq: Squared clear distance, lattice units squared.
         reach: Its root, rounded up.
         ends: Start, a clear lattice pose, and displacement, lattice units: x, y, dx, dy.
-        during: When the move begins and ends, in shares of the step.
-        wall_friction: Share of a slide that the wall takes, 0 to 1.
+        during: When the move begins and ends, as fractions of the step.
+        wall_friction: Fraction of a slide that is lost to the wall, 0 to 1.
         chain: (n, 3) int64; rows x, y, time in the step are filled with the clear lattice points of
             the path after the start.
         count: Rows that are already filled; at most ``MOST_POINTS`` follow.
 
     Returns:
-        Rows filled then, and the normal of the last contact (0, 0: none).
+        The number of filled rows, and the normal of the last contact (0, 0: none).
     """
     x, y, dx, dy = ends
     now, end = during
@@ -250,11 +248,10 @@ def endpoint_move(
     chain: Chain,
     count: int,
 ) -> tuple[int, float, float]:
-    """Moves a disc if it is clear where the move ends, else not at all.
+    """Moves a disc if it is clear at the end of the move, otherwise not at all.
 
-    What lies between is not looked at, as in most small simulators: a fast robot passes through
-        walls.
-    Arguments and result as :func:`swept_move`.
+    The path in between is not checked, as in most small simulators, so a fast robot passes through
+    walls. Arguments and result as for :func:`swept_move`.
     """
     x, y, dx, dy = ends
     if dx == 0 and dy == 0:

@@ -21,7 +21,7 @@ _FAR = 1e300
 
 
 def _next_line(place: int, cell: int, direction: float) -> float:
-    """Distance along a ray from a coordinate to the side of its cell that the ray makes for."""
+    """Distance along a ray from a coordinate to the side of its cell that the ray approaches."""
     if direction > 0.0:
         return float((cell + 1) * UNIT - place) / direction
     if direction < 0.0:
@@ -30,7 +30,7 @@ def _next_line(place: int, cell: int, direction: float) -> float:
 
 
 def _cosine(headings: npt.NDArray[np.int64], heading: int) -> float:
-    """Of a heading, right to the last bits."""
+    """Direction of a heading, correct to the last bits."""
     place = heading % TURN
     return float(headings[place]) / (1 << 30) + float(headings[TURN + place]) / (1 << 60)
 
@@ -40,9 +40,9 @@ def ray_distance(
 ) -> float:
     """Distance from a place to the first solid cell in a direction, lattice units.
 
-    ``longest`` if that is nearer. A ray that runs along a face, or past a single corner, goes on;
-    between two cells that touch at a corner it does not. Each distance is one exact difference
-    divided by a direction, so errors do not add up.
+    ``longest`` if that is nearer. A ray that runs along a face, or past a single corner, continues;
+    between two cells that touch at a corner it stops. Each distance is one exact difference divided
+    by a direction, so errors do not add up.
 
     Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing",
         Eurographics 1987.
@@ -79,11 +79,10 @@ def ray_distance(
 def _next_cell(
     x: int, y: int, to_x: int, to_y: int, cell: tuple[int, int], last: tuple[int, int]
 ) -> tuple[int, int]:
-    """The cell after one on the straight line between two places.
+    """Return the next cell on the straight line between two places.
 
-    Decided in integers: of the next column's and the next row's line, the one that comes first on
-        the way is
-    crossed; where both meet the line passes through the corner.
+    This is decided in integers: of the next column border and the next row border, the line crosses
+    the one that comes first; if both coincide, the line passes through the corner.
     """
     ix, iy = cell
     dx, dy = abs(to_x - x), abs(to_y - y)
@@ -93,7 +92,7 @@ def _next_cell(
     first_x, first_y = (
         line_x * dy,
         line_y * dx,
-    )  # both times dx * dy: how far along the way each line is
+    )  # both times dx * dy: how far along the line each border is
     if iy == last[1] or (ix != last[0] and first_x <= first_y):
         ix += step_x
         if first_x == first_y and iy != last[1]:
@@ -104,7 +103,9 @@ def _next_cell(
 
 
 def walls_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
-    """How many solid cells the straight line between two places goes through, its ends' cells not counted."""
+    """Return how many solid cells the straight line between two places goes through, not counting
+    the cells of its ends.
+    """
     cell, last = (x // UNIT, y // UNIT), (to_x // UNIT, to_y // UNIT)
     count = 0
     while cell[0] != last[0] or cell[1] != last[1]:
@@ -117,7 +118,7 @@ def walls_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
 
 
 def _in_smoke(cells: Cells, ix: int, iy: int, reach: int) -> bool:
-    """Whether a cell, or one of those around it as far as smoke reaches, burns."""
+    """Return whether a cell burns, or one around it within reach of smoke."""
     for jy in range(max(iy - reach, 0), min(iy + reach + 1, cells.shape[0])):
         for jx in range(max(ix - reach, 0), min(ix + reach + 1, cells.shape[1])):
             if cells[jy, jx] == BURNING:
@@ -126,7 +127,9 @@ def _in_smoke(cells: Cells, ix: int, iy: int, reach: int) -> bool:
 
 
 def smoke_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int, reach: int) -> int:
-    """How many cells of the straight line between two places lie in smoke, its ends' cells counted."""
+    """Return how many cells of the straight line between two places are in smoke, including the
+    cells of its ends.
+    """
     cell, last = (x // UNIT, y // UNIT), (to_x // UNIT, to_y // UNIT)
     count = 1 if _in_smoke(cells, cell[0], cell[1], reach) else 0
     while cell[0] != last[0] or cell[1] != last[1]:
@@ -139,7 +142,8 @@ def smoke_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int, reach: 
 def beam_heading(heading: int, beam: int, beams: int, field: float) -> int:
     """World heading of a beam.
 
-    Spread evenly over ``field`` about the robot's heading, over a whole turn from it.
+    Beams are spread evenly over ``field`` around the robot's heading, or over a whole turn starting
+    at it.
     """
     if field >= float(TURN):
         return heading + math.floor(float(beam) * TURN / beams + 0.5)

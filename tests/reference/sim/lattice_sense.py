@@ -41,7 +41,7 @@ _SCALE_BITS = 30  # the table holds round(cos * 2**30): 10 nm over a 10 m step
 _MOST_HALVINGS = 1000
 _POSE = (layout.OBS_X, layout.OBS_Y, layout.OBS_HEADING)
 _APART = (
-    0x5DEECE66D1CE4E5B  # makes the simulator's own stream of a seed another than the controller's
+    0x5DEECE66D1CE4E5B  # makes the simulator's own stream of a seed different from the controller's
 )
 _PER_RADIAN = TURN / (2.0 * math.pi)
 
@@ -50,9 +50,9 @@ def heading_table() -> npt.NDArray[np.int64]:
     """(131072,) int64: cos of every heading times 2**30, exactly symmetric under quarter turns and mirrors.
 
     The first eighth is rounded from ``math.cos`` and ``math.sin``; no value lies near enough to a
-    half for two good mathematics libraries to round it differently (a test holds that margin). The
-    second half of the table has what this rounding left over, times 2**60, from functions of our
-    own that are the same bits everywhere.
+    half for two good mathematics libraries to round it differently (a test checks that margin). The
+    second half of the table has the rounding errors, times 2**60, from our own functions, which
+    give the same bits everywhere.
     """
     eighth = TURN // 8
     scale = float(1 << _SCALE_BITS)
@@ -120,7 +120,7 @@ def random_draw(seed: int, index: int) -> float:
     return float(z >> np.uint64(11)) * 2.0**-53
 
 
-# Channels of the simulator's own random numbers in one step; each number is drawn for itself alone.
+# Channels of the simulator's own random numbers in one step; each number is drawn independently.
 NOISE_SLIP, NOISE_WAY, NOISE_TURN, NOISE_SIGNAL, NOISE_BEAMS = 0, 1, 2, 8, 1024
 _CHANNELS = 4096
 
@@ -131,17 +131,19 @@ def noise_channel(step: int, channel: int) -> int:
 
 
 def noise_draw(settings: npt.NDArray[np.int64], draw: int) -> float:
-    """One of the simulator's own random numbers, in [0, 1), apart from those that the controller gets."""
+    """One of the simulator's own random numbers, in [0, 1), separate from those that the controller
+    gets.
+    """
     return random_draw(settings[layout.SET_SEED] ^ _APART, draw)
 
 
 def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, heading: int) -> int:
-    """Heading to the strongest of the nine cells around the robot.
+    """Heading to the strongest of the nine cells around the robot:
 
-    To its centre, or to the target in it. The thesis's sensor: a cell's strength falls with the
+    to its centre, or to the target in it. The thesis's sensor: a cell's strength falls with the
     squared distance of its centre from the target (the target's own cell is the strongest), walls
-    and flames carry none, and the first of equals wins, rows from the top, columns from the left.
-    In the thesis the target is a cell's centre; here it may be anywhere.
+    and flames carry none, and ties go to the first, rows from the top, columns from the left. In
+    the thesis the target is a cell's centre; here it may be anywhere.
     """
     best_x, best_y = _strongest_of_nine(cells, x // UNIT, y // UNIT, target_x, target_y)
     if best_x == target_x // UNIT and best_y == target_y // UNIT:
@@ -152,15 +154,15 @@ def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, h
 def _strongest_of_nine(
     cells: Cells, ix: int, iy: int, target_x: int, target_y: int
 ) -> tuple[int, int]:
-    """The cell, of the nine round (ix, iy), of which :func:`signal_heading` speaks."""
+    """The cell, of the nine around (ix, iy), that :func:`signal_heading` points to."""
     away_x, away_y = ix * UNIT + _MIDDLE - target_x, iy * UNIT + _MIDDLE - target_y
     if (
         max(abs(away_x), abs(away_y)) > 2 * UNIT
         and abs(away_x) != _MIDDLE
         and abs(away_y) != _MIDDLE
     ):
-        # The target's cell is not one of the nine, and one of them is nearer than all others: if it is
-        # free, that is it.
+        # If the target's cell is not one of the nine, and one of them is nearer than all others and
+        # free, that one wins.
         near_x = ix - (away_x > _MIDDLE) + (away_x < -_MIDDLE)
         near_y = iy - (away_y > _MIDDLE) + (away_y < -_MIDDLE)
         if cell_state(cells, near_x, near_y) == FREE:
@@ -179,9 +181,9 @@ def _strongest_of_nine(
 
 
 def _in_field(dx: int, dy: int, heading: int, half_field: float) -> bool:
-    """Whether a direction lies in the sensor's field.
+    """Return whether a direction is in the sensor's field.
 
-    It reaches as far to either side of the heading.
+    It reaches equally far to either side of the heading.
     """
     return (
         half_field >= TURN // 2
@@ -196,9 +198,9 @@ def _sent(
     source: tuple[int, int],
     place: tuple[int, int],
 ) -> float:
-    """What a source of strength 1 sends to a place: 1 / (1 + squared distance in cells).
+    """Strength at a place of a source of strength 1: 1 / (1 + squared distance in cells).
 
-    That is less what walls and smoke on its way take, and 0 beyond the sensor's range.
+    Walls and smoke in between reduce it, and it is 0 beyond the sensor's range.
     """
     x, y = place
     dx, dy = source[0] - x, source[1] - y
@@ -294,9 +296,9 @@ def _strongest_cell(
     decoys: Decoys,
     step: int,
 ) -> int:
-    """As :func:`signal_heading`, for a sensor with other limits.
+    """Like :func:`signal_heading`, for a sensor with other limits.
 
-    The own heading where it sees nothing.
+    The robot's own heading if it senses nothing.
     """
     x, y, heading = pose
     ix, iy, middle, sees = x // UNIT, y // UNIT, UNIT // 2, settings[layout.SET_SENSOR_CELLS]
@@ -335,7 +337,7 @@ def sense(
     observation: npt.NDArray[np.float64],
     decoys: Decoys = (),
 ) -> None:
-    """Fills the observation: of the senses that cost time only those in ``SET_SENSES``.
+    """Fills the observation; of the senses that cost time, only those in ``SET_SENSES``.
 
     Args:
         cells: Cell states.
@@ -343,7 +345,7 @@ def sense(
         settings: ``SET_``.
         scales: ``SCALE_``.
         state: The robot's state.
-        odometry: Its pose as it measured it: x and y, lattice units, and heading, heading units.
+        odometry: Its measured pose: x and y, lattice units, and heading, heading units.
         contact: Normal of its last contact; 0, 0 for none.
         step: Number of the step.
         observation: (OBS_SIZE + beams,), filled.
@@ -418,7 +420,7 @@ def _sense_beams(
 ) -> None:
     """Fills in the range beams, m.
 
-    A beam that meets nothing, or is lost, gives its longest distance.
+    A beam that hits nothing, or is lost, gives its longest distance.
     """
     x, y, heading = pose
     beams, longest, metres = (

@@ -1,6 +1,6 @@
-"""What the episodes on the pose lattice work with.
+"""The data of episodes on the pose lattice:
 
-The surroundings, the robot, a room for its controller.
+the surroundings, the robot, a workspace for its controller.
 """
 
 from __future__ import annotations
@@ -29,26 +29,26 @@ __all__ = [
 ]
 
 HASH_START = np.uint64(1469598103934665603)
-"""Of the traces' digests, as in the thesis's vectors: FNV-1a over 64-bit words."""
+"""For the traces' digests, as in the thesis's vectors: FNV-1a over 64-bit words."""
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
 
 class Arena(NamedTuple):
-    """What surrounds the robot; ``cells``, ``near`` and ``visited`` change during an episode.
+    """The robot's surroundings; ``cells``, ``near`` and ``visited`` change during an episode.
 
     Args:
         cells: (height, width) uint8, cell states now.
         near: (height, width) int32, :func:`tests.reference.sim.geometry.near_masks` of ``cells``.
-        clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no
-            rows where the masks reach as far as any step.
+        clearance: (height, width) int32, chessboard distance to cells that are not free at some
+            time; no rows if the masks reach as far as any step.
         events: (n, EVENT_SIZE) int64, sorted by step and time.
         headings: (131072,) int64, :func:`tests.reference.sim.lattice_sense.heading_table`.
         visited: (height, width) uint8, cells that the centre has been in.
-        pushes: (n, PUSH_SIZE) int64, first those at places, then those at times, by step.
+        pushes: (n, PUSH_SIZE) int64, pushes at places first, then those at times, by step.
         decoys: Other sources of the signal: x, y, lattice units, and strength.
-        wanted: (height, width) uint8, cells that a coverage task wants; of no rows for other tasks.
+        wanted: (height, width) uint8, cells that a coverage task requires; no rows for other tasks.
     """
 
     cells: npt.NDArray[np.uint8]
@@ -63,7 +63,7 @@ class Arena(NamedTuple):
 
 
 class Robot(NamedTuple):
-    """The robot and what is reported of it.
+    """The robot and its reports.
 
     Args:
         state: (STATE_MEMORY + memory,) int64, ``STATE_``.
@@ -82,14 +82,14 @@ class Robot(NamedTuple):
 
 
 class Room(NamedTuple):
-    """What an episode works with, made beforehand, so that kernels make no arrays.
+    """The workspace of an episode, made beforehand, so that kernels make no arrays.
 
     Args:
         memory: The controller's memory.
         words: The same bits as int64.
-        observation: (OBS_SIZE + beams,) what the controller sees.
-        command: (CMD_SIZE,) what it asks for.
-        search: For a state that comes back.
+        observation: (OBS_SIZE + beams,) the controller's observation.
+        command: (CMD_SIZE,) its command.
+        search: For a recurring state.
     """
 
     memory: Floats
@@ -100,7 +100,9 @@ class Room(NamedTuple):
 
 
 def new_robot(memory: int, events: Ints, pushes: int = 0) -> Robot:
-    """A robot with so many numbers of memory, and room for the path of a step with the most events."""
+    """A robot with this many numbers of memory, and room for the path of the step with the most
+    events.
+    """
     most = (
         int(np.unique(events[:, layout.EVENT_STEP], return_counts=True)[1].max())
         if len(events)
@@ -116,12 +118,12 @@ def new_robot(memory: int, events: Ints, pushes: int = 0) -> Robot:
 
 
 def new_room(memory: int, beams: int, steps: int = 0) -> Room:
-    """Room for a controller with so many numbers of memory, and so many range beams.
+    """Workspace for a controller with this many numbers of memory and range beams.
 
     Args:
         memory: Numbers of memory.
         beams: Range beams.
-        steps: Of the longest run in which a recurrence is searched; 0 for runs in which none is.
+        steps: Steps of the longest run in which a recurrence is searched for; 0 for none.
     """
     values = np.zeros(memory)
     return Room(
@@ -134,7 +136,7 @@ def new_room(memory: int, beams: int, steps: int = 0) -> Room:
 
 
 def last_event(arena: Arena) -> int:
-    """Step in which the world changes, or something pushes the robot, for the last time; else 0."""
+    """Last step in which the world changes or something pushes the robot; 0 if there is none."""
     events, pushes = arena.events, arena.pushes
     changed = events[events.shape[0] - 1, layout.EVENT_STEP] if events.shape[0] > 0 else 0
     pushed = pushes[pushes.shape[0] - 1, layout.PUSH_STEP] if pushes.shape[0] > 0 else 0
@@ -142,7 +144,7 @@ def last_event(arena: Arena) -> int:
 
 
 def whole_speed(asked: float) -> int:
-    """Whole units of speed, never more than asked for, so that nobody outruns the top speed."""
+    """Whole units of speed, never more than commanded, so that the top speed is never exceeded."""
     whole = math.floor(abs(asked) + 1e-9)
     return whole if asked >= 0.0 else -whole
 

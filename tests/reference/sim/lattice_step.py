@@ -1,7 +1,7 @@
 """One step on the pose lattice.
 
-The move at the speed of the wheels, with the events that fall into it each at its time, then
-sensing, then the controller, whose turn takes effect at once and whose speed drives the next step.
+The move at the speed of the wheels, with each event at its time, then sensing, then the controller,
+whose turn takes effect immediately and whose speed drives the next step.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Floats = npt.NDArray[np.float64]
 
 
 def _drive(speed: int) -> int:
-    """Whole lattice units that a speed drives in a step."""
+    """Whole lattice units driven at a speed in a step."""
     return speed // SPEED_UNIT if speed >= 0 else -(-speed // SPEED_UNIT)
 
 
@@ -83,9 +83,9 @@ def _judge_segment(
     ends: tuple[int, int, int, int],
     robot: Robot,
 ) -> None:
-    """Notes walls that a segment of an unsafe motion model cuts.
+    """Notes walls that a segment of an unsafe motion model cuts:
 
-    Deepest cut, first overlap, first tunnel.
+    deepest cut, first overlap, first tunnel.
     """
     px, py, qx, qy = ends
     counts, sums = robot.counts, robot.sums
@@ -123,16 +123,16 @@ def _judge_path(
     free: bool,
     robot: Robot,
 ) -> None:
-    """What a piece of a step's path meant: fire, walls, target, length.
+    """Judges a piece of a step's path: fire, walls, target, length.
 
-    And puts the robot at its end.
+    Then puts the robot at its end.
 
     Args:
         arena: Surroundings.
         settings: ``SET_``.
         scales: ``SCALE_``.
         step: Number of the step.
-        rows: First row of the chain, and the one after the last; none if the robot stands.
+        rows: First row of the chain, and the one after the last; none if the robot does not move.
         free: Whether nothing is near the path.
         robot: The robot.
     """
@@ -171,9 +171,9 @@ def _judge_path(
 
 
 def _nothing_near(arena: Arena, reach: int, ends: tuple[int, int, int, int], distance: int) -> bool:
-    """Whether the tables show that no cell that is not free is within reach of a step.
+    """Return whether the tables show that all cells within reach of a step are free.
 
-    If not, a closer look is due.
+    If not, an exact test is needed.
     """
     if arena.clearance.shape[0] == 0:
         return window_is_free(arena.near, reach, ends)
@@ -191,7 +191,7 @@ def _move(
     count: int,
     robot: Robot,
 ) -> tuple[int, float, float]:
-    """Moves the robot by a part of a step, in which the world stands still, and judges the path.
+    """Moves the robot by a part of a step in which the world does not change, and judges the path.
 
     Args:
         arena: Surroundings.
@@ -204,7 +204,7 @@ def _move(
         robot: The robot.
 
     Returns:
-        Rows of the chain that are filled then, and the normal of the contact (0, 0 for none).
+        The number of filled rows of the chain, and the normal of the contact (0, 0 for none).
     """
     state, chain = robot.state, robot.chain
     dx, dy = part
@@ -236,7 +236,7 @@ def _move(
 
 
 def _share(whole: int, time: int) -> int:
-    """What of a displacement is covered by a time in the step, lattice units."""
+    """The part of a displacement covered by a time in the step, lattice units."""
     return round_away(float(whole) * (float(time) / TIME_UNIT))
 
 
@@ -249,9 +249,9 @@ def _move_through_events(
     event: int,
     robot: Robot,
 ) -> tuple[int, int, float, float]:
-    """Moves the robot by a step's displacement, the events of the step each at its time.
+    """Moves the robot by a step's displacement, with each event of the step at its time.
 
-    ``endpoint`` looks at the world where a step ends only: there all events come first.
+    ``endpoint`` only checks the world at the end of a step, so all events come first.
 
     Returns:
         Index of the next event, rows of the chain that are filled, and the normal of the last
@@ -269,7 +269,7 @@ def _move_through_events(
             count, px, py = _move(arena, settings, scales, step, part, (now, until), count, robot)
             if until < TIME_UNIT and (
                 count == 0 or robot.chain[count - 1, 2] < until
-            ):  # it waits for what comes
+            ):  # it waits for the next event
                 robot.chain[count, 0], robot.chain[count, 1] = (
                     robot.state[layout.STATE_X],
                     robot.state[layout.STATE_Y],
@@ -289,12 +289,12 @@ def _move_through_events(
 def _round_pose(
     arena: Arena, settings: Ints, scales: Floats, step: int, count: int, robot: Robot
 ) -> int:
-    """Moves the robot on to the nearest point of the coarser lattice to which a clear way leads, if there is one.
+    """Moves the robot to the nearest point of the coarser lattice that a clear path leads to, if there is one.
 
-    Of points that are equally near the first counts, from the lower left.
+    Of equally near points, the first from the lower left counts.
 
     Returns:
-        Rows of the chain that are filled then.
+        The number of filled rows of the chain.
     """
     state, grid = robot.state, settings[layout.SET_LATTICE]
     x, y = state[layout.STATE_X], state[layout.STATE_Y]
@@ -321,7 +321,7 @@ def _measure(
 ) -> None:
     """Adds a displacement to the odometry as the robot measures it.
 
-    Its length a little wrong, its direction too.
+    Its length and its direction have small errors.
     """
     noise = scales[layout.SCALE_ODOMETRY_NOISE]
     turned = math.floor(robot.odometry[2] + 0.5) - robot.state[layout.STATE_HEADING]
@@ -343,7 +343,7 @@ def _push(
     moved: tuple[int, float, float],
     robot: Robot,
 ) -> tuple[int, float, float]:
-    """Displaces the robot by a push, as far as the way is clear, and turns it.
+    """Displaces the robot by a push, as far as the path is clear, and turns it.
 
     Args:
         arena: Surroundings.
@@ -386,7 +386,7 @@ def _disturb(
     moved: tuple[int, float, float],
     robot: Robot,
 ) -> tuple[int, float, float]:
-    """What pushes the robot at the end of a step; arguments and result as of :func:`_push`."""
+    """Applies the pushes at the end of a step; arguments and result as for :func:`_push`."""
     places = settings[layout.SET_PLACES]
     for push in arena.pushes[places:]:
         if push[layout.PUSH_STEP] == step and robot.counts[layout.OUT_ENDING] == layout.LIMIT:
@@ -403,7 +403,7 @@ def _disturb(
 def _advance(
     arena: Arena, settings: Ints, scales: Floats, step: int, event: int, robot: Robot
 ) -> tuple[int, int, float, float]:
-    """Moves the robot for one step, with the events that fall into it, and judges the path.
+    """Moves the robot for one step, with its events, and judges the path.
 
     Returns:
         Index of the next event, rows of the chain that are filled, and the normal of the contact
@@ -431,7 +431,7 @@ def _advance(
         moved = (state[layout.STATE_X] - x, state[layout.STATE_Y] - y)
         if (
             nx == 0.0 and ny == 0.0
-        ):  # against a wall the wheels stand still, whatever the floor does
+        ):  # against a wall the wheels do not turn, whatever the floor does
             moved = (moved[0] - drift[0], moved[1] - drift[1])
         _measure(settings, scales, arena.headings, step, moved, robot)
     if arena.pushes.shape[0] > 0 and counts[layout.OUT_ENDING] == layout.LIMIT:
@@ -462,13 +462,13 @@ def is_inside(arena: Arena, robot: Robot) -> bool:
 def move_and_sense(
     arena: Arena, settings: Ints, scales: Floats, room: Room, robot: Robot, step: int, event: int
 ) -> tuple[int, int, float, float]:
-    """The part of a step before the controller acts; result as :func:`_advance`."""
+    """The part of a step before the controller acts; result as for :func:`_advance`."""
     robot.counts[layout.OUT_STEPS] = step
     event, count, nx, ny = _advance(arena, settings, scales, step, event, robot)
     if robot.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, robot):
         for k in range(
             room.observation.size
-        ):  # what a controller wrote there would be memory that no state holds
+        ):  # anything that a controller wrote there would be memory outside the state
             room.observation[k] = math.nan
         sense(
             arena.cells, arena.headings, settings, scales, robot.state, robot.odometry, (nx, ny), step,
@@ -480,12 +480,14 @@ def move_and_sense(
 
 
 def _next_speed(now: int, wanted: int, scales: Floats) -> int:
-    """Speed after a step: as wanted, or as near as the wheels' gain and the floor's friction allow."""
+    """Speed after a step: as commanded, or as near as the wheels' acceleration and the floor's
+    friction allow.
+    """
     gain, loss = scales[layout.SCALE_GAIN], scales[layout.SCALE_LOSS]
     if gain == math.inf and loss == math.inf:
         return wanted
     if (wanted > 0 and now < 0) or (wanted < 0 and now > 0):
-        wanted = 0  # it must come to a stand first
+        wanted = 0  # it must stop first
     if abs(wanted) > abs(now) + gain:
         return now + int(gain) if wanted > 0 else now - int(gain)
     if abs(wanted) < abs(now) - loss:
@@ -496,7 +498,7 @@ def _next_speed(now: int, wanted: int, scales: Floats) -> int:
 def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robot) -> None:
     """Applies a command: the turn now, the speed in the next step.
 
-    Clamps both, refuses nan and infinities.
+    Clamps both, and refuses nan and infinities.
     """
     state = robot.state
     speed, rate = command[layout.CMD_SPEED], command[layout.CMD_TURN_RATE]
@@ -519,7 +521,7 @@ def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robo
 
 
 def remember(room: Room, robot: Robot) -> None:
-    """Takes the controller's memory into the state."""
+    """Copies the controller's memory into the state."""
     for k in range(room.words.size):
         robot.state[layout.STATE_MEMORY + k] = room.words[k]
 

@@ -1,4 +1,4 @@
-"""What stands where in the flat arrays that kernels and controllers share.
+"""Layout of the flat arrays that kernels and controllers share.
 
 Observation (float64), the same for every controller:
 
@@ -51,15 +51,15 @@ SWEPT, ENDPOINT = 0, 1
 # Cell states.
 FREE, SOLID, BURNING = 0, 1, 2
 
-# settings (int64): what an episode is asked to do.
+# settings (int64): the options of an episode.
 SET_X, SET_Y, SET_HEADING = 0, 1, 2  # start pose, lattice units
 SET_TARGET_X, SET_TARGET_Y, SET_TARGET_SQ = 3, 4, 5  # target and its squared radius, lattice units
 SET_CLEAR_SQ, SET_REACH = 6, 7  # squared clear distance; its root rounded up
 SET_MOTION, SET_STEPS, SET_FIND_LOOP = 8, 9, 10
 SET_SEED = 11  # seed of the draws, as the bits of a uint64
-SET_SENSES = 12  # SENSE_ bits: what the controller looks at
+SET_SENSES = 12  # SENSE_ bits: what the controller reads
 SET_DIGEST = 13  # 1: the trace's digest is computed
-SET_SENSOR_CELLS = 14  # how many cells around the signal sensor sees
+SET_SENSOR_CELLS = 14  # how many cells around the robot the signal sensor covers
 SET_SIGNAL = 15  # OPEN, WEAKENED, BLOCKED
 SET_BEAMS = 16
 SET_PLAIN_SENSOR = 17  # 1: the signal sensor is the thesis's, without noise or limits
@@ -75,8 +75,8 @@ SET_PLACES = 27  # how many pushes are at places; they come first
 SET_SIZE = 28
 
 # Values of SET_FIND_LOOP: how a recurrence of the complete state ends the run.
-NO_LOOP = 0  # not at all
-SEEK_LOOP = 1  # when it is found, as late as in the last step of the budget
+NO_LOOP = 0  # never
+SEEK_LOOP = 1  # when it is found, at the latest in the last step of the budget
 PROVE_LOOP = 2  # in the last step of the budget, if its state is that of step SET_ENTRY
 
 # What walls do to the signal.
@@ -93,21 +93,21 @@ SCALE_TOLERANCE = 6  # overlap that is not reported, lattice units
 SCALE_START_SPEED = 7  # m/s, speed during the first step, before the controller has seen anything
 SCALE_TURN_LIMIT = 8  # rad/s
 SCALE_GAIN = 9  # greatest gain of speed, SPEED_UNITth lattice units per step, in a step; inf: none
-SCALE_LOSS = 10  # greatest loss, likewise
-SCALE_WALL_FRICTION = 11  # share of a slide that a wall takes
+SCALE_LOSS = 10  # greatest loss, in the same units
+SCALE_WALL_FRICTION = 11  # share of a slide that is lost to a wall
 SCALE_SLIP = 12  # largest share of a step that is lost
-SCALE_ODOMETRY_NOISE = 13  # largest share by which a measured way or turn is wrong
+SCALE_ODOMETRY_NOISE = 13  # largest relative error of a measured distance or turn
 SCALE_SENSOR_RANGE = 14  # lattice units; inf: none
-SCALE_SENSOR_FIELD = 15  # half the angle that the signal sensor looks into, heading units
-SCALE_SENSOR_NOISE = 16  # largest share by which a reading is wrong
+SCALE_SENSOR_FIELD = 15  # half the angle that the signal sensor covers, heading units
+SCALE_SENSOR_NOISE = 16  # largest relative error of a reading
 SCALE_BEAM_RANGE = 17  # lattice units
 SCALE_BEAM_FIELD = (
-    18  # angle between the first and the last beam, heading units; a whole turn: evenly all round
+    18  # angle between the first and the last beam, heading units; a whole turn: evenly all around
 )
-SCALE_BEAM_NOISE = 19  # largest share by which a distance is wrong
+SCALE_BEAM_NOISE = 19  # largest relative error of a distance
 SCALE_BEAM_DROPOUT = 20  # probability that a beam returns nothing
 SCALE_RADIUS = 21  # m, of the robot
-SCALE_SMOKE = 22  # share of the signal that a cell in smoke takes
+SCALE_SMOKE = 22  # share of the signal that a cell in smoke absorbs
 SCALE_SIZE = 23
 
 # counts (int64): what an episode reports.
@@ -121,8 +121,8 @@ OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = (
     12,
 )  # first cut deeper than the tolerance; -1
 OUT_HIT_STATE = 13  # SOLID (debris) or BURNING of the cell that ended the run as BURNED
-OUT_VISITED = 14  # cells that the centre has been in, the start's included
-OUT_UNVISITED = 15  # cells that a coverage task still wants
+OUT_VISITED = 14  # cells that the centre has been in, including the start's
+OUT_UNVISITED = 15  # cells that a coverage task still requires
 OUT_SIZE = 16
 
 # sums (float64)
@@ -136,7 +136,7 @@ STATE_DRAWS = 4  # random numbers that the controller has used so far
 STATE_MEMORY = 5  # the controller's memory from here on, bits of float64s
 SPEED_UNIT = 65536
 
-# One row of a trace (int64): whether a wall stopped or bent the step, then the state after it.
+# One row of a trace (int64): whether a wall stopped or deflected the step, then the state after it.
 ROW_BUMP = 0
 ROW_STATE = 1
 
@@ -147,8 +147,8 @@ POINT_X, POINT_Y = 2, 3
 POINT_SIZE = 4
 TIME_UNIT = 1 << 32
 
-# One event (int64): the step in which it falls, its time in it (TIME_UNITths), the cell, what that
-# becomes.
+# One event (int64): the step in which it happens, its time in the step (TIME_UNITths), the cell,
+# and its new state.
 EVENT_STEP, EVENT_TIME, EVENT_IX, EVENT_IY, EVENT_STATE = 0, 1, 2, 3, 4
 EVENT_SIZE = 5
 

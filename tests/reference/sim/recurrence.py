@@ -1,12 +1,12 @@
-"""Finds the step in which a run's complete state comes back, whatever the motion model.
+"""Finds the step in which a run's complete state recurs, whatever the motion model.
 
-While a run goes on, each state leaves a 64-bit fingerprint in a log. A state that equals an earlier
-one is followed by the same states, so once any state has come back, every later one has been there
-before. It is therefore enough to look up the last state of the budget: if it is new, nothing in the
-    run has come back. To stop early, states are looked up
-before that too, each twice as far along as the one before.
+During a run, each state leaves a 64-bit fingerprint in a log. A state that equals an earlier
+one is followed by the same states, so once any state has recurred, every later one has occurred
+before. It is therefore enough to look up the last state of the budget: if it is new, no state of
+the run has recurred. To stop early, some earlier states are looked up too, each twice as far along
+as the previous one.
 
-Equal fingerprints are only a claim. It is proved by a second run, up to the end of the first
+Equal fingerprints are only a claim. A second run proves it, up to the end of the first
 period, that compares the complete states at both ends (``PROVE_LOOP``).
 """
 
@@ -44,12 +44,12 @@ NEXT, TOUCHED = (
 MARKS = 2
 
 _FEW = 32  # words of a state that has no blocks
-_FIRST = 16  # steps before the first look-up
+_FIRST = 16  # steps before the first lookup
 _HALF = np.uint64(32)
 _SHIFT = np.uint64(29)
 _STRIDE = np.uint64(0x9E3779B97F4A7C15)  # tells blocks apart
 _MIXER = np.uint64(0xBF58476D1CE4E5B9)
-# Odd numbers without a pattern, one for each word of a block.
+# Random odd numbers, one for each word of a block.
 _FACTORS = np.array(
     [
         0xD6E8FEB86659FD93, 0xA0761D6478BD642F, 0xE7037ED1A0B428DB, 0x8EBC6AF09C88C6E3,
@@ -60,7 +60,7 @@ _FACTORS = np.array(
 
 
 def _factors(count: int) -> list[int]:
-    """What SplitMix64 draws from seed 0, made odd."""
+    """SplitMix64's numbers from seed 0, made odd."""
     state, drawn = 0, []
     for _ in range(count):
         state = (state + 0x9E3779B97F4A7C15) % 2**64
@@ -76,14 +76,14 @@ FACTORS_OF_FEW = _factors(_FEW)
 
 
 class Search(NamedTuple):
-    """What the search for a recurrence works with.
+    """The data of the search for a recurrence.
 
     Args:
-        known: (words,) int64, the state whose fingerprint was taken last; while a loop is proved,
-            the state at its entry.
+        known: (words,) int64, the last state whose fingerprint was computed; while a loop is
+            proved, the state at its entry.
         prints: (blocks + 1,) uint64, the fingerprint of each block of ``known``, then their sum.
-        log: (steps + 1,) uint64, the fingerprint of the state after each step; of one entry where
-            nothing is searched.
+        log: (steps + 1,) uint64, the fingerprint of the state after each step; one entry if there
+            is no search.
         marks: (MARKS,) int64, ``NEXT`` and ``TOUCHED``.
     """
 
@@ -94,9 +94,9 @@ class Search(NamedTuple):
 
 
 def new_search(words: int, steps: int) -> Search:
-    """Arrays for states of so many words and a run of so many steps.
+    """Arrays for states of this many words and a run of this many steps.
 
-    The log takes memory only as the run goes on.
+    The log takes memory only as the run advances.
     """
     blocks = -(-words // BLOCK)
     return Search(
@@ -110,7 +110,7 @@ def new_search(words: int, steps: int) -> Search:
 def _fingerprint_of_block(state: Ints, block: int) -> Any:
     """A word's upper half is folded into its lower one.
 
-    Of floats that are small whole numbers only that one varies.
+    In floats that are small integers, only the upper half varies.
     """
     first = block * BLOCK
     mixed = np.uint64(block + 1) * _STRIDE
@@ -159,7 +159,7 @@ def begin_search(search: Search, state: Ints, quiet: int) -> None:
     """Begins with the state of step 0.
 
     Args:
-        search: To be used.
+        search: The search.
         state: The state.
         quiet: Step of the last event: earlier states prove nothing and are not logged.
     """
@@ -191,17 +191,17 @@ def _look_up(log: Words, quiet: int, step: int) -> int:
 
 
 def period_at(search: Search, state: Ints, step: int, quiet: int, budget: int) -> int:
-    """Logs a state and, if it is this one's turn, looks it up.
+    """Logs a state, and looks it up if its turn has come.
 
     Args:
-        search: As the steps before have left it.
+        search: The search after the previous steps.
         state: The state after ``step``.
         step: Not before ``quiet``.
         quiet: Step of the last event, 0 if there is none.
         budget: The last step.
 
     Returns:
-        Steps since the state was there before, the fewest; 0 if it is new, or was not looked up.
+        The fewest steps since the state last occurred; 0 if it is new, or was not looked up.
     """
     search.log[step] = _fingerprint(search, state)
     if step < search.marks[NEXT] and step < budget:
@@ -212,7 +212,7 @@ def period_at(search: Search, state: Ints, step: int, quiet: int, budget: int) -
 
 
 def entry_of_loop(log: Words, quiet: int, step: int, period: int) -> int:
-    """The first step, not before ``quiet``, from which on the log repeats itself up to ``step``."""
+    """The first step, not before ``quiet``, from which the log repeats itself up to ``step``."""
     entry = step - period
     while entry > quiet and log[entry - 1] == log[entry - 1 + period]:
         entry -= 1
@@ -222,7 +222,7 @@ def entry_of_loop(log: Words, quiet: int, step: int, period: int) -> int:
 def is_proved(search: Search, state: Ints, step: int, entry: int, end: int) -> bool:
     """Keeps the state of step ``entry``.
 
-    At step ``end``, returns whether it is there again, word by word.
+    At step ``end``, returns whether it recurs, word by word.
     """
     if step == entry:
         keep(search, state)

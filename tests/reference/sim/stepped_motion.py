@@ -1,9 +1,9 @@
 """The thesis's motion: forward in steps of one pixel until something is touched, with its three faults.
 
-It slides along a wall after looking at one cell only, backs off without looking, and goes on where
-only the corner of a cell is touched; so a robot that turns often works itself into walls and
-through them. Each fault can be repaired; with all three repaired the disc only ever stands where it
-was found clear. Any controller can be moved by it.
+It slides along a wall after looking at one cell only, backs off without looking, and continues
+where only the corner of a cell is touched; so a robot that turns often gets into walls and through
+them. Each fault can be repaired; with all three repaired, the disc is only ever at places that were
+found clear. Any controller can be moved by it.
 
 Source: the thesis's listing, ``simGuiExp.checkCollision`` and ``advanceRobot``; the disc test is
     Java's
@@ -34,12 +34,12 @@ __all__ = [
 
 Cells = npt.NDArray[np.int32]
 
-# What one pixel's step meets: nothing; a wall that also one of the two single-axis moves, or both,
-# would touch; or only the corner of a cell.
+# What a one-pixel step hits: nothing; a wall that one or both of the single-axis moves would also
+# touch; or only the corner of a cell.
 _FREE, _TOUCH_X, _TOUCH_Y, _TOUCH_BOTH, _TOUCH_CORNER = 0, 1, 2, 3, 4
 
-# How a tick's move ends: as it began; sliding; backing off, or standing still if that is repaired;
-# and, instead of STRAIGHT, having gone on past a corner that it touched.
+# How a tick's move ends: as it began; sliding; backing off, or staying in place if that is
+# repaired; and, instead of STRAIGHT, having continued past a corner that it touched.
 STRAIGHT, SLIDE, BACK_OFF, CORNER = 0, 1, 2, 3
 
 # Bits of `repairs`.
@@ -47,7 +47,9 @@ REPAIR_SLIDE, REPAIR_BACK_OFF, REPAIR_CORNER = 1, 2, 4
 
 
 def disc_touches_cell(x: float, y: float, radius: float, cell_x: int, cell_y: int) -> bool:
-    """Whether the open disc meets the cell, in the ellipse's own coordinates, where its radius is 1/2."""
+    """Whether the open disc meets the cell, in the ellipse's own coordinates, where its radius is
+    1/2.
+    """
     width = radius * 2.0
     left = (cell_x * CELL - (x - radius)) / width - 0.5
     top = (cell_y * CELL - (y - radius)) / width - 0.5
@@ -67,10 +69,10 @@ def disc_touches_cell(x: float, y: float, radius: float, cell_x: int, cell_y: in
 def _contact(
     cells: Cells, x: float, y: float, previous_x: float, previous_y: float, radius: float
 ) -> int:
-    """What one pixel's step meets, ``_FREE`` to ``_TOUCH_CORNER``.
+    """What a one-pixel step hits, ``_FREE`` to ``_TOUCH_CORNER``.
 
-    The first wall that a single-axis part touches. Rows outside the grid are skipped, where the
-    listing leaves its loop: the same inside a border of walls.
+    Only the first wall that a single-axis part touches counts. Rows outside the grid are skipped,
+    while the listing leaves its loop; inside a border of walls this is the same.
     """
     beyond = x >= cells.shape[0] * CELL - radius or y >= cells.shape[1] * CELL - radius
     centre_x, centre_y = int(x / CELL), int(y / CELL)
@@ -134,21 +136,21 @@ def advance(
         cells: (width, height), see :mod:`tests.reference.sim.thesis_layout`.
         x: Centre now, px.
         y: Same as above.
-        goal_x: Where the tick's motion would lead, px; finite, a few cells away at most.
+        goal_x: Where the tick's motion would lead, px; finite, at most a few cells away.
         goal_y: Same as above.
         radius: px.
         repairs: Which faults are repaired, bits ``REPAIR_SLIDE``, ``REPAIR_BACK_OFF``,
             ``REPAIR_CORNER``.
-        wall_friction: Share of a slide that friction takes, 0 to 1.
+        wall_friction: Share of a slide that is lost to friction, 0 to 1.
 
     Returns:
         The centre afterwards; whether the listing's collision flag is up; how the move ended,
-        ``STRAIGHT`` to ``CORNER``; and the centre before the wall changed the move, which is the
-        first again if none did.
+        ``STRAIGHT`` to ``CORNER``; and the centre before the wall changed the move, equal to the
+        first if none did.
     """
     way_x, way_y = goal_x - x, goal_y - y
     length = math.sqrt(way_x * way_x + way_y * way_y)
-    if length == 0.0:  # the listing divides by it and compares with nan: nothing moves
+    if length == 0.0:  # the listing divides by it and compares with nan, so nothing moves
         x, y = clamp_inside(cells, x, y, radius)
         return x, y, False, STRAIGHT, x, y
     unit_x, unit_y = 1.0 / length * way_x, 1.0 / length * way_y
@@ -200,9 +202,9 @@ def _meet_wall(
     repairs: int,
     wall_friction: float,
 ) -> tuple[float, float, int]:
-    """The centre after a pixel's step that meets a wall, and ``SLIDE`` or ``BACK_OFF``.
+    """The centre after a one-pixel step that hits a wall, and ``SLIDE`` or ``BACK_OFF``.
 
-    A slide goes on along one axis, and one pixel's part back along the other.
+    A slide continues along one axis, and goes back by the step's component along the other.
     """
     if touched != _TOUCH_BOTH:
         to_x, to_y = here_x - unit_x, here_y - unit_y

@@ -1,16 +1,18 @@
-"""Who is in charge of the thesis's robot, and what it then does.
+"""Which behaviour is in charge of the thesis's robot, and what it does.
 
-A state machine without any geometry. :func:`select_behaviour` lets somebody take control; the
-caller then sets the new target heading if collide has just come in, and checks whether the robot
-already points there. :func:`run_behaviour` lets the one in charge act, and says what the wheels do.
+A state machine without any geometry. :func:`select_behaviour` lets a behaviour take control; the
+caller then sets the new target heading if collide has just taken over, and checks whether the robot
+already points there. :func:`run_behaviour` lets the one in charge act, and returns what the wheels
+do.
 
-The arbiter is missing in the thesis's listing and rebuilt from its prose. In reading A0 whoever
-took control keeps it until it gives it up, and acts in the very tick in which it took over. A1 does
-not act in that tick; A2 acts first and then selects; A3 acts, selects and acts. A4 asks the one in
-charge again in every tick whether it would take control, and so begins it again; A6 does that for
-collide alone. In A5 nobody is ever in charge for longer than a tick. ``INTERRUPTIBLE`` is what the
-thesis asks for as further work: every tick decides again, and a collision begins the escape again
-whoever is in charge; until then an escape, or a drive, goes on where it stood.
+The arbiter is missing from the thesis's listing, and is reconstructed from its prose. In reading
+A0, the behaviour that takes control keeps it until it gives it up, and acts in the same tick in
+which it took over. A1 does not act in that tick; A2 acts first and then selects; A3 acts, selects
+and acts. A4 asks the one in charge in every tick whether it would take control, and so restarts it;
+A6 does that only for collide. In A5 no behaviour is in charge for longer than a tick.
+``INTERRUPTIBLE`` is what the thesis proposes as further work: every tick decides again, and a
+collision restarts the escape, whatever is in charge; until then an escape, or a drive, continues
+where it was.
 """
 
 from __future__ import annotations
@@ -43,8 +45,8 @@ IDLE, COLLIDE, SEEK, DRIVE = -1, 0, 1, 2
 # Readings of the arbiter.
 A0, A1, A2, A3, A4, A5, A6, INTERRUPTIBLE = 0, 1, 2, 3, 4, 5, 6, 7
 
-# What the wheels do: stand and turn towards the target heading; drive at the robot's speed; drive
-# at the speed before the collision; stand; keep the speed, whatever it is.
+# What the wheels do: stop and turn towards the target heading; drive at the robot's speed; drive at
+# the speed from before the collision; stop; keep the speed, whatever it is.
 TURN, GO, RESUME, HALT, COAST = 0, 1, 2, 3, 4
 
 
@@ -57,19 +59,19 @@ def select_behaviour(
     collide_ticks: int,
     drive_ticks: int,
 ) -> tuple[int, int, bool]:
-    """Lets a behaviour take control, asked in the order drive, seek, collide, if the reading lets it.
+    """Lets a behaviour take control, in the order drive, seek, collide, if the reading allows it.
 
     Args:
-        reading: Of the arbiter, ``A0`` to ``INTERRUPTIBLE``.
-        behaviour: Who is in charge.
+        reading: Reading of the arbiter, ``A0`` to ``INTERRUPTIBLE``.
+        behaviour: The behaviour in charge.
         ticks: Its counter.
-        collision: Whether the last move met a wall.
+        collision: Whether the last move hit a wall.
         at_signal: Whether the target heading already is the signal's direction.
         collide_ticks: Counter that collide starts with.
         drive_ticks: Counter that drive starts with.
 
     Returns:
-        Who is in charge now, its counter, and whether it took control just now. When that is
+        The behaviour in charge now, its counter, and whether it has just taken control. If that is
         collide, the caller remembers the speed, stops, and sets the target heading by its rule.
     """
     if reading == INTERRUPTIBLE:
@@ -99,11 +101,11 @@ def run_behaviour(
         behaviour: ``COLLIDE``, ``SEEK`` (the caller has made the signal's direction its target) or
             ``DRIVE``.
         ticks: Its counter.
-        collision: Whether the last move met a wall.
+        collision: Whether the last move hit a wall.
         turned: Whether the robot points along its target heading.
 
     Returns:
-        What the wheels do, who is in charge afterwards, and the counter.
+        What the wheels do, the behaviour in charge afterwards, and its counter.
     """
     if behaviour == DRIVE:
         if ticks >= 0 and not collision:

@@ -1,8 +1,7 @@
 """Whole runs of the thesis's robot: a tick, and an episode.
 
-A tick: events that are due, then the move at the present speed, then the arbiter, whose turn takes
-    effect at
-once and whose speed drives the next tick.
+A tick: events that are due, then the move at the current speed, then the arbiter, whose turn takes
+effect immediately and whose speed drives the next tick.
 
 Source: the thesis's listing, ``simGuiExp.actionPerformed``, ``robot.update`` and the three
     behaviours.
@@ -57,10 +56,10 @@ Cells = npt.NDArray[np.int32]
 _TWO_PI = 2.0 * math.pi
 _MASK = 2**64 - 1
 _HASH_PRIME = 1099511628211
-_FIRST_STEPS = 16  # before the first look-up
-_SLIP = 2**16 - 1  # of the random numbers of a tick, the one that the sensor does not use
+_FIRST_STEPS = 16  # before the first lookup
+_SLIP = 2**16 - 1  # the one random number of a tick that the sensor does not use
 _LEAST_CROSSING = (
-    1e-6  # px; a shorter way through a wall is rounding, and no checker could confirm it
+    1e-6  # px; a shorter path through a wall is due to rounding, and no checker could confirm it
 )
 
 
@@ -78,8 +77,8 @@ def thesis_tick(
         step: Number of the tick, from 1.
 
     Returns:
-        False if the tick needs a draw and none is left, then nothing has changed; and the centre
-        before a wall changed the move.
+        False if the tick needs a draw and none is left, in which case nothing has changed; and the
+        centre before a wall changed the move.
     """
     x, y, collision, move, before_x, before_y, rolling = _move(cells, setup, state, step)
     old = mode[at.BEHAVIOUR]
@@ -89,7 +88,7 @@ def thesis_tick(
     signal, acted, draws_used = 0.0, IDLE, mode[at.DRAWS_USED]
     if old == SEEK or (not collision and (old == IDLE or reading >= A2)):
         signal = sensed_direction(cells, x, y, heading, setup, step)
-    if old != IDLE and reading in (A2, A3):  # act, then look who is next
+    if old != IDLE and reading in (A2, A3):  # act, then select the next behaviour
         acted = old
         heading, target, speed, behaviour, ticks = _act(
             old, ticks, collision, heading, target, speed, old_speed, signal, setup.speed
@@ -105,7 +104,8 @@ def thesis_tick(
         if setup.rule == 3 and draws_used >= draws.shape[0]:
             return False, x, y
         if speed > 0.0 or (setup.friction == 0.0 and reading != INTERRUPTIBLE):
-            # Who rolls out, or is interrupted while it turns, still wants its speed before that.
+            # A robot that rolls out, or is interrupted while it turns, still needs its speed from
+            # before that.
             old_speed = speed
         speed = 0.0
         if setup.rule == 1:
@@ -132,7 +132,9 @@ def thesis_tick(
 def _move(
     cells: Cells, setup: Setup, state: Floats, step: int
 ) -> tuple[float, float, bool, int, float, float, float]:
-    """The tick's move: what :func:`tests.reference.sim.stepped_motion.advance` returns, and the rolling speed then."""
+    """The tick's move: the result of :func:`tests.reference.sim.stepped_motion.advance`, and the
+    new rolling speed.
+    """
     x, y, wanted, rolling = state[at.X], state[at.Y], state[at.SPEED], state[at.ROLLING]
     if rolling < wanted:
         gain = setup.acceleration * setup.time_step
@@ -140,7 +142,7 @@ def _move(
     elif rolling > wanted:
         loss = setup.friction * setup.time_step
         rolling = wanted if loss == 0.0 else max(rolling - loss, wanted)
-    if rolling == 0.0:  # most ticks only turn: 12.9 M ticks/s become 15.5 M
+    if rolling == 0.0:  # most ticks only turn: this raises the rate from 12.9 to 15.5 M ticks/s
         x, y = clamp_inside(cells, x, y, setup.radius)
         return x, y, False, STRAIGHT, x, y, rolling
     way = rolling
@@ -170,7 +172,7 @@ def _act(
 ) -> tuple[float, float, float, int, int]:
     """Lets the behaviour in charge act.
 
-    Heading, target heading, speed, who is in charge then, its counter.
+    Heading, target heading, speed, the behaviour then in charge, its counter.
     """
     if behaviour == SEEK:
         target = signal
@@ -213,7 +215,7 @@ def _overlaps(cells: Cells, x: float, y: float, radius: float) -> bool:
 def _apply_events(arena: Arena, setup: Setup, step: int, state: Floats, counts: Ints) -> None:
     """Applies the events due at ``step``.
 
-    One that falls on the robot ends the run as ``BURNED``.
+    An event that falls on the robot ends the run as ``BURNED``.
     """
     while (
         counts[at.NEXT_EVENT] < arena.events.shape[0]
@@ -235,10 +237,10 @@ def _apply_events(arena: Arena, setup: Setup, step: int, state: Floats, counts: 
 def _judge_place(
     arena: Arena, setup: Setup, step: int, before: tuple[float, float], run: Progress
 ) -> None:
-    """Notes what the robot touches where the tick ends.
+    """Notes what the robot touches at the end of the tick:
 
-    Walls, flames, cells that it had not been in. ``before`` is the centre before a wall changed the
-    tick's move: what overlaps there already, a corner let in.
+    walls, flames, cells that it had not been in. ``before`` is the centre before a wall changed the
+    tick's move: if it already overlaps there, a corner let it in.
     """
     state, counts, sums = run.state, run.counts, run.sums
     x, y = state[at.X], state[at.Y]
@@ -284,7 +286,7 @@ def _judge_place(
 
 
 def _way_inside(x: float, y: float, dx: float, dy: float, cell_x: int, cell_y: int) -> float:
-    """Share, 0 to 1, of the straight way (x, y) + t (dx, dy) that lies inside the cell.
+    """Share, 0 to 1, of the straight path (x, y) + t (dx, dy) that is inside the cell.
 
     Source: slab test, Ericson, Real-Time Collision Detection (2005), 5.3.3.
     """
@@ -311,7 +313,7 @@ def _judge_way(
     counts: Ints,
     sums: Floats,
 ) -> None:
-    """Adds the way from (x, y) to the path, and notes the first wall that its straight line enters."""
+    """Adds the segment from (x, y) to the path, and notes the first wall that it enters."""
     dx, dy = state[at.X] - x, state[at.Y] - y
     length = math.sqrt(dx * dx + dy * dy)
     sums[at.SUM_PATH] += length
@@ -360,15 +362,15 @@ def _record(state: Floats, mode: Ints, row: int, trace: Floats) -> None:
 
 
 def _complete_state(run: Progress) -> bytes:
-    """All that decides the future, as bytes: -0.0 is not 0.0."""
+    """Everything that decides the future, as bytes: -0.0 is not 0.0."""
     return run.state.tobytes() + run.mode[: at.MODE_STATE_SIZE].tobytes()
 
 
 def _period(setup: Setup, run: Progress, step: int, quiet: int) -> int:
-    """Steps since the state was there before, if a recurrence is looked for and ends the run here.
+    """Returns the steps since the state last occurred, if a recurrence is searched for and ends the run here.
 
-    Else 0. The last state of the budget is looked up, and before it some that are each twice as far
-    along as the one before.
+    Else 0. The last state of the budget is looked up, and some earlier ones, each twice as far
+    along as the previous one.
     """
     if step < quiet:
         return 0
@@ -387,20 +389,21 @@ def _period(setup: Setup, run: Progress, step: int, quiet: int) -> int:
 
 
 def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, trace: Floats) -> None:
-    """Runs until something is decided, or ``setup.steps`` ticks are done.
+    """Runs until there is a verdict, or ``setup.steps`` ticks are done.
 
-    A run that ended as ``LIMIT`` or ``NEEDS_DRAWS`` goes on where it stopped, if called again with
-    the same arena and more steps or draws (the earlier draws stay in front).
+    A run that ended as ``LIMIT`` or ``NEEDS_DRAWS`` continues where it stopped, if called again
+    with the same arena and more steps or draws (the earlier draws stay in front).
 
     Args:
         arena: Surroundings, changed in place.
-        setup: The robot, and what is asked.
+        setup: The robot and the options.
         run: A fresh or a stopped run; see :mod:`tests.reference.sim.thesis_layout`, ``OUT_`` and
             ``SUM_``.
         draws: Random numbers in [0, 1) for rule 3, in order.
         trace: (n, ROW_SIZE), n may be 0; row k gets the state after step ``TRACE_START`` + k.
 
-    Of several endings in one tick the first counts: ``BURNED``, ``TUNNEL``, ``REACHED``, ``LOOP``.
+    If several endings happen in one tick, the first of these counts: ``BURNED``, ``TUNNEL``,
+    ``REACHED``, ``LOOP``.
         A recurrence of the
     complete state after the last event is found when it is looked up.
     """

@@ -1,4 +1,4 @@
-"""What is where in the arrays of the thesis's simulator, and the numbers that its robot is made of.
+"""Layout of the arrays of the thesis's simulator, and the constants of its robot.
 
 The thesis's own frame: pixels, y down, ten pixels a cell, ``cells[x, y]``; heading 0 is -x, pi/2 is
 -y (up), growing clockwise on the screen; milliseconds.
@@ -42,11 +42,11 @@ __all__ = [
 # How an episode ends.
 LIMIT, REACHED, LOOP, TUNNEL, BURNED = 0, 1, 2, 3, 4
 
-# How a recurrence of the complete state ends it: not at all; when it is found; in the last step of
-# the budget, if its state is that of step ``Setup.loop_entry``.
+# How a recurrence of the complete state ends it: never; when it is found; in the last step of the
+# budget, if its state is that of step ``Setup.loop_entry``.
 NO_LOOP, SEEK_LOOP, PROVE_LOOP = 0, 1, 2
 
-# What a cell becomes.
+# The new state of a cell.
 FREE, SOLID, BURNING = 0, 1, 2
 
 CELL = 10.0  # px per cell; the listing's `length`
@@ -54,29 +54,28 @@ ROBOT_RADIUS = 7.0  # px
 ROBOT_SPEED = 0.2  # px per ms; at 15 ms a tick moves 2 or 3 px, decided by the last bit of a cosine
 
 WALL = -2  # signal value of a wall, as in the thesis's map files
-FLAME = -3  # ours; the thesis has no fire
+FLAME = -3  # our addition; the thesis has no fire
 
 OPEN, WEAKENED, BLOCKED = 0, 1, 2  # what walls do to the signal
 
 # One more ending: no draw was left; append some and call again.
 NEEDS_DRAWS = 6
 
-# state (float64)
-# ROLLING is the speed at which the robot really moves; with neither inertia nor friction it is
-# SPEED.
+# state (float64) ROLLING is the speed at which the robot actually moves; without inertia and
+# friction it is SPEED.
 X, Y, HEADING, TARGET_HEADING, SPEED, OLD_SPEED, ROLLING = 0, 1, 2, 3, 4, 5, 6
 STATE_SIZE = 7
 
-# mode (int64). BEHAVIOUR is IDLE when nobody is in charge; TICKS_LEFT is 0 unless collide or drive
-# is.
+# mode (int64). BEHAVIOUR is IDLE when no behaviour is in charge; TICKS_LEFT is 0 unless collide or
+# drive is in charge.
 COLLISION, BEHAVIOUR, TICKS_LEFT, DRAWS_USED = 0, 1, 2, 3
-MODE_STATE_SIZE = 4  # up to here: with `state` all that decides the future
+MODE_STATE_SIZE = 4  # up to here, together with `state`: everything that decides the future
 ACTIVE = 4  # behaviour that acted in the last tick
 MOVE = 5  # how the last tick's move ended, see tests.reference.sim.stepped_motion
 ESCAPES = 6  # 1 if the collide behaviour took control in the last tick
 MODE_SIZE = 7
 
-# counts (int64): reports and book-keeping; a step that never came is -1.
+# counts (int64): reports and bookkeeping; a step that never happened is -1.
 OUT_ENDING, OUT_STEPS, OUT_PERIOD, OUT_COLLISIONS, OUT_LAST_NEW_CELL = 0, 1, 2, 3, 4
 OUT_DIGEST = 5  # rolling FNV-1a hash of seven words a tick, as the bits of a uint64
 OUT_ACTIVATIONS = 6  # times that the collide behaviour took control
@@ -95,7 +94,7 @@ OUT_TUNNEL_STEP, OUT_TUNNEL_IX, OUT_TUNNEL_IY = (
     14,
     15,
     16,
-)  # first tick whose straight way enters a wall
+)  # first tick whose straight path enters a wall
 OUT_IN_WALL_STEP, OUT_IN_WALL_IX, OUT_IN_WALL_IY = (
     17,
     18,
@@ -106,7 +105,7 @@ TRACE_START = 21  # step before the first row of the trace, for recordings in pi
 OVERLAP_BEGAN, OVERLAP_CAUSE = (
     22,
     23,
-)  # of the overlap that lasts now: its first step (-1: none), its move
+)  # of the current overlap: its first step (-1: none), its move
 OUT_OVERLAP_BEGAN, OUT_OVERLAP_CAUSE, OUT_TUNNEL_BEGAN, OUT_TUNNEL_CAUSE = (
     24,
     25,
@@ -128,7 +127,7 @@ HASH_START = 1469598103934665603
 
 
 class Setup(NamedTuple):
-    """The robot and what is asked of the run.
+    """The robot and the options of the run.
 
     Give ints as ints and floats as floats: types select code.
 
@@ -138,29 +137,29 @@ class Setup(NamedTuple):
         sense: Reach of the signal sensor in cells, :func:`sensor_cells`.
         collide_ticks: Counter of the collide behaviour; the thesis's is 5 and drives 6 ticks.
         drive_ticks: Counter of the drive behaviour; the thesis's is 2 and drives 3 ticks.
-        turn_angle: Of rules 1 and 2, rad; the thesis's is pi/2.
+        turn_angle: Turn of rules 1 and 2, rad; the thesis's is pi/2.
         radius: px.
         speed: px per ms.
         tolerance: Overlap with a wall that is not reported, px.
-        steps: Ticks at most.
+        steps: Maximum number of ticks.
         find_loop: How a recurrence of the complete state, after the last event, ends the run:
             ``NO_LOOP``, ...
-        digest: 1 to work out the digest of the trace; else 0.
-        stop_at_tunnel: 1 to end as ``TUNNEL`` when the centre's way enters a wall; else 0.
-        reading: Of the arbiter, see :mod:`tests.reference.sim.thesis_arbiter`.
+        digest: 1 to compute the digest of the trace; else 0.
+        stop_at_tunnel: 1 to end as ``TUNNEL`` when the centre's path enters a wall; else 0.
+        reading: Reading of the arbiter, see :mod:`tests.reference.sim.thesis_arbiter`.
         repairs: Bits of the faults of the motion that are repaired, see
             :mod:`tests.reference.sim.stepped_motion`.
-        acceleration: px per ms gained in a ms at most; 0 for at once.
-        friction: px per ms lost in a ms by a robot that rolls out; 0 for at once.
-        wall_friction: Share of a slide that friction takes.
-        slip: Largest share of a tick's way that is lost.
-        sensor_field: Angle that the sensor looks into, rad; 0 for all round.
-        sensor_noise: Largest share by which a reading is wrong.
-        signal: ``OPEN``, ``WEAKENED`` or ``BLOCKED`` by walls on its straight way.
+        acceleration: largest gain in a ms, px per ms; 0 for immediate changes.
+        friction: loss in a ms of a robot that rolls out, px per ms; 0 for immediate stops.
+        wall_friction: Share of a slide that is lost to friction.
+        slip: Largest share of a tick's path that is lost.
+        sensor_field: Angle that the sensor covers, rad; 0 for all around.
+        sensor_noise: Largest relative error of a reading.
+        signal: ``OPEN``, ``WEAKENED`` or ``BLOCKED`` by walls on its straight path.
         map_scale: Side of a cell of the robot's map, cells.
         target_x: Column of the target's cell, where the signal comes from.
         target_y: Its row.
-        seed: Of slip and sensor noise, not negative.
+        seed: Seed of slip and sensor noise, not negative.
         loop_entry: Step of the state that ``PROVE_LOOP`` compares with the last one.
     """
 
@@ -198,7 +197,7 @@ class Arena(NamedTuple):
 
     Args:
         cells: (width, height) int32, the signal now.
-        light: (width, height) int32, the signal that comes back where a cell becomes free.
+        light: (width, height) int32, the signal that returns when a cell becomes free.
         events: (n, 4) int64, rows (step, x, y, state), sorted by step; applied before that step
             moves.
         visited: (width, height) uint8, cells that the centre has been in at the end of a tick.
@@ -226,14 +225,14 @@ class Search:
 
 
 class Progress(NamedTuple):
-    """Where a run stands; an episode that ended for want of ticks or draws goes on from here.
+    """The state of a run; an episode that ran out of ticks or draws continues from here.
 
     Args:
         state: (STATE_SIZE,) float64.
         mode: (MODE_SIZE,) int64.
         counts: (COUNTS_SIZE,) int64.
         sums: (SUM_SIZE,) float64.
-        search: For a state that comes back.
+        search: For a recurring state.
     """
 
     state: npt.NDArray[np.float64]
@@ -248,7 +247,7 @@ def new_arena(
     light: npt.NDArray[np.int32],
     events: npt.NDArray[np.int64] | None = None,
 ) -> Arena:
-    """Return surroundings for one episode, with copies of what it changes."""
+    """Return surroundings for one episode, with copies of the arrays that it changes."""
     rows = (
         np.zeros((0, 4), np.int64) if events is None else np.array(events, np.int64).reshape(-1, 4)
     )
@@ -260,7 +259,7 @@ def new_arena(
 def new_progress(x: float, y: float, heading: float, speed: float = ROBOT_SPEED) -> Progress:
     """A run before its first tick.
 
-    Driving already, aiming at heading 0, nobody in charge, as the thesis's.
+    It is already driving, aiming at heading 0, with no behaviour in charge, as in the thesis.
 
     Args:
         x: px.

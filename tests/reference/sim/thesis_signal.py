@@ -1,8 +1,7 @@
 """The thesis's light: the map of its strength, the noise filter, and how the robot reads and follows it.
 
-What its author left to be done is here too: a sensor that looks one way only, or errs; walls that
-    weaken or end
-the light behind them; a robot whose own map is coarser than the world.
+The author's proposals for further work are here too: a sensor with a limited field or with errors;
+walls that weaken or block the light behind them; a robot whose own map is coarser than the world.
 
 Source: the thesis's listing, ``Grid.lightGridGenrtr``, ``simWorldCreator.noiseMapGen``,
 ``simGuiExp.scanMultipleCells``, ``calcHeading`` and ``robot.turnS``.
@@ -33,10 +32,10 @@ Cells = npt.NDArray[np.int32]
 
 _TWO_PI = 2.0 * math.pi
 _TURN_STEP = 0.08  # rad per tick
-_TURN_SNAP = 0.2  # rad; nearer than this the robot takes the heading at once
-_DARK = 2.0**30  # what is read where no light comes: weaker than any signal
-_MOST_HALVINGS = 30  # walls that weaken; behind more it is as dark
-_READINGS = 2**16  # random numbers of one tick; the last of them is the slip's
+_TURN_SNAP = 0.2  # rad; nearer than this the robot takes the heading immediately
+_DARK = 2.0**30  # reading where no light arrives: weaker than any signal
+_MOST_HALVINGS = 30  # walls that weaken the light; more do not make it darker
+_READINGS = 2**16  # random numbers per tick; the last one is for slip
 _NOISE_REACH = 2  # cells around a wall whose signal the filter changes
 
 
@@ -55,7 +54,7 @@ def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
 def add_noise(cells: Cells, light: Cells) -> None:
     """Weakens or strengthens the signal of cells near inner walls, in place.
 
-    What the order does stays.
+    The effect of the order is kept.
 
     Args:
         cells: The signal with every wall drawn.
@@ -81,7 +80,7 @@ def add_noise(cells: Cells, light: Cells) -> None:
 
 
 def bearing(dx: float, dy: float) -> float:
-    """Heading of a vector, in the listing's own four quadrants; can be -0.0, and 2 pi is 0."""
+    """Heading of a vector, in the listing's four quadrants; can be -0.0, and 2 pi is 0."""
     heading = atan(dy / dx) if dx != 0.0 else (1.5 * math.pi if dy > 0.0 else math.pi / 2.0)
     if dx >= 0.0 and dy <= 0.0:
         return math.pi + heading if heading <= 0.0 else heading
@@ -95,8 +94,8 @@ def bearing(dx: float, dy: float) -> float:
 def signal_direction(cells: Cells, x: float, y: float, sense: int) -> float:
     """Heading to the centre of the cell with the best signal within ``sense`` cells.
 
-    The first of equals. In a wall the own value is the lowest, so the robot then seeks the middle
-    of that wall.
+    Ties go to the first. In a wall the robot's own cell has the lowest value, so it then seeks the
+    middle of that wall.
     """
     own_x, own_y = int(x / CELL), int(y / CELL)
     lowest, best_x, best_y = cells[own_x, own_y], own_x, own_y
@@ -109,13 +108,13 @@ def signal_direction(cells: Cells, x: float, y: float, sense: int) -> float:
 
 
 def walls_between(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
-    """Walls whose inside the straight line between two cells' centres crosses, the two cells left out.
+    """Walls whose interior the straight line between two cells' centres crosses, except the two cells.
 
-    A line exactly through a corner crosses none of the two cells next to it.
+    A line exactly through a corner crosses neither of the two cells next to it.
 
     Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing",
         Eurographics 1987;
-    here in whole numbers.
+    here in integers.
     """
     way_x, way_y = abs(to_x - x), abs(to_y - y)
     step_x, step_y = (1 if to_x > x else -1), (1 if to_y > y else -1)
@@ -123,7 +122,7 @@ def walls_between(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
     while gone_x < way_x or gone_y < way_y:
         ahead = (1 + 2 * gone_x) * way_y - (
             1 + 2 * gone_y
-        ) * way_x  # below 0: the next edge crossed is vertical
+        ) * way_x  # negative: the next edge crossed is vertical
         if ahead <= 0:
             gone_x += 1
         if ahead >= 0:
@@ -135,7 +134,7 @@ def walls_between(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
 
 
 def _reading(cells: Cells, x: int, y: int, setup: Setup) -> float:
-    """Signal of a cell as it comes through the walls; below 0 where there is none."""
+    """Signal of a cell through the walls; negative if there is none."""
     value = float(cells[x, y])
     if value <= 0.0 or setup.signal == OPEN:
         return value
@@ -165,7 +164,7 @@ def _block_reading(cells: Cells, block_x: int, block_y: int, setup: Setup) -> fl
 
 
 def _noisy_reading(cells: Cells, x: int, y: int, setup: Setup, scale: int, draw: int) -> float:
-    """What the sensor says of a cell, or of a block of the robot's map."""
+    """The sensor's reading for a cell, or for a block of the robot's map."""
     value = _reading(cells, x, y, setup) if scale == 1 else _block_reading(cells, x, y, setup)
     if value > 0.0 and setup.sensor_noise > 0.0:
         value *= 1.0 + setup.sensor_noise * (2.0 * random_draw(setup.seed, draw) - 1.0)
@@ -173,7 +172,7 @@ def _noisy_reading(cells: Cells, x: int, y: int, setup: Setup, scale: int, draw:
 
 
 def _in_field(x: float, y: float, to_x: float, to_y: float, heading: float, field: float) -> bool:
-    """Whether a place lies in the sensor's field of view."""
+    """Return whether a place is in the sensor's field of view."""
     if field == 0.0:
         return True
     turn = np.fmod(bearing(to_x - x, to_y - y) - heading, _TWO_PI)
@@ -187,13 +186,13 @@ def sensed_direction(
     """Heading to the best signal by the sensor that ``setup`` describes.
 
     The thesis's is :func:`signal_direction`. The robot reads its own cell, or block of its map,
-    whatever way it looks. In the block that is best already it goes by single cells.
+    whatever its heading. In the best block it uses single cells.
 
     Args:
         cells: The signal with every wall drawn.
         x: Centre, px.
         y: Same as above.
-        heading: Which way the robot looks, rad.
+        heading: The robot's heading, rad.
         setup: Its sensor.
         step: Number of the tick, which picks the sensor's errors.
     """

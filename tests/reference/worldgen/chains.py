@@ -18,9 +18,9 @@ from worldgen.reach.still.walls import Cell, ExactPoint, Point
 
 __all__ = ["find_chain", "linked_offsets"]
 
-_FINE_BITS = 10  # by which the unit may be finer before coordinates outgrow 64-bit products
-_STARTS = 24  # cells from which a short cycle is sought
-_WORK = 20_000_000  # looks at rows and cells that those searches may take: 0.1 s
+_FINE_BITS = 10  # factor by which the unit may be finer before coordinates overflow 64-bit products
+_STARTS = 24  # cells from which a short cycle is searched for
+_WORK = 20_000_000  # limit on row and cell visits in those searches: 0.1 s
 
 Ints = npt.NDArray[np.int64]
 
@@ -31,17 +31,17 @@ def find_chain(
     start: ExactPoint,
     targets: Sequence[ExactPoint],
 ) -> list[Cell] | None:
-    """A chain of cells that parts one clear pose from others for a disc of ``radius`` cells, or None if there is none.
+    """Return a chain of cells that separates one clear pose from others for a disc of ``radius`` cells, or None.
 
     Args:
         solid: (height, width) bool.
         radius: cells.
         start: A clear pose, 1/1024 cell.
-        targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the
+        targets: One other, or up to :data:`MOST_TARGETS`, each of which can be separated from the
             start.
 
     Returns:
-        Cells (ix, iy) in chain order; -1 and the grid's sides stand for the cells just outside.
+        Cells (ix, iy) in chain order; -1 and the grid's sides are the cells just outside.
     """
     links = _Links(solid, radius, start, targets)
     if links.bits > 1:
@@ -75,12 +75,12 @@ class _Links:
     Attributes:
         cells: (n, 2) int64, (ix, iy) of the solid cells that touch a free one, the ring outside
             included; by rows.
-        rank: How many cells lie before a place of the flat raster, which is wide enough for every
+        rank: How many cells come before a place of the flat raster, which is wide enough for every
             offset.
-        place: (n,) where in that raster a cell is.
-        rows: (m, 2) what to add to a place for the row of an offset, and how far to either side
-            that row is linked.
-        bits: How many targets there are.
+        place: (n,) a cell's place in that raster.
+        rows: (m, 2) what to add to a place to get to the row of an offset, and how far to either
+            side that row is linked.
+        bits: Number of targets.
         slot: (n,) number of each cell that has a link across a ray, else -1.
         begins: (k + 1,) where in ``ends`` the links of such a cell begin.
         ends: (l,) the cells that they lead to.
@@ -146,8 +146,8 @@ class _Links:
     def search(self, source: int, limit: int, *, thorough: bool = False) -> tuple[list[int], int]:
         """Return the shortest cycle through a cell whose bits are all odd, of fewer than ``limit`` links; and the work.
 
-        A thorough search goes on to all that it can reach, and leaves ``before`` and the rows as
-        they are.
+        A thorough search continues to everything that it can reach, and leaves ``before`` and the
+        rows as they are.
         """
         graph, work = self._work
         found, looked = odd_walk(*graph, *work, self.bits, source, limit, thorough)
@@ -155,7 +155,7 @@ class _Links:
 
     @functools.cached_property
     def _work(self) -> Any:
-        """What the walk searches on."""
+        """The graph that the walk searches."""
         states = len(self.cells) << self.bits
         layer = len(self.cells) + 1
         arrays = (
@@ -172,7 +172,9 @@ class _Links:
         return tuple(array.tolist() for array in arrays), work
 
     def in_odd_cycles(self) -> npt.NDArray[np.bool_]:
-        """(n,) whether a cell has a link across a ray, and is joined to a cycle whose bits add up to an odd number."""
+        """(n,) whether a cell has a link across a ray, and is joined to a cycle whose bits add up
+        to an odd number.
+        """
         sources = np.nonzero(self.slot >= 0)[0].tolist()
         has_odd = np.zeros(len(self.cells), np.bool_)
         if sources:
@@ -192,7 +194,9 @@ class _Links:
     def _link_bits(self, begins: Ints, ends: Ints) -> npt.NDArray[np.uint8]:
         """(n,) the bits of links between cells, (n, 2) each."""
         bits = np.zeros(len(begins), np.uint8)
-        astride = np.zeros(len(begins), np.bool_)  # few links are; the others need no arithmetic
+        astride = np.zeros(
+            len(begins), np.bool_
+        )  # few links cross a ray; the others need no arithmetic
         for x, _ in self.points:
             low, high = np.minimum(begins[:, 0], ends[:, 0]), np.maximum(begins[:, 0], ends[:, 0])
             astride |= (low <= x // self.unit) & (high >= x // self.unit)
@@ -220,7 +224,7 @@ class _Links:
 
 
 def _fineness(radius: Fraction) -> int:
-    """How much finer than 1/1024 cell the unit must be for a rounded clear pose to stay on its side of each link.
+    """Return how much finer than 1/1024 cell the unit must be.
 
     A clear pose is farther from a link than the radius less half its gap.
     """
@@ -271,7 +275,7 @@ def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell] | 
 
 
 def _simple(links: _Links, chain: Sequence[int]) -> list[Cell]:
-    """Splits a closed chain at cells that it visits twice, and keeps an odd part each time."""
+    """Splits a closed chain at cells that it visits twice, keeping an odd part each time."""
     cells = links.cells[np.array(chain, np.int64)]
     odd = links.is_odd(cells)
     kept: list[tuple[Cell, bool]] = []  # cell, and the sum of bits from it to the next kept one

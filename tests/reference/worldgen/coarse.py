@@ -12,13 +12,13 @@ def walk_squares(solid: Any, side: Any, source: Any, goal: Any, state: Any, heig
         solid: (height, width) uint8, 1 is solid.
         side: Of the squares, cells.
         source: Where to begin: (row + 1) * (width + 2) + column + 1 of a square's first cell.
-        goal: Where to end.
+        goal: The square to end at.
         state: ((height + 2) * (width + 2),) uint8 zeros, for the squares.
         heights: (width,) int32 zeros.
 
     Returns:
-        (n,) squares from source to goal, without those in the middle of a straight line; none if
-        there is no way.
+        (n,) squares from source to goal, without those in the middle of a straight line; empty if
+        there is no path.
     """
     height, width = solid.shape
     stride = width + 2

@@ -9,11 +9,12 @@ def odd_walk(
 ) -> Any:  # fmt: skip
     """Breadth-first search from (source, no bit) to (source, all bits), below ``limit`` links.
 
-    ``before[state]`` is the state before it. ``skip[layer * (n + 1) + u]`` leads to the next cell
-    from u on that was not seen in that layer. Unless it is thorough, both end as they began.
+    ``before[state]`` is the state before it. ``skip[layer * (n + 1) + u]`` leads to the next cell,
+    starting with u, that was not seen in that layer. Unless the search is thorough, both end as
+    they began.
 
     Returns:
-        Number of cells in ``chain``, the last first and the source last; and the number of looks.
+        Number of cells in ``chain``, from the last back to the source; and the number of visits.
     """
     full = (1 << bits) - 1
     layer_size = len(place) + 1

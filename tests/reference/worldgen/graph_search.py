@@ -24,9 +24,9 @@ def find_path(
     toward: tuple[int, int],
     bridges: Sequence[tuple[int, int]] = (),
 ) -> list[int]:
-    """Return a path over the graph from a source to an end, or else to a spare end.
+    """Return a path over the graph from a source to an end, or otherwise to a spare end.
 
-    As the package's does.
+    Like the package's.
     """
     size = graph.clear.size
     shifts, middles = neighbour_shifts(graph.stride)
@@ -50,7 +50,7 @@ def find_path(
 
 
 def corners(path: Sequence[int]) -> list[int]:
-    """A path without the nodes in the middle of a straight line."""
+    """Return a path without the nodes in the middle of a straight line."""
     steps = [b - a for a, b in itertools.pairwise(path)]
     return [
         *path[:1],
@@ -73,9 +73,9 @@ def _search(
 ) -> int:  # fmt: skip
     """A* over the eight neighbours.
 
-    ``goal`` is 1 where the search stops, 2 where it would be content; ``came`` gets the direction
-    (1 to 8) by which a node is reached, 0 at a source; ``cost`` is negative once a node is done
-    with. Returns the end, the cheapest spare end, or -1.
+    ``goal`` is 1 where the search stops, 2 at spare ends; ``came`` gets the direction (1 to 8) from
+    which a node is reached, 0 at a source; ``cost`` is negative once a node is finished. Returns
+    the end, the cheapest spare end, or -1.
 
     Source: Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost
     Paths", 1968.
@@ -88,7 +88,7 @@ def _search(
         node = int(source)
         cost[node] = 0
         heapq.heappush(queue, node)
-    # Entries are (cost + heuristic) * 2**31 + node: one whole number compares faster than a pair.
+    # Entries are (cost + heuristic) * 2**31 + node: one integer compares faster than a pair.
     while len(queue) > 0:
         node = heapq.heappop(queue) & 2147483647
         here = cost[node]
@@ -117,11 +117,11 @@ def _search(
 
 
 def flood(clear: Any, middle: Any, stride: Any, sources: Any, seen: Any) -> None:
-    """Marks every node that the eight steps lead to.
+    """Marks every node that can be reached by the eight steps.
 
     Args:
         clear: (n,) uint8, 1 where the disc is clear; none on the rim of the grid.
-        middle: (n,) uint8, likewise half a step right of and above each node.
+        middle: (n,) uint8, the same half a step right of and above each node.
         stride: Nodes a row.
         sources: (m,) numbers of clear nodes.
         seen: (n,) uint8 zeros; gets 1.
@@ -151,7 +151,7 @@ def flood(clear: Any, middle: Any, stride: Any, sources: Any, seen: Any) -> None
             stack = longer
         for side in range(2):
             shift = stride if side == 0 else -stride
-            # The whole run is joined to what lies next to it; one step beyond its ends, only by a
+            # The whole run is joined to the nodes next to it; one step beyond its ends, only by a
             # clear diagonal.
             low = left if middle[left - 1 + min(shift, 0)] == 0 else left - 1
             high = right if middle[right + min(shift, 0)] == 0 else right + 1

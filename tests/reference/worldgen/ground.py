@@ -1,14 +1,14 @@
 """Searches over open ground in plain Python.
 
-What worldgen/core/making/ground.c does, in the same order.
+Does the same as worldgen/core/making/ground.c, in the same order.
 """
 
 
 def breadth_first(windows, came, queue, start, goal, stride):
-    """Fills ``came`` with the cell from which each was reached first, until the goal is.
+    """Fills ``came`` with the cell from which each was first reached, until the goal is reached.
 
     Args:
-        windows: (n,) 1 where one may be; none on the rim, so that no step leaves the grid.
+        windows: (n,) 1 where a step may lead; none on the rim, so that no step leaves the grid.
         came: (n,) -1, to be filled.
         queue: (n,) room for cells.
         start: Cell to begin at.
@@ -40,9 +40,9 @@ def flood(windows, steps, queue, start, stride):
     """Counts the steps from a place to all that can be reached, breadth first.
 
     Args:
-        windows: (n,) 1 where one may be; none on the rim, so that no step leaves the grid.
+        windows: (n,) 1 where a step may lead; none on the rim, so that no step leaves the grid.
         steps: (n,) -1, to be filled.
-        queue: (n,) room for places; in the end those reached, the nearest first.
+        queue: (n,) room for places; in the end the reached ones, nearest first.
         start: Place to begin at.
         stride: Cells a row.
 
@@ -75,7 +75,7 @@ def label(windows, owner, queue, stride):
     """Numbers the components in order of their first places.
 
     Args:
-        windows: (n,) 1 where one may be; none on the rim.
+        windows: (n,) 1 where a step may lead; none on the rim.
         owner: (n,) -1, to be filled with the number of each place's component.
         queue: (n,) room for places.
         stride: Cells a row.
@@ -111,11 +111,11 @@ def label(windows, owner, queue, stride):
 
 
 def spread(waits, owner, came, depth, queue, count, stride):
-    """Lets owners grow over the grid, all at one pace, each place taking as many rounds as it is hard.
+    """Lets owners grow over the grid at the same pace; each place takes as many rounds as its hardness.
 
     Args:
-        waits: (n,) rounds left until a place is crossed, 0 where none may be; used up.
-        owner: (n,) whose a place is, -1 for nobody's; to be filled.
+        waits: (n,) rounds left until a place is crossed, 0 where nothing may grow; changed.
+        owner: (n,) the owner of each place, -1 for none; to be filled.
         came: (n,) the place from which each was reached; itself at the beginnings.
         depth: (n,) rounds in which each was reached; 0 at the beginnings.
         queue: (n,) the beginnings, then room for places.

@@ -1,4 +1,4 @@
-"""Ways that lead from a place, in plain Python: what worldgen/core/making/openings.c counts."""
+"""Passages that lead from a place, in plain Python, as counted by worldgen/core/making/openings.c."""
 
 import math
 
@@ -6,7 +6,9 @@ import numpy as np
 
 
 def ring_of(size):
-    """(n, 2) offsets of the nodes from 1.5 to a little over 2 radii of a disc of squared radius ``size``."""
+    """(n, 2) offsets of the nodes from 1.5 to a little over 2 radii of a disc of squared radius
+    ``size``.
+    """
     outer = math.isqrt(4 * size) + 2
     dx, dy = np.mgrid[-outer : outer + 1, -outer : outer + 1].reshape(2, -1)
     squared = dx * dx + dy * dy
@@ -30,10 +32,10 @@ def count_openings(  # noqa: PLR0912 - it is one kernel
     queue,
     found,
 ):
-    """Counts the parts of each place's ring; the same text runs plain and compiled.
+    """Counts the parts of each place's ring; the same code runs plain and compiled.
 
-    First all parts of the ring, which takes little and decides most places; where there are three
-    or more, those that a flood from the place comes to. ``mark`` numbers floods: a multiple of 4
+    First count all parts of the ring, which is cheap and decides most places; if there are three or
+    more, count those that a flood from the place reaches. ``mark`` numbers floods: a multiple of 4
         and 1 for the disc, 2 for the ring,
     3 for its parts.
     """

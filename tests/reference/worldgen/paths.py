@@ -1,4 +1,4 @@
-"""Paths against walls in fractions: the specification of ``segments.c``."""
+"""Paths and walls in fractions: the specification of ``segments.c``."""
 
 import itertools
 import math
@@ -14,7 +14,7 @@ _TESTS = 6_000
 
 
 def shorten(walls: Walls, points: list[ExactPoint]) -> list[ExactPoint]:
-    """Replace corners by straight lines that the disc may sweep."""
+    """Replace corners by straight lines along which the disc is clear."""
     points = merge_straight(points)
     patience = max(1, min(_PATIENCE, _TESTS // len(points)))
     kept = [points[0]]

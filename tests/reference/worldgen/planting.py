@@ -1,17 +1,17 @@
-"""Planting in plain Python: what worldgen/core/making/planting.c does."""
+"""Planting in plain Python, like worldgen/core/making/planting.c."""
 
 
 def put_down(barred, stands, places, kinds, cells, cell_ends, halos, ends):
-    """Visits places in turn and puts a thing down wherever none of its cells is barred.
+    """Visits places in turn and puts a thing down wherever none of its cells is blocked.
 
     Args:
-        barred: (n,) 1 where no cell of a thing may be; grows with every thing put down.
-        stands: (m,) to be filled: 1 where the thing of that turn stands.
-        places: (m,) where to try.
-        kinds: (m,) what to try there.
-        cells: Offsets of the cells of all kinds, one kind after the other.
+        barred: (n,) 1 where no cell of a thing may be; grows with every placed thing.
+        stands: (m,) to be filled: 1 if the thing of that turn was placed.
+        places: (m,) places to try.
+        kinds: (m,) kinds to try there.
+        cells: Offsets of the cells of all kinds, one kind after another.
         cell_ends: Where each kind's offsets end.
-        halos: Likewise the offsets that a thing bars.
+        halos: The offsets that a thing blocks, in the same form.
         ends: Where these end.
     """
     for turn in range(len(places)):

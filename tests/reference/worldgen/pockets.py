@@ -1,12 +1,12 @@
-"""Pockets in plain Python: what worldgen/core/making/pockets.c does."""
+"""Pockets in plain Python, like worldgen/core/making/pockets.c."""
 
 
 def flood(places, squared, middle, rank, shifts, corners, at_start, parent, bottom, mark, joined):
-    """Unites the points in the order of their distance; the same text runs plain and compiled.
+    """Merges the points in the order of their distance; the same code runs plain and compiled.
 
-    ``mark`` of a root has bit 1 if its set holds the target, bit 2 if the robot can step into it
-    from the start. Stops beyond the pass of the start. Returns it, squared, or -1; and how many
-    pairs stand in ``joined``.
+    ``mark`` of a root has bit 1 if its set contains the target, bit 2 if the robot can step into it
+    from the start. Stops beyond the pass of the start. Returns it, squared, or -1; and the number
+    of pairs in ``joined``.
     """
     top, count = -1, 0
     for r in range(len(places)):
@@ -31,7 +31,7 @@ def flood(places, squared, middle, rank, shifts, corners, at_start, parent, bott
                 continue
             if (
                 mark[other] ^ mark[root]
-            ) & 1:  # what is not the target's is a pocket, with its bottom
+            ) & 1:  # the set without the target is a pocket, with its bottom
                 low = bottom[other] if mark[root] & 1 else bottom[root]
                 if squared[low] < level:
                     joined[2 * count] = level

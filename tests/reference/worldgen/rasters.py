@@ -1,4 +1,4 @@
-"""Where a disc is clear, point by point of a graph: windows of cells, doubled.
+"""Where a disc is clear, for each point of a graph, by doubling windows of cells.
 
 The specification of ``rasters.c``.
 """
@@ -32,7 +32,9 @@ def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph
 
 
 class _Windows:
-    """Whether any of n cells in a row, counted from a cell rightwards, is solid; by doubling."""
+    """Return whether any of n cells in a row, counted from a cell to the right, is solid; by
+    doubling.
+    """
 
     def __init__(self, solid: npt.NDArray[np.bool_], pad: int) -> None:
         self.pad = pad
@@ -53,9 +55,9 @@ class _Windows:
 def clear_raster(
     windows: _Windows, a: int, b: int, m: int, radius: Fraction, shape: tuple[int, int]
 ) -> npt.NDArray[np.bool_]:
-    """Whether the disc is clear at the points (i + a/m, j + b/m), for j, i below ``shape``.
+    """Return whether the disc is clear at the points (i + a/m, j + b/m), for j, i below ``shape``.
 
-    The distance from such a point to a cell is the root of a whole number of 1/m cells squared, so
+    The squared distance from such a point to a cell is an integer in units of 1/m cell squared, so
     the comparison with the radius is exact.
     """
     limit = math.ceil((m * radius) ** 2)  # clear means: squared distance >= limit

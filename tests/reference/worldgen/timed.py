@@ -1,4 +1,4 @@
-"""Safe intervals, the search over them and the spread of a robot.
+"""Safe intervals, the search over them, and the spread of a robot.
 
 The specification of ``intervals.c``, ``timed.c`` and
 ``confine.c``.
@@ -20,7 +20,7 @@ from worldgen.reach.timed.spans import FOREVER
 def safe_intervals(
     clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
 ) -> Intervals:
-    """Return when the points of a raster are safe; as the package's does."""
+    """Return when the points of a raster are safe, like the package's function."""
     inputs, most = _points_and_spans(clear, spans, classes)
     lists = [array.tolist() for array in inputs]
     counts = [0] * (clear.size + 1)
@@ -37,7 +37,9 @@ def safe_intervals(
 def _points_and_spans(
     clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
 ) -> tuple[Any, int]:
-    """The first eight arguments of ``_safe_intervals``, and how many spans one point may have around it."""
+    """The first eight arguments of ``_safe_intervals``, and how many spans one point may have
+    around it.
+    """
     k = round(len(classes) ** 0.5)
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0) + 1
     cells = np.pad(spans.changing, pad)
@@ -66,7 +68,7 @@ def _safe_intervals(
 ) -> None:  # fmt: skip
     """Counts the safe intervals of point p in first[p + 1], or writes them from first[p] on.
 
-    ``low`` and ``high`` hold the blocked spans round one point, sorted by insertion.
+    ``low`` and ``high`` hold the blocked spans around one point, sorted by insertion.
     """
     for p in range(len(clear)):
         if clear[p] == 0:
@@ -82,7 +84,7 @@ def _safe_intervals(
                 low[at] = span_begin[span]
                 high[at] = span_end[span]
                 count += 1
-        free, found = 0, 0  # free: tick from which on nothing seen so far blocks the point
+        free, found = 0, 0  # free: tick from which nothing seen so far blocks the point
         for i in range(count + 1):
             until = low[i] if i < count else FOREVER
             if until > free:
@@ -96,9 +98,9 @@ def _safe_intervals(
 
 
 def search(graph: Any, begun: Any, goal: Any, lean: Any) -> tuple[Any, ...]:
-    """Return the final state, and of the states their node, cost, predecessor and departure.
+    """Return the final state, and the node, cost, predecessor and departure of each state.
 
-    As the package's does.
+    Like the package's function.
     """
     nodes = graph.nodes
     count = len(nodes.begin)

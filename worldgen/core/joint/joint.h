@@ -43,26 +43,38 @@ static inline bool wg_move_is_clear(const WgJoint *joint, const WgMoves *moves, 
 }
 
 // Returns true if a step takes a robot across its target, where it would park.
-static inline bool wg_crosses_target(const WgJoint *joint, int64_t robot, int64_t node, int move)
+static inline bool wg_crosses_target(const int64_t *crossings, int64_t count, int64_t node, int move)
 {
-    int64_t low = joint->crossed_from[robot];
-    int64_t end = joint->crossed_from[robot + 1];
+    int64_t low = 0;
+    int64_t end = count;
     int64_t key = 8 * node + move;
-    if (move == WG_WAIT || low == end || key < joint->crossings[low] || key > joint->crossings[end - 1]) {
+    if (move == WG_WAIT || count == 0 || key < crossings[0] || key > crossings[count - 1]) {
         return false;
     }
     while (low < end) {
         int64_t middle = low + (end - low) / 2;
-        if (joint->crossings[middle] == key) {
+        if (crossings[middle] == key) {
             return true;
         }
-        if (joint->crossings[middle] < key) {
+        if (crossings[middle] < key) {
             low = middle + 1;
         } else {
             end = middle;
         }
     }
     return false;
+}
+
+// Returns what a joint search needs to know about one of its robots.
+static inline WgJointRobot wg_joint_robot(const WgJoint *joint, int64_t robot)
+{
+    return (WgJointRobot){
+        .number = robot,
+        .start = joint->starts[robot],
+        .distances = joint->distances + robot * joint->nodes,
+        .crossings = joint->crossings + joint->crossed_from[robot],
+        .crossing_count = joint->crossed_from[robot + 1] - joint->crossed_from[robot],
+    };
 }
 
 // Returns true if two robots so many nodes apart are near enough to conflict within a tick, whatever their moves.

@@ -1,4 +1,5 @@
-// Joint states, which hold the positions of all robots at once, and what every search over them needs.
+// Joint states, which hold the positions of all robots at once, and the functions that every search
+// over them needs.
 
 #include <assert.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-// Joint states, which hold the positions of all robots at once, and what every search over them needs.
+// Joint states, which hold the positions of all robots at once, and the functions that every search
+// over them needs.
 
 #ifndef JOINT_STATES_H
 #define JOINT_STATES_H
@@ -58,7 +59,8 @@ static inline bool wg_is_allowed(const WgJointStates *states, int64_t robot, int
 {
     const WgJoint *joint = states->joint;
     bool parks = wg_distance_of(joint, robot, node) == 0 && move != WG_WAIT;
-    if (parks || wg_crosses_target(joint, robot, node, move)) {
+    int64_t from = joint->crossed_from[robot];
+    if (parks || wg_crosses_target(joint->crossings + from, joint->crossed_from[robot + 1] - from, node, move)) {
         return false;
     }
     int64_t raster = wg_raster_at(joint, tick, joint->class_of[robot]);

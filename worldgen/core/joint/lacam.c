@@ -1,5 +1,5 @@
-// The search that goes depth first and gets the next joint state from a fast rule. Because constraints are added one at
-// a time, it tries everything in the end.
+// A depth-first search that gets the next joint state from a fast rule. Because constraints are
+// added one at a time, it tries everything in the end.
 //
 // Okumura, "LaCAM: Search-Based Algorithm for Quick Multi-Agent Pathfinding" (2023).
 // The rule is from Okumura et al., "Priority Inheritance with Backtracking for Iterative Multi-agent Path Finding" (2022).
@@ -9,6 +9,9 @@
 #include <string.h>
 
 #include "joint_states.h"
+
+// Pushes that a search may make for each joint state that it may keep.
+static const int64_t PUSHES_PER_STATE = 2000;
 
 // A constraint: in the next joint state, a robot is at this node, and the constraints up the list hold too.
 typedef struct Wish {
@@ -35,8 +38,9 @@ typedef struct Lacam {
     int32_t *x;  // (robots,) column of each robot's node
     int32_t *y;  // (robots,) row
     int64_t *near_from;  // (robots + 1,) where the list of each robot in `near` begins
-    int32_t *near;       // of each robot in turn, the others that it could meet in this tick, by number
+    int32_t *near;       // for each robot in turn, the numbers of those it could meet in this tick
     int64_t near_room;
+    int64_t pushes;  // that are left
 } Lacam;
 
 // Lists for each robot the others that it could meet in this tick; returns false if memory runs out.
@@ -126,6 +130,10 @@ static int sorted_moves(const Lacam *search, int64_t robot, int moves[WG_MOVES])
 // NOLINTNEXTLINE(misc-no-recursion)
 static bool push(Lacam *search, int64_t robot)
 {
+    // In a crowd, one rearrangement can take more pushes than anyone can wait for.
+    if (search->pushes-- <= 0) {
+        return false;
+    }
     const WgJoint *joint = search->states.joint;
     int moves[WG_MOVES];
     int count = sorted_moves(search, robot, moves);
@@ -215,7 +223,7 @@ static WgStatus dive(Lacam *search, int64_t most, WgJointPlan **made, WgProgress
             status = wg_plan_to(&search->states, at, made);
             break;
         }
-        if (search->states.count > most || search->wish_count > 64 * most) {
+        if (search->states.count > most || search->wish_count > 64 * most || search->pushes <= 0) {
             *progress = WG_GOING;
             break;
         }
@@ -285,7 +293,7 @@ WgStatus wg_joint_lacam(const WgJoint *joint, int64_t most, WgJointPlan **made, 
     if (most > INT32_MAX / 128) {
         return WG_BAD_VALUE;
     }
-    Lacam search = {.robots = joint->robots};
+    Lacam search = {.robots = joint->robots, .pushes = PUSHES_PER_STATE * most};
     size_t size = (size_t)search.robots * sizeof(int32_t);
     search.order = malloc(size);
     search.next = malloc(size);

@@ -1,7 +1,8 @@
-// Joint plans by priority: one robot after the other, each around those before it.
+// Joint plans by priority: one robot after another, each around those before it.
 //
-// A state of the search is a node and an interval of ticks in which the robot can stand there. Only the earliest arrival
-// in an interval matters, because the robot can wait there until the interval ends.
+// A state of the search is a node and an interval of ticks in which the robot can be there. Only
+// the earliest arrival in an interval matters, because the robot can wait there until the interval
+// ends.
 //
 // Planning by priority: Erdmann, Lozano-Perez, "On Multiple Moving Objects" (1987).
 // The search: Phillips, Likhachev, "SIPP: Safe Interval Path Planning for Dynamic Environments" (2011).
@@ -22,7 +23,8 @@ typedef struct Span {
     int32_t last;
 } Span;
 
-// The spans of one node, rising and apart; they become invalid when those of another node are made.
+// The spans of one node, in ascending order and disjoint; they become invalid when another node's
+// spans are made.
 typedef struct Spans {
     const Span *items;
     int64_t count;
@@ -49,7 +51,7 @@ typedef struct RobotSearch {
     const Period *periods;
     int64_t period_count;
     WgMoves moves;
-    int64_t robot;
+    WgJointRobot robot;
     int64_t robot_class;
     const int32_t *distances;
     State *states;
@@ -88,7 +90,7 @@ static int compare_spans(const void *one, const void *other)
     return (a > b) - (a < b);
 }
 
-// Sorts the spans from an index on and joins those without a tick between them.
+// Sorts the spans starting at an index and joins those without a tick between them.
 static void join_spans(RobotSearch *search, int64_t from)
 {
     int64_t count = search->span_count - from;
@@ -123,10 +125,13 @@ static bool make_spans(RobotSearch *search, int64_t node)
         }
     }
     const WgReservations *reserved = search->reserved;
+    int64_t x = node % joint->stride;
+    int64_t y = node / joint->stride;
     const WgStay *stay;
     for (int32_t at = reserved->latest[wg_bucket_of(reserved, node)]; at != 0; at = stay->earlier) {
         stay = &reserved->stays[at - 1];
-        if (wg_meets_stay(reserved, search->robot_class, node, node, stay)) {
+        if (wg_is_near_stay(reserved, x, y, stay) &&
+            wg_meets_stay(reserved, search->robot_class, node, node, stay)) {
             bool parks = stay->tick == reserved->tracks[stay->robot].length;
             if (!add_span(search, stay->tick, parks ? NEVER : stay->tick)) {
                 return false;
@@ -263,7 +268,7 @@ static WgStatus step_to(RobotSearch *search, int64_t index, int move)
     const WgReservations *reserved = search->reserved;
     State state = search->states[index];
     int64_t next = state.node + search->moves.shifts[move];
-    if (search->distances[next] < 0 || wg_crosses_target(joint, search->robot, state.node, move)) {
+    if (search->distances[next] < 0 || wg_crosses_target(search->robot.crossings, search->robot.crossing_count, state.node, move)) {
         return WG_OK;
     }
     Spans unsafe;
@@ -289,7 +294,7 @@ static WgStatus step_to(RobotSearch *search, int64_t index, int move)
         int64_t raster = wg_raster_at(joint, tick, search->robot_class);
         bool is_free = joint->clear[raster + state.node] != 0 &&
                        wg_move_is_clear(joint, &search->moves, raster, state.node, move);
-        // Neither the walls after their last change nor a parked robot ever makes room.
+        // Walls never make room after their last change, and neither does a parked robot.
         if ((!is_free && tick >= joint->ticks - 1) ||
             wg_meets_parked(reserved, search->robot_class, state.node, next, tick)) {
             break;
@@ -308,7 +313,7 @@ static WgStatus step_to(RobotSearch *search, int64_t index, int move)
 
 static WgStatus search_path(RobotSearch *search, int64_t most, WgTrack *track, bool *found)
 {
-    int64_t start = search->joint->starts[search->robot];
+    int64_t start = search->robot.start;
     *found = false;
     if (search->distances[start] < 0) {
         return WG_OK;
@@ -384,10 +389,81 @@ static Period *find_periods(const WgJoint *joint, int64_t *count)
     return periods;
 }
 
-static WgStatus joined(const WgTrack *tracks, int64_t robots, WgJointPlan **made)
+struct WgJointOrder {
+    const WgJoint *joint;
+    WgReservations reserved;
+    Period *periods;
+    int64_t period_count;
+};
+
+WgStatus wg_joint_order_new(const WgJoint *joint, WgJointOrder **made)
 {
+    *made = NULL;
+    WgStatus status = wg_joint_check(joint);
+    if (status != WG_OK) {
+        return status;
+    }
+    WgJointOrder *order = calloc(1, sizeof *order);
+    if (order == NULL) {
+        return WG_OUT_OF_MEMORY;
+    }
+    order->joint = joint;
+    order->periods = find_periods(joint, &order->period_count);
+    status = wg_begin_reservations(&order->reserved, joint);
+    if (status != WG_OK || order->periods == NULL) {
+        wg_joint_order_free(order);
+        return WG_OUT_OF_MEMORY;
+    }
+    *made = order;
+    return WG_OK;
+}
+
+void wg_joint_order_free(WgJointOrder *order)
+{
+    if (order != NULL) {
+        free(order->periods);
+        wg_end_reservations(&order->reserved);
+        free(order);
+    }
+}
+
+WgStatus wg_joint_order_add(WgJointOrder *order, const WgJointRobot *robot, int64_t most, int64_t *found)
+{
+    *found = 0;
+    const WgJoint *joint = order->joint;
+    bool is_new = robot->number >= 0 && robot->number < joint->robots && robot->start >= 0 &&
+                  robot->start < joint->nodes && order->reserved.tracks[robot->number].nodes == NULL;
+    if (!is_new || most > INT32_MAX / 128) {
+        return WG_BAD_VALUE;
+    }
+    RobotSearch search = {
+        .joint = joint,
+        .reserved = &order->reserved,
+        .periods = order->periods,
+        .period_count = order->period_count,
+        .moves = wg_moves(joint),
+        .robot = *robot,
+        .robot_class = joint->class_of[robot->number],
+        .distances = robot->distances,
+    };
+    bool has_path = false;
+    WgStatus status = plan_one(&search, most, &order->reserved.tracks[robot->number], &has_path);
+    if (status == WG_OK && has_path && !wg_reserve(&order->reserved, robot->number)) {
+        status = WG_OUT_OF_MEMORY;
+    }
+    *found = has_path ? 1 : 0;
+    return status;
+}
+
+WgStatus wg_joint_order_plan(const WgJointOrder *order, WgJointPlan **made)
+{
+    int64_t robots = order->joint->robots;
+    const WgTrack *tracks = order->reserved.tracks;
     int64_t length = 0;
     for (int64_t robot = 0; robot < robots; robot++) {
+        if (tracks[robot].nodes == NULL) {
+            return WG_BAD_VALUE;
+        }
         length = wg_max(length, tracks[robot].length);
     }
     *made = wg_joint_plan_new(robots, length);
@@ -407,54 +483,24 @@ WgStatus wg_joint_prioritised(const WgJoint *joint, const int64_t *order, int64_
 {
     *made = NULL;
     *failed = -1;
-    WgStatus status = wg_joint_check(joint);
+    WgJointOrder *planned;
+    WgStatus status = wg_joint_order_new(joint, &planned);
     if (status != WG_OK) {
         return status;
     }
-    if (most > INT32_MAX / 128) {
-        return WG_BAD_VALUE;
+    // Check the whole order first, so that a faulty one is never half planned.
+    for (int64_t i = 0; i < joint->robots && status == WG_OK; i++) {
+        status = order[i] < 0 || order[i] >= joint->robots ? WG_BAD_VALUE : WG_OK;
     }
-    int64_t robots = joint->robots;
-    for (int64_t i = 0; i < robots; i++) {
-        if (order[i] < 0 || order[i] >= robots) {
-            return WG_BAD_VALUE;
-        }
-    }
-    WgReservations reserved;
-    int64_t period_count;
-    Period *periods = find_periods(joint, &period_count);
-    status = wg_begin_reservations(&reserved, joint);
-    if (periods == NULL) {
-        status = WG_OUT_OF_MEMORY;
-    }
-    for (int64_t i = 0; i < robots && status == WG_OK && *failed < 0; i++) {
-        int64_t robot = order[i];
-        if (reserved.tracks[robot].nodes != NULL) {
-            status = WG_BAD_VALUE;
-            break;
-        }
-        RobotSearch search = {
-            .joint = joint,
-            .reserved = &reserved,
-            .periods = periods,
-            .period_count = period_count,
-            .moves = wg_moves(joint),
-            .robot = robot,
-            .robot_class = joint->class_of[robot],
-            .distances = joint->distances + robot * joint->nodes,
-        };
-        bool found = false;
-        status = plan_one(&search, most, &reserved.tracks[robot], &found);
-        if (status == WG_OK && !found) {
-            *failed = robot;
-        } else if (status == WG_OK && !wg_reserve(&reserved, robot)) {
-            status = WG_OUT_OF_MEMORY;
-        }
+    for (int64_t i = 0; i < joint->robots && status == WG_OK && *failed < 0; i++) {
+        WgJointRobot robot = wg_joint_robot(joint, order[i]);
+        int64_t found;
+        status = wg_joint_order_add(planned, &robot, most, &found);
+        *failed = status == WG_OK && found == 0 ? order[i] : -1;
     }
     if (status == WG_OK && *failed < 0) {
-        status = joined(reserved.tracks, robots, made);
+        status = wg_joint_order_plan(planned, made);
     }
-    free(periods);
-    wg_end_reservations(&reserved);
+    wg_joint_order_free(planned);
     return status;
 }

@@ -106,8 +106,15 @@ bool wg_reserve(WgReservations *reserved, int64_t robot)
             for (int64_t u = wg_max(x - reserved->reach, 0) / side; u <= right; u++) {
                 int64_t bucket = v * reserved->columns + u;
                 bool parks = tick == track->length;
+                WgStay stay = {
+                    .tick = (int32_t)tick,
+                    .x = (int32_t)x,
+                    .y = (int32_t)y,
+                    .bucket = (int32_t)bucket,
+                    .robot = (int32_t)robot,
+                };
                 int32_t *list = parks ? &reserved->parked[bucket] : list_of_moving(reserved, bucket, tick);
-                if (!add_stay(reserved, list, (WgStay){(int32_t)tick, (int32_t)bucket, (int32_t)robot, 0, 0})) {
+                if (!add_stay(reserved, list, stay)) {
                     return false;
                 }
                 reserved->moves += parks ? 0 : 1;
@@ -130,10 +137,13 @@ bool wg_meets_stay(const WgReservations *reserved, int64_t robot_class, int64_t 
 
 bool wg_meets_parked(const WgReservations *reserved, int64_t robot_class, int64_t from, int64_t to, int64_t tick)
 {
+    int64_t x = from % reserved->joint->stride;
+    int64_t y = from / reserved->joint->stride;
     const WgStay *stay;
     for (int32_t at = reserved->parked[wg_bucket_of(reserved, from)]; at != 0; at = stay->next) {
         stay = &reserved->stays[at - 1];
-        if (tick >= stay->tick && wg_meets_stay(reserved, robot_class, from, to, stay)) {
+        if (tick >= stay->tick && wg_is_near_stay(reserved, x, y, stay) &&
+            wg_meets_stay(reserved, robot_class, from, to, stay)) {
             return true;
         }
     }
@@ -143,10 +153,12 @@ bool wg_meets_parked(const WgReservations *reserved, int64_t robot_class, int64_
 bool wg_meets_moving(const WgReservations *reserved, int64_t robot_class, int64_t from, int64_t to, int64_t tick)
 {
     int64_t bucket = wg_bucket_of(reserved, from);
+    int64_t x = from % reserved->joint->stride;
+    int64_t y = from / reserved->joint->stride;
     const WgStay *stay;
     for (int32_t at = *list_of_moving(reserved, bucket, tick); at != 0; at = stay->next) {
         stay = &reserved->stays[at - 1];
-        if (stay->tick == tick && stay->bucket == bucket &&
+        if (stay->tick == tick && stay->bucket == bucket && wg_is_near_stay(reserved, x, y, stay) &&
             wg_meets_stay(reserved, robot_class, from, to, stay)) {
             return true;
         }

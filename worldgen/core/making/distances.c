@@ -8,7 +8,7 @@
 
 enum {
     MOST_NODES = 1 << 17,  // rows and columns in all
-    NARROW = 16,           // steps to each side that are compared one by one
+    NARROW = 16,           // number of steps to each side to compare one by one
     FARTHEST = 40000,      // so that the square of it, and of a step, fits into 32 bits
 };
 

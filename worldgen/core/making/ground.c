@@ -170,7 +170,8 @@ WgStatus wg_dig(uint8_t *waits, int64_t size, int64_t stride, int32_t *owner, in
     int64_t shifts[4];
     four_steps(stride, shifts);
 
-    // All owned places start, in their order. Crossing an owned place takes one round, however hard it is.
+    // All owned places start, in their order. Crossing an owned place takes one round, however hard
+    // the place is.
     int64_t tail = 0;
     for (int64_t at = 0; at < size; at++) {
         bool begins = owner[at] >= 0;

@@ -7,7 +7,8 @@
 
 #include <stdbool.h>
 
-// Joins neighbours of a row at random unless they are joined already, then goes up once or more from each set.
+// Joins neighbours in a row at random unless they are already joined, then goes up at least once
+// from each set.
 //
 // Two bits per chamber: whether to join it to the next, and whether to go up. The sets of a row
 // never cross, so each is a ring in column order, and the next column is in the same set if it
@@ -23,7 +24,7 @@ void wg_maze_eller(Growth *growth)
     int64_t rows = growth->maze->rows;
     int32_t *next = growth->work;            // the next chamber of each in its ring
     int32_t *previous = next + columns + 1;  // and the previous one
-    // The last entry isn't a chamber; it is only ever overwritten with its own value.
+    // The last entry isn't a chamber; it is only overwritten with its own value.
     for (int64_t column = 0; column <= columns; column++) {
         next[column] = (int32_t)column;
         previous[column] = (int32_t)column;

@@ -27,8 +27,8 @@ static bool is_inside(const Walls *walls, double x, double y)
     return x >= 0.0 && x <= (double)walls->columns && y >= 0.0 && y <= (double)walls->rows;
 }
 
-// Returns the smaller of best and the squared distance from a point to the solid cells of one row. A cell farther
-// along the row than that cannot matter, so the search ends there.
+// Returns the smaller of best and the squared distance from a point to the solid cells of one row.
+// A cell farther along the row cannot matter, so the search ends there.
 static double nearest_in_row(const Walls *walls, int64_t row, double x, double y, double best)
 {
     double above = (double)row - y;

@@ -1,4 +1,5 @@
-// Finds a path for a square as wide as the disc, over whole cells, by breadth-first search.
+// Finds a path for a square as wide as the disc, over whole cells, by breadth-first search. A square
+// is named by its lower-left cell.
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +14,7 @@ struct WgSquares {
     int64_t side;
     int64_t source;
     int64_t goal;
-    uint8_t *state;    // ((height + 2) (width + 2),)
+    uint8_t *state;    // ((height + 2) (width + 2),), with a rim of squares that are not free
     int32_t *heights;  // (width,) number of free cells below each column's cell, used while squares are marked
     int64_t row;       // rows examined so far
     int32_t *now;      // squares reached in the current number of steps
@@ -59,6 +60,7 @@ static void mark_row(WgSquares *squares, int64_t iy)
     int64_t width = squares->walls.width;
     int64_t side = squares->side;
     const uint8_t *solid = squares->walls.solid + iy * width;
+    // The square whose last cell is (0, iy), in the array with a rim.
     int64_t first = (iy - side + 2) * (width + 2) - side + 2;
     int64_t run = 0;
     for (int64_t ix = 0; ix < width; ix++) {

@@ -11,7 +11,7 @@
 
 enum {
     MOST_TARGETS = 6,
-    STARTS = 24,      // cells from which a short cycle is sought
+    STARTS = 24,      // cells from which a short cycle is searched for
     WORK = 20000000,  // limit on the cells and rows that those searches examine
 };
 

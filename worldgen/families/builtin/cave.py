@@ -1,4 +1,4 @@
-"""Caves: a cellular automaton hollows out the rock, and tunnels join what it leaves apart."""
+"""Caves: a cellular automaton hollows out the rock, and tunnels join the separate hollows."""
 
 from __future__ import annotations
 
@@ -189,8 +189,8 @@ def _joined(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> np
     kept = sizes >= min((_HOLLOW * side) ** 2, int(sizes.max()))
     free = np.flatnonzero(windows)
 
-    # Keep the chambers in the corners too. The first and the last free window are always theirs, or
-    # belong to a hollow that is connected to them.
+    # Keep the chambers in the corners too. The first and the last free window are always in these
+    # chambers, or in a hollow that is connected to them.
     ends = [int(free[0]), int(free[-1])]
     for end in ends:
         kept[int(owner[end])] = True

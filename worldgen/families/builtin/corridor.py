@@ -35,7 +35,7 @@ from worldgen.families.parts.layout import (
     spread_unevenly,
     without_effect,
 )
-from worldgen.families.parts.mazes import ROOT, spanning_tree
+from worldgen.families.parts.mazes import ROOT, winding_tree
 from worldgen.family import Bounds, check_between, family
 from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream
@@ -185,7 +185,7 @@ def _neck(arena: Arena, width: int, necks: int, neck: int, neck_length: int) -> 
         raise InvalidParameter(
             "above-maximum",
             "neck={neck} is not narrower than the corridor, width={width}",
-            "give a wider corridor, or leave out necks",
+            "give a wider corridor, or omit necks",
             neck=neck,
             width=width,
         )
@@ -254,7 +254,8 @@ def _planned(
         if most < 1:
             raise InvalidParameter(
                 "no-room",
-                "shape={shape} needs three stretches side by side, and there is room for {lines}",
+                "shape={shape} needs three stretches side by side, but there is room for only "
+                "{lines}",
                 "give a larger size, or a narrower corridor",
                 shape=shape,
                 lines=lines,
@@ -311,7 +312,7 @@ def _draft(
 def _longest_path(rng: RandomStream, lattice: int) -> list[Node]:
     """Return the path from the farthest chamber of a backtracker's maze to its root."""
     # List the children of each chamber.
-    tree = spanning_tree(rng, lattice, lattice, "backtracker").tolist()
+    tree = winding_tree(rng, lattice, lattice).tolist()
     children: dict[Node, list[Node]] = {}
     node: Node = (0, 0)
     root: Node = (0, 0)
@@ -381,7 +382,7 @@ def _side_ways(
 ) -> list[Edge] | None:
     """Draw side paths off a path and off each other.
 
-    Blind ones end at a node that nothing else uses; those that lead back close one loop each.
+    Dead ends end at a node that nothing else uses; those that lead back close one loop each.
 
     Args:
         rng: The only source of randomness.
@@ -408,7 +409,7 @@ def _side_ways(
         else:
             return None
         used.update(branch)
-        # Nothing may branch off a blind end, or it would not be one.
+        # Nothing may branch off a dead end, or it would not be one.
         origins += branch[1:-1]
         joined.update(frozenset(edge) for edge in pairwise(branch))
         edges += pairwise(branch)
@@ -461,8 +462,8 @@ def _place_lines(
 ) -> dict[int, int]:
     """Return the first cell, in x or y, of each lattice line.
 
-    Lines on which nothing turns or ends take no room. Dropping such a line and moving the others
-    apart preserves their order, so no two corridors come to touch.
+    Lines on which nothing turns or ends need no room. Dropping such a line and moving the others
+    apart preserves their order, so no two corridors touch.
     """
     # Keep the lines that something turns or ends on, and distribute the spare cells between them.
     straight = {edge[0][axis] for edge in edges} | {edge[1][axis] for edge in edges}

@@ -1,4 +1,4 @@
-"""Doorways: two rooms, one narrow door, and robots that want to go through it from both sides."""
+"""Doorways: two rooms, one narrow door, and robots that need to pass it from both sides."""
 
 from __future__ import annotations
 

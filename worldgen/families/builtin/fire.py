@@ -90,8 +90,8 @@ def fire(
         ignitions: Places where fire breaks out.
         ignite_at: Where: on the shortest path, anywhere, at the rim, or the first on the path and
             the others anywhere.
-        ignite_cells: Cells where fire breaks out: drawn as the two parameters above say, or given,
-            such as 12:5,20:7.
+        ignite_cells: Cells where fire breaks out: drawn according to the two parameters above, or
+            given, such as 12:5,20:7.
         apart: Mean time from one fire to the next, s; 0: all break out at time 0.
         spread: Mean time that fire takes to spread from one cell of floor to the next, s.
         scatter: Fraction by which times differ from their means.
@@ -144,7 +144,7 @@ def fire(
     floor = _spread(rng, plan, embers, pace, spread_cells, margin if monotone else None)
 
     # Burn through some walls, and draw what debris closes. A monotone fire opens nothing, and
-    # everything it reaches stays closed.
+    # everything that it reaches stays closed.
     slots = weak_walls(rng.child("walls"), plan, floor, 0 if monotone else burn_through)
     walls = burn_walls(rng.child("wall-times"), plan, floor, slots, WALL_FACTOR * spread)
     closing = set(floor) if monotone else _debris(rng.child("debris"), plan, floor, walls, debris)
@@ -230,7 +230,7 @@ def _spread(
         rng: The only source of randomness.
         plan: The ground.
         embers: Where and when fire breaks out, ms.
-        pace: How long fire takes from cell to cell.
+        pace: Time that fire takes from cell to cell.
         limit: Limit on the cells that catch.
         race: If nothing ever opens: seconds by which a robot may start late and must still get
             through. Otherwise ``None``.
@@ -250,7 +250,8 @@ def _spread(
 def _debris(rng: RandomStream, plan: Plan, floor: Times, walls: Times, share: float) -> set[int]:
     """Draw the cells that debris closes.
 
-    They are a share of the burnt floor, except on a shortest path through what is open in the end.
+    They are a share of the burnt floor, except on a shortest path through the cells that are open
+    in the end.
     """
     kept = plan.kept(plan.way(walls))
     return {cell for cell in floor if cell not in kept and rng.random() < share}

@@ -48,11 +48,11 @@ def forest(
 ) -> World:
     """Build a forest of round trunks, with the start on one side and the target on the other.
 
-    There is a path between any two trunks, so a robot that goes around what it meets arrives; one
-    that turns by a fixed rule, or adds up repulsion from many sides, may not. No two trunks, and no
-    trunk and the border, are closer than the gap, which is exact between their cells, so every
-    target is reachable, whatever is drawn. A trunk of random thickness is tried at each cell, in
-    random order, and stands if it keeps the gap.
+    There is a path between any two trunks, so a robot that goes around the trunks in its way
+    arrives; one that turns by a fixed rule, or adds up repulsion from many sides, may not. No two
+    trunks, and no trunk and the border, are closer than the gap, which is exact between their
+    cells, so every target is reachable, whatever is drawn. A trunk of random thickness is tried at
+    each cell, in random order, and kept if it respects the gap.
 
     Args:
         rng: The only source of randomness; equal state gives an equal world.
@@ -72,7 +72,7 @@ def forest(
 
     Source: Poisson-disc sampling; Bridson, "Fast Poisson disk sampling in arbitrary dimensions",
         SIGGRAPH
-    2007, gives what this does cell by cell: darts until none fits, Cook 1986.
+    2007, gives the same result as this cell-by-cell method: darts until none fits, Cook 1986.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
     clear = 2 * arena.radius * exact(gap)

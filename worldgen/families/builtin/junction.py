@@ -83,7 +83,7 @@ def junction(
     top = size - 1 if shape == "X" else y + width
     walls[1:top, x : x + width] = False
 
-    # Robots come from opposite arms and want to reach the other side; a T has only one such pair.
+    # Robots come from opposite arms and have to reach the other side; a T has only one such pair.
     west = (1, y, x - 1, y + width - 1)
     east = (x + width, y, size - 2, y + width - 1)
     south = (x, 1, x + width - 1, y - 1)

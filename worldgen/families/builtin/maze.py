@@ -71,7 +71,7 @@ def maze(
 ) -> World:
     """Make a maze with start and target in opposite corners.
 
-    Dead ends and long ways around defeat a robot that only turns away from what it bumps into. A
+    Dead ends and detours defeat a robot that only turns away from walls that it bumps into. A
     maze is a lattice of chambers, each a passage wide. Every chamber is reachable by construction;
     cells left over by the division into chambers widen some passages.
 
@@ -158,7 +158,7 @@ def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]
             raise InvalidParameter(
                 "no-effect",
                 "{name}={share:g} has no effect with algorithm={algorithm}",
-                "leave it out, or give growing-tree",
+                "omit it, or give growing-tree",
                 name=name,
                 share=share,
                 algorithm=algorithm,
@@ -186,7 +186,7 @@ def _mask(shape: str, side: int, algorithm: str) -> Mask:
     if shape != "square" and algorithm not in FIT_ANY_SHAPE:
         raise InvalidParameter(
             "conflict",
-            "mask={shape} does not go with algorithm={algorithm}, which fills whole rows",
+            "mask={shape} cannot be combined with algorithm={algorithm}, which fills whole rows",
             "give one of {known!l}, or mask=square",
             shape=shape,
             algorithm=algorithm,
@@ -198,7 +198,7 @@ def _mask(shape: str, side: int, algorithm: str) -> Mask:
 def _nearest(mask: Mask, corner: tuple[int, int]) -> tuple[int, int]:
     """Return the column and row of the chamber nearest to a corner.
 
-    Of several, this is the lowest one, and of those the leftmost.
+    If there are several, this is the lowest one, and the leftmost of those.
     """
     column, row = corner
     if mask[row, column]:

@@ -68,7 +68,7 @@ def rubble(
     entrance.
 
     The path to it is cleared from the start, over as little debris as possible and never through a
-    wall that still stands: every world can be solved, whatever falls.
+    wall that still stands: every world can be solved, whatever collapses.
 
     Args:
         rng: The only source of randomness; equal state gives an equal world.
@@ -214,7 +214,7 @@ def _ends(rng: RandomStream, building: Grid, standing: Grid, ruined: Grid, side:
     """Draw a survivor in the ruined part, and a start far away from it.
 
     The start is where the building still stands, if such a place is far enough away. Both places
-    were open before the collapse. Those are all connected, and fallen walls only connect more.
+    were open before the collapse. Those are all connected, and fallen walls only add connections.
     """
     # Draw the survivor.
     open_before = free_windows(building, side, side)

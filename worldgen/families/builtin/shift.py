@@ -80,7 +80,7 @@ def shift(
         raise InvalidParameter(
             "not-square",
             "over={over}: {width} x {height} cells have no mirror image",
-            "give a ground that is square",
+            "give a square ground",
             over=over,
             width=ground.width,
             height=ground.height,
@@ -107,7 +107,7 @@ def shifted(
         seed: Seed of the swaps.
         interval: Time between two draws, s.
         chance: Share of the draws that swap two cells.
-        duration: Time after which nothing changes any more, s.
+        duration: Time after which nothing changes, s.
         speedup: As for :func:`shift`.
 
     Raises:
@@ -116,8 +116,8 @@ def shifted(
     if world.width != world.height:
         raise InvalidParameter(
             "not-square",
-            "{width} x {height} cells have no mirror image; only a square world's walls can change "
-            "places",
+            "{width} x {height} cells have no mirror image; only in a square world can walls "
+            "change places",
             width=world.width,
             height=world.height,
         )
@@ -125,7 +125,7 @@ def shifted(
         raise InvalidParameter(
             "world-changes",
             "the world changes already",
-            "clear its changes, or take one that stands still",
+            "clear its changes, or use a world that does not change",
         )
     pace = _Pace(interval, chance, duration, speedup)
     swaps = _swaps(RandomStream(seed).child("swaps"), world, pace)
@@ -133,7 +133,7 @@ def shifted(
         raise InvalidParameter(
             "no-room",
             "no wall has a free mirror image in {duration:g} s",
-            "draw walls off the diagonal, or take another seed",
+            "draw walls off the diagonal, or use another seed",
             duration=duration,
         )
     return replace(world.bare, timeline=swaps)
@@ -192,7 +192,7 @@ def _swaps(rng: RandomStream, ground: World, pace: _Pace) -> Timeline:
         row = rng.below(ground.height)
         here = (last - row, column)
         there = (last - column, row)
-        # Equal cells have nothing to swap, and the target must stay free.
+        # Swapping equal cells changes nothing, and the target must stay free.
         if walls[here] == walls[there] or here in kept or there in kept:
             continue
         walls[here], walls[there] = walls[there], walls[here]

@@ -48,7 +48,7 @@ MOST_TURNS = 8
 _LATER: tuple[Shape, ...] = ("V", "comb", "nested", "pair")
 # Shapes with a number of parts, and the range from which it is drawn.
 _COUNTED: dict[Shape, tuple[int, int]] = {"comb": (2, 6), "nested": (2, 4)}
-# Cells by which rasterising and thickening can narrow the space between slanted walls.
+# Number of cells by which rasterising and thickening can narrow the space between slanted walls.
 SLANTED_SPARE = 2
 
 
@@ -130,7 +130,7 @@ def trap(
 
 @dataclass(frozen=True)
 class _Request:
-    """Hold the requested obstacle; ``CHOSEN`` marks numbers that are still to be drawn."""
+    """The requested obstacle; ``CHOSEN`` marks numbers that still have to be drawn."""
 
     shape: Shape
     depth: int
@@ -150,7 +150,7 @@ def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _R
     if inside and faces == "target":
         raise InvalidParameter(
             "no-effect",
-            "inside with faces=target leaves nothing in the way",
+            "inside cannot be combined with faces=target: nothing would be in the way",
             "give faces=start or faces=side",
         )
     least_depth = arena.narrowest if inside else 1
@@ -189,7 +189,7 @@ def _slanted(
     """Build the world of an obstacle that may be slanted, with a passage on all sides.
 
     Space between slanted walls is planned two cells wider than requested. Rasterising and
-    thickening take up to that much, so the clear space is never less than requested.
+    thickening need up to that much, so the clear space is never less than requested.
     """
     figure = _draw_figure(rng.child("obstacle"), arena, request, degrees, inside=inside)
     scene = place_turned(rng.child("place"), arena, figure, degrees, faces, inside=inside)

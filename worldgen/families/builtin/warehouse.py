@@ -39,8 +39,8 @@ def warehouse(
 ) -> World:
     """Build rows of shelves with aisles for one robot, in which robots go from place to place.
 
-    Each aisle is open at both ends, so that a robot can make way, but only by driving along its
-    whole length.
+    Each aisle is open at both ends, so a robot can make way, but only by driving along its whole
+    length.
 
     Args:
         rng: The only source of randomness; equal state gives an equal world.

@@ -54,7 +54,7 @@ Times: TypeAlias = dict[int, int]  # flat cell: ms
 class Plan:
     """Describe the ground by flat cell indices.
 
-    A window is a square of ``side`` cells that stands for the robot; its index is its first cell.
+    A window is a square of ``side`` cells that represents the robot; its index is its first cell.
 
     Args:
         walls: (height, width) bool; the rim is always solid, whatever the ground has there.
@@ -233,7 +233,7 @@ def in_turn(rng: RandomStream, embers: list[int], apart: float, scatter: float) 
     Args:
         rng: The only source of randomness.
         embers: Cells of the fires, in order.
-        apart: Mean time between two fires, s; 0 lets all begin at once.
+        apart: Mean time between two fires, s; with 0, all begin together.
         scatter: Largest difference from that mean, as a share of it.
     """
     times: Times = {}
@@ -255,7 +255,7 @@ def _rim(plan: Plan, cells: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
 
 @dataclass(frozen=True)
 class FireDelay:
-    """How long fire takes from a cell to the next.
+    """Time that fire takes from one cell to the next.
 
     Args:
         mean: Mean delay, s.
@@ -287,7 +287,7 @@ def burn_over(
         plan: The ground.
         embers: Where and when fire breaks out, ms.
         can_burn: Returns True for a cell that fire can spread to.
-        pace: How long fire takes from cell to cell.
+        pace: Time that fire takes from cell to cell.
         limit: Limit on the cells that catch.
         held: Earliest times at which some cells may catch, ms.
 
@@ -396,14 +396,14 @@ def _slots(
 
 
 def burn_walls(rng: RandomStream, plan: Plan, floor: Times, slots: set[int], mean: float) -> Times:
-    """Return when the slots' cells catch from the floor next to them, and from each other."""
+    """Return when the slots' cells catch fire from the floor next to them, and from each other."""
     embers = {
         cell: min(floor[there] for there in plan.neighbours(cell) if there in floor)
         + delay(rng, mean)
         for cell in sorted(slots)
         if any(there in floor for there in plan.neighbours(cell))
     }
-    # Embers catch at their own time, even if fire reaches them earlier.
+    # Embers catch fire at their own time, even if the fire reaches them earlier.
     others = slots - embers.keys()
     return burn_over(rng, plan, embers, others.__contains__, FireDelay(mean), len(slots))
 

@@ -44,7 +44,7 @@ class Sizes:
 
 @dataclass(frozen=True)
 class FloorPlan:
-    """Hold the boxes of a plan, which are one wall's thickness apart.
+    """The boxes of a plan, which are one wall's thickness apart.
 
     Args:
         boxes: (n, 4) int64, x0, y0, x1, y1 in cells; corridors come first.
@@ -59,7 +59,7 @@ class FloorPlan:
 
 @dataclass(frozen=True)
 class Joints:
-    """Hold the stretches of wall between two boxes, where a door can be; one row each.
+    """The stretches of wall between two boxes, where a door can be; one row each.
 
     Args:
         pairs: (n, 2) the boxes on both sides.

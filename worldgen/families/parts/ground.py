@@ -17,7 +17,7 @@ __all__ = ["lay_ground"]
 MAZE_BRAID = 0.3
 
 # Choices to draw from, for parameters that gained choices later. Drawing from the new ones too
-# would give every seed another world.
+# would change every seed's world.
 DRAWN: dict[str, dict[str, tuple[str, ...]]] = {
     "maze": {"algorithm": ("wilson", "backtracker"), "mask": ("square",)},
     "corridor": {"shape": ("bends", "dead-ends", "junctions")},
@@ -26,7 +26,7 @@ DRAWN: dict[str, dict[str, tuple[str, ...]]] = {
 
 
 def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
-    """Build a world of the family that ``over`` names, with its choices drawn from those that fit.
+    """Build a world of the family that ``over`` names, with choices drawn from those that fit.
 
     Args:
         rng: The only source of randomness.

@@ -119,7 +119,7 @@ class Arena:
         return max(1, math.ceil(2 * self.radius))
 
     def passage(self, name: str, width: int) -> int:
-        """Check a passage's width, and return it in cells; -1 stands for the narrowest.
+        """Check a passage's width, and return it in cells; -1 means the narrowest.
 
         Args:
             name: Name of the parameter, for the error message.
@@ -173,7 +173,7 @@ class Arena:
         """Build the world, without a proof.
 
         Args:
-            walls: (size, size) bool. The world takes the array over and makes it read-only.
+            walls: (size, size) bool. The world takes over the array and makes it read-only.
             start: Start in half cells.
             target: Target in half cells.
             quarter: Heading in quarter turns.
@@ -206,7 +206,7 @@ def without_effect(name: str, value: int, setting: str) -> int:
         raise InvalidParameter(
             "no-effect",
             "{name}={value} has no effect with {setting}",
-            "leave it out, or change {setting}",
+            "omit it, or change {setting}",
             name=name,
             value=value,
             setting=setting,

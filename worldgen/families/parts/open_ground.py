@@ -38,7 +38,7 @@ Numbers: TypeAlias = npt.NDArray[np.int32]
 # second one is used if the first gives no target out of sight.
 FAR = (4, 5)
 LESS_FAR = (1, 2)
-# Number of targets to draw until one is out of sight; then this many again, closer to the start.
+# Number of targets to draw until one is out of sight; then this many more, closer to the start.
 _TRIES = 24
 
 
@@ -92,7 +92,7 @@ def easiest_joints(dug: Dug, stride: int, owners: int) -> list[tuple[int, int]]:
         stride: Places per row.
         owners: Number of owners.
     """
-    # List all neighbours with different owners, those that took the least digging first.
+    # List all neighbours with different owners, those with the least digging first.
     pairs = []
     for step in (1, stride):
         one = np.arange(dug.owner.size - step)

@@ -21,18 +21,26 @@ from worldgen.lattice import (
     radius_in_cells,
 )
 from worldgen.random_streams import RandomStream
+from worldgen.reach.joint.crowd import Crowd
 from worldgen.reach.still.lattice_graph import build_graph, flood
+from worldgen.support.progress import Work
 from worldgen.world import Pose, Robot, Target, World
 
-__all__ = ["Box", "PlacedEnds", "place_in_boxes", "place_robots"]
+__all__ = ["FEW_ROBOTS", "Box", "PlacedEnds", "place_in_boxes", "place_robots"]
+
+# Up to this many robots are all placed before their paths are planned, so that each may have to make
+# way for any other. More are placed one by one, each with a path around those before it.
+FEW_ROBOTS = 10
 
 _HALF = UNIT // 2
 # Cells that robots keep between their discs, if there is room; otherwise they may touch.
 _GAP = 1
-# Placements to try before giving up: greedy draws can block each other.
+# Placements to try before giving up, because greedy draws can block each other.
 _TRIES = 20
 # Number of targets drawn, of which the farthest is taken: robots with short paths seldom meet.
 _DRAWS = 4
+# Places drawn for a robot that finds no path around those before it.
+_REDRAWS = 20
 
 Box: TypeAlias = tuple[int, int, int, int]
 """Cells (first column, first row, last column, last row) of a rectangle."""
@@ -77,14 +85,26 @@ class _Room:
         return found
 
 
-def place_robots(world: World, rng: RandomStream, count: int, owner: str) -> World:
+def place_robots(
+    world: World,
+    rng: RandomStream,
+    count: int,
+    owner: str,
+    *,
+    margin: float = 0.0,
+    work: Work | None = None,
+) -> World:
     """Return a world with more robots like its own, between places that its robot can reach.
+
+    If there are more than ``FEW_ROBOTS``, the world has a joint witness.
 
     Args:
         world: A world of one robot.
         rng: The only source of randomness.
         count: Total number of robots.
         owner: Name of the family, for the error message.
+        margin: Seconds by which all robots may start late, in a world that changes.
+        work: Told which robot is being placed.
 
     Raises:
         InvalidParameter: If there is no room for that many robots.
@@ -96,14 +116,19 @@ def place_robots(world: World, rng: RandomStream, count: int, owner: str) -> Wor
     boxes: list[tuple[Box | None, Box | None]] = [(None, None)] * (count - 1)
     radius = radius_in_cells(world)
     never = world.walls | world.changing_cells
+    if count > FEW_ROBOTS:
+        places = _places(never, radius, first)
+        return _one_by_one(world, places, rng, boxes, first, owner, margin, work or Work(""))
     try:
-        placed = _draw_ends(never, radius, rng.child("safe"), boxes, [first], owner)
+        places = _places(never, radius, first)
+        placed = _draw_ends(places, radius, rng.child("safe"), boxes, [first], owner)
     except InvalidParameter:
         # If nearly every cell changes, only cells that are solid at first count. The proof decides
         # later whether the robots are safe.
         if not world.is_dynamic:
             raise
-        placed = _draw_ends(world.walls, radius, rng.child("bold"), boxes, [first], owner)
+        places = _places(world.walls, radius, first)
+        placed = _draw_ends(places, radius, rng.child("bold"), boxes, [first], owner)
     return replace(world, others=tuple(_robot(world, ends) for ends in placed))
 
 
@@ -121,69 +146,147 @@ def place_in_boxes(
     Raises:
         InvalidParameter: If there is no room for that many robots.
     """
-    placed = _draw_ends(world.walls, radius_in_cells(world), rng, boxes, [], owner)
+    radius = radius_in_cells(world)
+    places = _places(world.walls, radius, None)
+    if len(boxes) > FEW_ROBOTS:
+        rooms = (_Room(places, radius), _Room(places, radius))
+        drawn = _draw_one(rooms, rng, boxes[0], _DRAWS)
+        if drawn is None:
+            raise _too_many(owner, 0, len(boxes))
+        robot = _robot(world, drawn)
+        world = replace(world, start=robot.start, target=robot.target)
+        return _one_by_one(world, places, rng, boxes[1:], drawn, owner)
+    placed = _draw_ends(places, radius, rng, boxes, [], owner)
     robots = [_robot(world, ends) for ends in placed]
     first = robots[0]
     return replace(world, start=first.start, target=first.target, others=tuple(robots[1:]))
 
 
 def _draw_ends(
-    blocked: npt.NDArray[np.bool_],
+    places: npt.NDArray[np.int64],
     radius: Fraction,
     rng: RandomStream,
     boxes: Sequence[tuple[Box | None, Box | None]],
     before: list[PlacedEnds],
     owner: str,
 ) -> list[PlacedEnds]:
-    graph = build_graph(blocked, radius, 2)
-    clear = graph.clear.ravel()
-    if before:
-        # Only what the first robot can reach, so that no robot is walled off.
-        node = before[0].start[1] * graph.stride + before[0].start[0]
-        if clear[node]:
-            clear = flood(graph, np.array([node], np.int64))
-    rows, columns = np.divmod(np.flatnonzero(clear), graph.stride)
-    places = np.stack([columns, rows], axis=1)
     # Draw all robots again in each try, because the first ones may leave no room for the others.
     most = 0
     for _ in range(_TRIES):
         rooms = (_Room(places, radius), _Room(places, radius))
         ends = list(before)
         for one in before:
-            rooms[0].take(one.start)
-            rooms[1].take(one.target)
+            _take(rooms, one)
         for box in boxes:
-            drawn = _draw_one(rooms, rng, box)
+            drawn = _draw_one(rooms, rng, box, _DRAWS)
             if drawn is None:
                 break
+            _take(rooms, drawn)
             ends.append(drawn)
         most = max(most, len(ends))
         if len(ends) == len(before) + len(boxes):
             return ends[len(before) :]
-    raise InvalidParameter(
+    raise _too_many(owner, most, len(before) + len(boxes))
+
+
+def _one_by_one(
+    world: World,
+    places: npt.NDArray[np.int64],
+    rng: RandomStream,
+    boxes: Sequence[tuple[Box | None, Box | None]],
+    first: PlacedEnds,
+    owner: str,
+    margin: float = 0.0,
+    work: Work | None = None,
+) -> World:
+    """Return a world with a robot for each pair of boxes, and a joint witness.
+
+    Each robot is drawn again until it has a path around those before it.
+    """
+    count = len(boxes) + 1
+    radius = radius_in_cells(world)
+    # Don't plan the paths of robots that there is no room for.
+    _draw_ends(places, radius, rng.child("room"), boxes, [first], owner)
+    planned = Crowd(world, count, margin)
+    rooms = (_Room(places, radius), _Room(places, radius))
+    _take(rooms, first)
+    for box in boxes if planned.robots else ():
+        if work is not None:
+            work.say(f"robot {len(planned.robots) + 1}")
+        for number in range(_REDRAWS):
+            # Targets that are far away come first, because they are the hardest to reach.
+            drawn = _draw_one(rooms, rng, box, max(1, _DRAWS - number))
+            if drawn is None:
+                raise _no_paths(owner, len(planned.robots), count)
+            if planned.add(_robot(world, drawn)):
+                _take(rooms, drawn)
+                break
+        else:
+            raise _no_paths(owner, len(planned.robots), count)
+    if not planned.robots:
+        raise _no_paths(owner, 0, count)
+    placed = replace(world, others=tuple(planned.robots[1:]))
+    return replace(placed, certificate=planned.witness(placed))
+
+
+def _places(
+    blocked: npt.NDArray[np.bool_], radius: Fraction, first: PlacedEnds | None
+) -> npt.NDArray[np.int64]:
+    """Return the places where a robot fits: all, or those that the first robot can reach."""
+    graph = build_graph(blocked, radius, 2)
+    clear = graph.clear.ravel()
+    if first is not None:
+        # Only what the first robot can reach, so that no robot is walled off.
+        node = first.start[1] * graph.stride + first.start[0]
+        if clear[node]:
+            clear = flood(graph, np.array([node], np.int64))
+    rows, columns = np.divmod(np.flatnonzero(clear), graph.stride)
+    return np.stack([columns, rows], axis=1)
+
+
+def _too_many(owner: str, placed: int, robots: int) -> InvalidParameter:
+    return InvalidParameter(
         "too-many-robots",
         "{family}: only {placed} robots fit, not robots={robots}",
         "give fewer or smaller robots, or a larger size",
         family=owner,
-        placed=most,
-        robots=len(before) + len(boxes),
+        placed=placed,
+        robots=robots,
+    )
+
+
+def _no_paths(owner: str, planned: int, robots: int) -> InvalidParameter:
+    return InvalidParameter(
+        "no-joint-paths",
+        "{family}: only {placed} robots, not robots={robots}, were placed so that each has a path "
+        "around the others",
+        "give fewer or smaller robots, or a larger size",
+        family=owner,
+        placed=planned,
+        robots=robots,
     )
 
 
 def _draw_one(
-    rooms: tuple[_Room, _Room], rng: RandomStream, box: tuple[Box | None, Box | None]
+    rooms: tuple[_Room, _Room],
+    rng: RandomStream,
+    box: tuple[Box | None, Box | None],
+    draws: int,
 ) -> PlacedEnds | None:
     starts = rooms[0].left(box[0])
     targets = rooms[1].left(box[1])
     if not len(starts) or not len(targets):
         return None
     start = starts[rng.below(len(starts))].tolist()
-    drawn = [targets[rng.below(len(targets))].tolist() for _ in range(_DRAWS)]
+    drawn = [targets[rng.below(len(targets))].tolist() for _ in range(draws)]
     target = max(drawn, key=lambda place: math.dist(place, start))
-    ends = PlacedEnds((start[0], start[1]), (target[0], target[1]))
+    return PlacedEnds((start[0], start[1]), (target[0], target[1]))
+
+
+def _take(rooms: tuple[_Room, _Room], ends: PlacedEnds) -> None:
+    """Keep other robots away from where one starts and where it ends."""
     rooms[0].take(ends.start)
     rooms[1].take(ends.target)
-    return ends
 
 
 def _halves(metres: float, world: World) -> int:

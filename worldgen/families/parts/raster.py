@@ -57,7 +57,7 @@ def bounds(polygons: Sequence[Polygon]) -> tuple[int, int, int, int]:
 def extents(polygons: Sequence[Polygon]) -> tuple[int, int]:
     """Return an upper bound on the columns and rows that :func:`fill` needs.
 
-    The result holds wherever the polygons are relative to the cells.
+    The result holds wherever the polygons are, relative to the cells.
     """
     x0, y0, x1, y1 = bounds(polygons)
     if all(_is_straight(polygon) for polygon in polygons):

@@ -53,21 +53,14 @@ def read_world(path: str | PathLike[str]) -> World:
     except (NotADirectoryError, FileNotFoundError) as error:
         place = archive_in(Path(path))
         if place is None:
-            raise FormatError(
-                "no-such-file", "there is no such file", "check the name", source=source
-            ) from error
+            raise FormatError.unreadable(source, FileNotFoundError()) from error
         return _read_archived(*place, source)
     except IsADirectoryError as error:
         raise FormatError(
             "is-a-folder", "this is a folder", "name a .grid file in it", source=source
         ) from error
     except OSError as error:
-        raise FormatError(
-            "unreadable",
-            "cannot be read: {reason}",
-            reason=error.strerror or str(error),
-            source=source,
-        ) from error
+        raise FormatError.unreadable(source, error) from error
     # The name contains a NUL.
     except ValueError as error:
         raise FormatError(
@@ -193,7 +186,7 @@ def _expand(data: bytes, source: str) -> bytes:
             expanded = _read_up_to(stream, limit)
     except EOFError as error:
         message = Message(
-            "cut-short", "the gzip data ends too early; the file was cut off", "copy it again"
+            "cut-short", "the gzip data ends too early; the file is truncated", "copy it again"
         )
         raise FormatError.of(message, source=source) from error
     except (OSError, zlib.error) as error:

@@ -35,7 +35,7 @@ from worldgen.files.grid.schema import (
     WITNESS,
 )
 from worldgen.files.grid.sections import Block, CellBlock, LetterMark, read_cells, read_columns
-from worldgen.lattice import UNIT, lattice_to_metres
+from worldgen.lattice import cell_middle
 from worldgen.timeline import Timeline
 from worldgen.world import (
     DEFAULT_ROBOT_SPEED,
@@ -68,7 +68,7 @@ def loads(data: bytes, source: str | None = None) -> World:
         source: The file's name for messages.
 
     Raises:
-        FormatError: If anything is wrong, with the line, what came, the rule and the remedy.
+        FormatError: If anything is wrong, with the line, the value, the rule and the remedy.
     """
     # Check the form of the file, then the header.
     file = _File(data, source)
@@ -176,7 +176,7 @@ def _header_end(file: _File) -> int:
         )
     raise file.fault(
         Message(
-            "cut-short", "the file ends before %cells; it was cut off, or its cells are missing"
+            "cut-short", "the file ends before %cells; it is truncated, or its cells are missing"
         ),
         len(data) - 1,
     )
@@ -250,7 +250,7 @@ def _split(file: _File, at: int) -> dict[str, Block]:
                 extra = len(data) - stop - 1
                 raise FormatError(
                     "after-end",
-                    "{extra} bytes after %end; nothing follows it",
+                    "{extra} bytes after %end; nothing may follow it",
                     "delete them",
                     extra=extra,
                     line=line + 1,
@@ -262,7 +262,7 @@ def _split(file: _File, at: int) -> dict[str, Block]:
             raise file.fault(
                 Message(
                     "cut-short",
-                    "the file ends before %end; it was cut off, or the line %end is missing",
+                    "the file ends before %end; it is truncated, or the line %end is missing",
                 ),
                 len(data) - 1,
             )
@@ -289,17 +289,20 @@ def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, 
     elif stop < 0:
         message = Message(
             "cut-short",
-            "the file ends within the line {section}; every line ends with LF, the last too",
+            "the file ends within the line {section}; every line ends with LF, including the last",
             "add it",
             section=text,
         )
     elif name in blocks:
         message = Message(
-            "twice", "a second {section}; each section comes once", "join them", section=text
+            "twice",
+            "a second {section}; each section may occur only once",
+            "join them",
+            section=text,
         )
     elif not blocks and name != "cells":
         message = Message(
-            "wrong-order", "{section} before %cells; the cells come first", section=text
+            "wrong-order", "{section} before %cells; %cells must come first", section=text
         )
     elif blocks and SECTIONS.index(name) < SECTIONS.index(next(reversed(blocks))):
         message = Message(
@@ -345,7 +348,7 @@ def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Tar
     start = Pose(*numbers)
     if cells.target is None:
         return start, Target(*read_triple(header, "target"))
-    radius = lattice_to_metres(UNIT // 2, cell_size)
+    radius = cell_middle(0, cell_size)
     return start, Target(*_centre(cells.target, cell_size), radius)
 
 
@@ -355,7 +358,8 @@ def _refuse_marks(header: Header, cells: CellBlock) -> None:
         if mark is not None:
             message = Message(
                 "conflict",
-                "a cell is marked {letter}, and in version 2 each [[robot]] table has its own start "
+                "a cell is marked {letter}, and in version 2 each [[robot]] table has its own "
+                "start "
                 "and target",
                 "make it a free cell",
                 letter=letter,
@@ -364,11 +368,7 @@ def _refuse_marks(header: Header, cells: CellBlock) -> None:
 
 
 def _centre(mark: LetterMark, cell_size: float) -> tuple[float, float]:
-    """Return the centre of a cell, m, correctly rounded."""
-    return (
-        lattice_to_metres(mark.ix * UNIT + UNIT // 2, cell_size),
-        lattice_to_metres(mark.iy * UNIT + UNIT // 2, cell_size),
-    )
+    return cell_middle(mark.ix, cell_size), cell_middle(mark.iy, cell_size)
 
 
 def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
@@ -385,7 +385,7 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
                 Message(
                     "out-of-range",
                     "%timeline: {name} is {index}",
-                    "the grid has {name} from 0 to {last}",
+                    "the grid has {name} 0 to {last}",
                     name=name,
                     index=index[row],
                     last=side - 1,
@@ -409,7 +409,7 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
         message = Message(
             "out-of-range",
             "%timeline: {name} is {time}",
-            "changes happen at {latest:g} s at the latest",
+            "no change can happen later than {latest:g} s",
             name="time",
             time=times[row],
             latest=LATEST,
@@ -470,7 +470,7 @@ def _joint_witness(block: Block, clearances: tuple[float, ...]) -> JointWitness:
         message = Message(
             "not-sorted",
             "%witness: this line of robot {robot} is out of order",
-            "write the lines of robots 1 to {last} one robot after the other",
+            "write the lines of robots 1 to {last} in order, one robot at a time",
             robot=numbers[row],
             last=robots,
         )
@@ -480,7 +480,7 @@ def _joint_witness(block: Block, clearances: tuple[float, ...]) -> JointWitness:
         message = Message(
             "missing-section",
             "%witness has no line for robot {robot}",
-            "each robot has a path, of one line at least",
+            "each robot needs a path of at least one line",
             robot=int(np.argmin(counts)) + 1,
         )
         raise block.fault(message, len(numbers) - 1)

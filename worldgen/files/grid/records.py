@@ -114,7 +114,7 @@ def check_keys(header: Header, *, fleet: bool = False) -> None:
             raise header.fault(
                 Message(
                     "wrong-type",
-                    "{key} is {kind}; it is a table: write [{key}] on a separate line",
+                    "{key} is {kind}; it must be a table: write [{key}] on a separate line",
                     key=key,
                     kind=kind_of(value),
                 ),
@@ -184,7 +184,7 @@ def read_robots(header: Header) -> list[Robot]:
     if len(tables) < 2:
         message = Message(
             "one-robot",
-            "version 2 with {count} robots; a file of one robot has version 1",
+            "version 2 with {count} robots; a file with one robot has version 1",
             "write version 1: begin it with `{magic}`, with start, target, robot_radius and "
             "robot_speed above the first [table]",
             count=len(tables),
@@ -245,7 +245,7 @@ def _number(place: _Place, key: str, *, default: float | None = None) -> float:
         raise place.fault(
             Message(
                 "not-positive",
-                "{key} is {number}; it is above 0: {meaning}",
+                "{key} is {number}; it must be above 0: {meaning}",
                 key=place.named(key),
                 number=number,
                 meaning=place.meanings[key],
@@ -299,7 +299,7 @@ def _triple(place: _Place, key: str) -> tuple[float, float, float]:
         raise place.fault(
             Message(
                 "not-positive",
-                "the {target}'s radius is {radius}; it is above 0: {meaning}",
+                "the {target}'s radius is {radius}; it must be above 0: {meaning}",
                 target=place.named(key),
                 radius=third,
                 meaning=place.meanings[key],
@@ -349,7 +349,7 @@ def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | Non
         if "robot" in table:
             message = Message(
                 "conflict",
-                'kind = "witness", and [certificate] has a robot; a witness covers all of them',
+                'kind = "witness", but [certificate] names a robot; a witness covers all of them',
                 "remove `robot`",
             )
             raise header.fault(message, "certificate", "robot")

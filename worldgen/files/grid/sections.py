@@ -107,7 +107,8 @@ def _mark(block: Block, letter: str, width: int) -> LetterMark | None:
         raise block.fault(
             Message(
                 "twice",
-                "a second {letter}; one cell is marked {letter}: make the other one {free}",
+                "a second {letter}; only one cell may be marked {letter}: make the other one "
+                "{free}",
                 letter=letter,
                 free=FREE,
             ),
@@ -166,8 +167,8 @@ def _check_rows(block: Block, width: int) -> None:
             raise block.fault(
                 Message(
                     "ragged-rows",
-                    "a row of {cells} cells under a first row of {width}",
-                    "make them equally long",
+                    "a row of {cells} cells, but the first row has {width}",
+                    "make all rows equally long",
                     cells=length,
                     width=width,
                 ),

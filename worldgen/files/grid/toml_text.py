@@ -36,8 +36,8 @@ def number_text(value: float, what: str) -> str:
     if not math.isfinite(number):
         raise InvalidWorld(
             "not-finite",
-            "{what} is {number}: a .grid file holds finite numbers only",
-            "leave it out or clamp it",
+            "{what} is {number}: a .grid file holds only finite numbers",
+            "omit it or clamp it",
             what=what,
             number=number,
         )

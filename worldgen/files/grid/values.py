@@ -144,7 +144,7 @@ def numbers_at(
             raise header.fault(
                 Message(
                     "wrong-type",
-                    "{what} is {kind}; a metric is a number",
+                    "{what} is {kind}; a metric must be a number",
                     "leave it out",
                     what=what,
                     kind=kind_of(value),
@@ -167,7 +167,7 @@ def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> 
             raise header.fault(
                 Message(
                     "too-large",
-                    "{what}: an integer has at most {most} bits",
+                    "{what}: an integer may have at most {most} bits",
                     "write it as text",
                     what=what,
                     most=MAX_INTEGER_BITS,

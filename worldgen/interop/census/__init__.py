@@ -1,13 +1,15 @@
 """Judge the maps and generators of other projects.
 
-It finds what a disc can reach in them, and what only a point on the grid can reach. Contents:
-    take_census, Census, Question (``take``): asks every map at every radius and keeps the answers.
-    CensusMap, Ends, Refused (``case``): a map that the census reads, and a file that it could not
-    read. Radius (``case``): in m or in cells of whatever map comes.
-    folder_maps (``folders``): the maps in files and folders.
-    generated_maps (``generators``): the maps of a third-party generator, through a function.
-    Tally, tally (``report``): counts and intervals for each radius.
-    as_csv, as_json, as_text (``report``): what is printed.
+A census finds what a disc can reach in them, and what only a point on the grid can reach.
+
+Contents:
+    take_census, Census, Question: Ask every map at every radius and keep the answers.
+    CensusMap, Ends, Refused: A map that the census reads, and a file that it could not read.
+    Radius: A radius in m, or in cells of whatever map comes.
+    folder_maps: The maps in files and folders.
+    generated_maps: The maps of a third-party generator, through a function.
+    Tally, tally: Counts and intervals for each radius.
+    as_csv, as_json, as_text: The forms in which the census is printed.
 """
 
 from worldgen.interop.census.case import CensusMap, Ends, Radius, Refused, cell_at

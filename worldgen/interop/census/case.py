@@ -35,7 +35,7 @@ _FORM = re.compile(r"([0-9]{1,40}\.?[0-9]{0,40}(?:[eE][+-]?[0-9]{1,3})?)\s*(m|c|
 
 @dataclass(frozen=True)
 class Radius:
-    """A radius as ``--radius`` takes it.
+    """A radius, as in ``--radius``.
 
     Args:
         value: The number.
@@ -57,7 +57,7 @@ class Radius:
             raise InvalidParameter(
                 "wrong-form",
                 "radius={text!r} is not a radius",
-                "write 0.3 for m, or 0.7c for cells",
+                "write 0.3 for metres, or 0.7c for cells",
                 text=text[:40],
             )
         radius = cls(float(found[1]), (found[2] or "m").startswith("c"))
@@ -178,7 +178,7 @@ def draw_ends(
             "" if clear_for is None else f" in which a disc of {float(clear_for):g} cells has room"
         )
         raise InvalidParameter(
-            "no-room", "the map has no two free cells{disc} to be start and target", disc=disc
+            "no-room", "the map does not have two free cells{disc} for start and target", disc=disc
         )
     # Draw two different cells for each pair, without bias.
     drawn = []

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.interop.census.case import CensusMap, Ends, Refused
-from worldgen.interop.foreign_map import ForeignMap
+from worldgen.interop.foreign_map import ForeignMap, without_file
 from worldgen.interop.formats.movingai import read_scenario, scenario_contents
 from worldgen.interop.recognising import find_format, looks_like_a_map, read_map
 from worldgen.lattice import UNIT, lattice_to_metres
@@ -63,18 +63,17 @@ class FolderMaps:
                     "unread-obstacles",
                     "has obstacles that are not read: {obstacles}",
                     obstacles="; ".join(found.unread),
-                    source=str(path),
                 )
             ends = _own_ends(found)
         except WorldgenError as error:
-            yield Refused(name, _without_name(error))
+            yield Refused(name, without_file(error))
             return
         if not ends:
             try:
                 ends = self._scenario_ends(name, path, found)
             # The map itself can still be judged.
             except WorldgenError as error:
-                yield Refused(f"{name} (its scenarios)", _without_name(error))
+                yield Refused(f"{name} (its scenarios)", without_file(error))
         yield CensusMap(name, found.walls, found.cell_size, ends, found.params, found.warnings)
 
     def _scenario_ends(self, name: str, path: Path, found: ForeignMap) -> tuple[Ends, ...]:
@@ -125,7 +124,7 @@ def folder_maps(
                 map_name, count = scenario_contents(path)
                 scenarios.setdefault(map_name, []).append((path, count))
             except FormatError as error:
-                refused.append(Refused(name, _without_name(error)))
+                refused.append(Refused(name, without_file(error)))
         elif named or looks_like_a_map(path):
             files.setdefault(path, name)
         else:
@@ -187,10 +186,3 @@ def _problem(files: Sequence[tuple[Path, int]], number: int) -> tuple[Path, int]
             return file, number + 1
         number -= count
     raise IndexError(number)
-
-
-def _without_name(error: WorldgenError) -> str:
-    """Return an error in words without the name of its file."""
-    if isinstance(error, FormatError):
-        return str(error.message) if error.line is None else f"line {error.line}: {error.message}"
-    return str(error)

@@ -1,7 +1,7 @@
 """Take maps from a third-party generator, through a function that yields them one by one.
 
-The function takes ``seed`` and any options it likes as keywords. For each map it yields a tuple: a
-name, the walls, and, if the generator has them, the cells of start and target. ``walls`` is a 2D
+The function takes ``seed`` and any options of its own as keywords. For each map it yields a tuple:
+a name, the walls, and, if the generator has them, the cells of start and target. ``walls`` is a 2D
 array, True (or 1) where solid; row 0 is the top row, as it would be printed, and a cell is (row,
 column) in it. A generator that works in metres yields a :class:`worldgen.interop.census.CensusMap`
 instead.
@@ -228,13 +228,13 @@ def _walls(given: Any) -> npt.NDArray[np.bool_]:
         raise InvalidParameter(
             "wrong-shape",
             "the walls have shape {shape} and type {dtype}",
-            "they must have two axes and type bool, True where solid",
+            "they must be a two-dimensional bool array, True where solid",
             shape=array.shape,
             dtype=str(array.dtype),
         )
     if array.dtype.kind != "b" and ((array != 0) & (array != 1)).any():
         raise InvalidParameter(
-            "wrong-values", "walls hold numbers other than 0 and 1", "yield walls == WALL"
+            "wrong-values", "the walls have values other than 0 and 1", "yield walls == WALL"
         )
     check_sides(array.shape[1], array.shape[0])
     return array.astype(np.bool_)

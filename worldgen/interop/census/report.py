@@ -176,13 +176,9 @@ def as_csv(census: Census) -> str:
         flags = (question.proved, question.room, question.four, question.eight)
         writer.writerow(
             [question.map, question.pair, int(question.named), question.width, question.height, question.cell_size,
-             question.radius, float(_in_cells(question.asked, question.cell_size)), question.result, *map(int, flags)]
+             question.radius, float(question.asked.in_cells(question.cell_size)), question.result, *map(int, flags)]
         )  # fmt: skip
     return stream.getvalue()
-
-
-def _in_cells(radius: Radius, cell_size: float) -> float:
-    return float(radius.in_cells(cell_size))
 
 
 def as_json(census: Census) -> dict[str, Any]:

@@ -162,9 +162,7 @@ def once(name: str, taken: Counter[str]) -> str:
 
 
 def _judge(
-    census: Census,
-    item: CensusMap,
-    each: Callable[[CensusCase, World], object] | None,
+    census: Census, item: CensusMap, each: Callable[[CensusCase, World], object] | None
 ) -> None:
     """Answer every question about one map, or none if the map has a fault."""
     options = census.options

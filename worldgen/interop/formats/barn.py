@@ -53,12 +53,7 @@ _HEAD = """\
 
 
 def write_barn(world: World, destination: Destination) -> Exported:
-    """Return the world file.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
-    """
+    """Return the world file."""
     posts = list(_posts(world))
     lines = [_HEAD, *_numbers(world, destination), *_marks(world, destination)]
     lines += [
@@ -159,7 +154,7 @@ def _model(
 
 barn = Format(
     "barn",
-    "BARN world of posts, and other worlds of Gazebo, .world",
+    "BARN world of posts, and other Gazebo worlds, .world",
     (".world", ".sdf"),
     re.compile(
         rb"(?s)(?:\xef\xbb\xbf)?\s*+(?:<\?(?:(?!\?>).)*+\?>\s*+|<!--(?:(?!-->).)*+-->\s*+)*+"

@@ -13,13 +13,12 @@ from fractions import Fraction
 from pathlib import Path
 
 from worldgen.domain import MAX_SIDE
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import (
     FLOOR_ROBOT,
     ForeignMap,
     ForeignRobot,
     check_sides,
-    digest,
     read_bounded,
 )
 from worldgen.interop.format import Destination, Exported, Format, decimal, decimal_text
@@ -28,7 +27,7 @@ from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_siz
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
-from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = ["dbcbs", "read_dbcbs", "write_dbcbs"]
 
@@ -53,15 +52,13 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     """
     # Read the file.
     data = read_bounded(path, _MAX_YAML_BYTES)
-    source = str(path)
-    top = read_yaml(data, source, "a problem of db-CBS has `environment:` and `robots:`")
+    top = read_yaml(data, "a problem of db-CBS has `environment:` and `robots:`")
     for key in ("environment", "robots"):
         if key not in top:
             raise FormatError(
                 "missing-key",
                 "{key} is missing; a problem of db-CBS has `environment:` and `robots:`",
                 key=key,
-                source=source,
             )
     space = top.tables("environment")[0]
     low = _pair(space, "min")
@@ -69,7 +66,9 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     width = high[0] - low[0]
     height = high[1] - low[1]
     if width <= 0 or height <= 0:
-        raise space.fault("max", Message("out-of-range", "max must be above min, in x and in y"))
+        raise FormatError(
+            "out-of-range", "max must be above min, in x and in y", line=space.line_of("max")
+        )
 
     # Paint the obstacles.
     obstacles = space.tables("obstacles") if "obstacles" in space else []
@@ -78,7 +77,7 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     size = size or exact(DEFAULT_CELL_SIZE)
     check_between("cell_size", float(size), 1e-6, 1e6, "m")
     columns, rows = (min(math.ceil(side / size), MAX_SIDE + 1) for side in (width, height))
-    check_sides(columns, rows, source=source)
+    check_sides(columns, rows)
     raster = Raster(columns, rows, size)
     for box in boxes:
         raster.box(box)
@@ -92,13 +91,12 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     # Read the robots.
     found = [_robot(table, low) for table in top.tables("robots")]
     if not found:
-        raise FormatError("empty", "there is no robot", "add one to `robots:`", source=source)
+        raise FormatError("empty", "there is no robot", "add one to `robots:`")
     if any(robot.radius == _COVERED_BOX for robot in found):
         notes.append("robots that are boxes are covered by discs of 0.28 m")
     first = found[0]
-    params: dict[str, Value] = {"format": "dbcbs", "source": path.name, "sha256": digest(data)}
     return ForeignMap(
-        raster.solid, float(size), params, tuple(notes),
+        raster.solid, float(size), notes=tuple(notes),
         start=first.start, target=first.target, robot_radius=first.radius, robot_speed=_SPEED,
         origin=(float(low[0]), float(low[1])), others=tuple(found[1:]),
     )  # fmt: skip
@@ -107,22 +105,24 @@ def read_dbcbs(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
 def _pair(table: YamlTable, key: str) -> tuple[Fraction, Fraction]:
     rows = table.rows(key) if key in table else [[]]
     if len(rows) != 1 or len(rows[0]) != 2:
-        message = Message(
-            "wrong-count", "{key} must be two numbers, [x m, y m]; worlds are flat", key=key
+        raise FormatError(
+            "wrong-count",
+            "{key} must be two numbers, [x m, y m]; worlds are flat",
+            key=key,
+            line=table.line_of(key),
         )
-        if key in table:
-            raise table.fault(key, message)
-        raise FormatError.of(message, line=table.line, source=table.source)
     return rows[0][0], rows[0][1]
 
 
 def _box(table: YamlTable, low: tuple[Fraction, Fraction]) -> RasterBox:
     kind = table.word("type") if "type" in table else "nothing"
     if kind != "box":
-        message = Message(
-            "unsupported", "an obstacle of type {kind!q} cannot be read; only boxes can", kind=kind
+        raise FormatError(
+            "unsupported",
+            "an obstacle of type {kind!q} cannot be read; only boxes can",
+            kind=kind,
+            line=table.line,
         )
-        raise FormatError.of(message, line=table.line, source=table.source)
     x, y = _pair(table, "center")
     width, height = _pair(table, "size")
     left = x - width / 2 - low[0]
@@ -133,14 +133,14 @@ def _box(table: YamlTable, low: tuple[Fraction, Fraction]) -> RasterBox:
 def _robot(table: YamlTable, low: tuple[Fraction, Fraction]) -> ForeignRobot:
     kind = table.word("type") if "type" in table else "nothing"
     if not re.match(r"unicycle|integrator", kind):
-        message = Message(
+        raise FormatError(
             "unsupported",
             "a robot of type {kind!q} is not a disc, so it cannot be read",
             "give one of the unicycle types, such as {known}",
             kind=kind,
             known=_TYPE,
+            line=table.line,
         )
-        raise FormatError.of(message, line=table.line, source=table.source)
     start = _state(table, "start", low)
     goal = _state(table, "goal", low)
     radius = _SPHERE if kind.endswith("_sphere") else _COVERED_BOX
@@ -150,27 +150,25 @@ def _robot(table: YamlTable, low: tuple[Fraction, Fraction]) -> ForeignRobot:
 def _state(table: YamlTable, key: str, low: tuple[Fraction, Fraction]) -> tuple[float, ...]:
     rows = table.rows(key) if key in table else [[]]
     if len(rows) != 1 or not 2 <= len(rows[0]) <= 5:
-        message = Message("wrong-count", "{key} must be numbers, [x m, y m, heading rad]", key=key)
-        if key in table:
-            raise table.fault(key, message)
-        raise FormatError.of(message, line=table.line, source=table.source)
+        raise FormatError(
+            "wrong-count",
+            "{key} must be numbers, [x m, y m, heading rad]",
+            key=key,
+            line=table.line_of(key),
+        )
     x, y, *rest = rows[0]
     place = (float(x - low[0]), float(y - low[1]))
     return (*place, float(rest[0])) if rest else place
 
 
 def write_dbcbs(world: World, destination: Destination) -> Exported:
-    """Return a problem with a unicycle robot for each of the world's.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
-    """
+    """Return a problem with a unicycle robot for each of the world's."""
     altered: dict[str, str] = {}
     for robot in world.robots:
         if robot.radius != _SPHERE:
             altered["robot_radius"] = (
-                f"the robot's radius is not stored; robots of type {_TYPE} have {_SPHERE} m"
+                f"the robot's radius is not stored; robots of type {_TYPE} have a radius of "
+                f"{_SPHERE} m"
             )
         if robot.speed != _SPEED:
             altered["robot_speed"] = (
@@ -215,7 +213,7 @@ dbcbs = Format(
     "dbcbs",
     "problem of db-CBS or dynobench, .yaml",
     (".yaml", ".yml"),
-    # Many obstacles may stand before the robots, so the limits of the environment will do.
+    # Many obstacles may come before the robots, so the limits of the environment are enough.
     re.compile(
         rb"(?s)(?=(.*\n)?environment[ \t]*:[ \t]*(\{|(#[^\n]*)?\r?\n))"
         rb"((.*\n)?robots[ \t]*:|(?=.*[\s{,]min[ \t]*:).*[\s{,]max[ \t]*:)"

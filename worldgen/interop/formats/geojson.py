@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
-from worldgen.interop.geometry.grid_lines import GridLines
+from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import border_cells, cell_polygons
 from worldgen.world import World
 
@@ -27,21 +27,12 @@ def write_geojson(world: World, destination: Destination) -> Exported:
 
     Its features are ``walls``, ``border``, ``start``, ``target``, and a ``change`` for every event.
 
-    Args:
-        world: Any world.
-        destination: Where the file is written.
-
     Raises:
         InvalidWorld: If the coordinates need more than 64 bits.
     """
     document = {
         "type": "FeatureCollection",
-        "worldgen": {
-            "frame": "local",
-            "units": "m",
-            "size": [world.width, world.height],
-            **held_values(world, destination),
-        },
+        "worldgen": {"frame": "local", "units": "m", **held_values(world, destination)},
         "features": list(_features(world, destination)),
     }
     return Exported({destination.name: _text(document)})

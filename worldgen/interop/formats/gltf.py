@@ -15,7 +15,7 @@ from typing import Any, SupportsFloat, TypeAlias
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, solid_boxes
-from worldgen.interop.readers.mesh_readers import metric_reader
+from worldgen.interop.readers.mesh_slice import metric_reader
 from worldgen.render import palette
 from worldgen.world import Value, World
 
@@ -108,12 +108,8 @@ def _extras(world: World, destination: Destination) -> dict[str, Value]:
 
     Lists in here make Assimp 5.2 abort with an assertion.
     """
-    said: dict[str, Value] = {
-        "size": [world.width, world.height],
-        **held_values(world, destination),
-    }
     plain: dict[str, Value] = {}
-    for name, value in said.items():
+    for name, value in held_values(world, destination).items():
         plain |= (
             {f"{name}_{axis}": part for axis, part in zip("xy", value, strict=True)}
             if isinstance(value, list)
@@ -145,7 +141,7 @@ def _places(
             "extras": {"radius": target.radius},
         },
     ]
-    # The robot's disc stands, the target's lies flat.
+    # The robot's disc is tall, the target's is flat.
     robot = world.robot_radius
     flat = target.radius / 16.0
     for kind, radius, tall in (("robot", robot, robot), ("target", target.radius, flat)):

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from worldgen.files.grid import read_world
-from worldgen.interop.foreign_map import ForeignMap, digest, origin_of, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, origin_of, read_bounded
 from worldgen.interop.format import HELD, Format
 from worldgen.world import Value
 
@@ -14,11 +14,9 @@ __all__ = ["grid"]
 
 
 def _read(path: Path) -> ForeignMap:
-    params: dict[str, Value] = {
-        "format": "grid",
-        "source": path.name,
-        "sha256": digest(read_bounded(path)),
-    }
+    params: dict[str, Value] = {}
+    # read_world would wait for a pipe, and read a file of any size.
+    read_bounded(path)
     world = read_world(path)
     if world.provenance is not None:
         made = world.provenance
@@ -30,7 +28,7 @@ def _read(path: Path) -> ForeignMap:
 
 grid = Format(
     "grid",
-    "a world of ours, .grid or .grid.gz",
+    "worldgen's own format, .grid or .grid.gz",
     (".grid", ".gz"),
     re.compile(rb"%worldgen-grid"),
     _read,

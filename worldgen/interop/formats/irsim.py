@@ -87,12 +87,9 @@ def _world(
     yield "  control_mode: auto"
     yield "  collision_mode: stop"
     if picture is not None:
-        yield f"  obstacle_map: {_quoted(picture)}"
+        quoted = picture.replace("'", "''")
+        yield f"  obstacle_map: '{quoted}'"
         yield "  mdownsample: 1"
-
-
-def _quoted(name: str) -> str:
-    return "'" + name.replace("'", "''") + "'"
 
 
 def _robots(world: World, destination: Destination, kinematics: str, lidar: bool) -> Iterator[str]:

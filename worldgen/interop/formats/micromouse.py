@@ -19,14 +19,13 @@ from worldgen.interop.foreign_map import (
     GRID_AGENT,
     ForeignMap,
     check_sides,
-    digest,
     read_bounded,
     unix_text,
 )
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
+from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.support.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = ["micromouse", "read_micromouse", "write_micromouse"]
 
@@ -52,24 +51,22 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
     """
     # Read the rows; editors may have removed blanks at their ends.
     data = read_bounded(path, _MOST_BYTES)
-    source = str(path)
     rows = [row.rstrip() for row in unix_text(data).split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
     width = 2 * ((max(map(len, rows), default=0) + 2) // 4) + 1 if rows else 0
-    check_sides(width, len(rows), source=source)
+    check_sides(width, len(rows))
     if len(rows) % 2 == 0 or width < 3:
         raise FormatError(
             "wrong-size",
             "{rows} rows; a maze of n rows of squares has 2 n + 1, from posts to posts",
             rows=len(rows),
-            source=source,
         )
     # Read walls and marks.
     walls = np.zeros((len(rows), width), np.bool_)
     marks: dict[str, list[tuple[int, int]]] = {"S": [], "G": []}
     for row, line in enumerate(rows):
-        parts = _parts(line.ljust(2 * width - 1), row, source)
+        parts = _parts(line.ljust(2 * width - 1), row)
         walls[row] = [solid for solid, _ in parts]
         for column, (_, mark) in enumerate(parts):
             if mark:
@@ -82,7 +79,6 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
             "keep one",
             starts=len(marks["S"]),
             line=marks["S"][1][0] + 1,
-            source=source,
         )
     places = [
         cell_centre(found[0][1], len(rows) - 1 - found[0][0], cell_size) if found else None
@@ -94,11 +90,10 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
         if goals < 2
         else (f"there are {goals} goals; the target is the first, row by row from the top",)
     )
-    params: dict[str, Value] = {"format": "micromouse", "source": path.name, "sha256": digest(data)}
-    return ForeignMap(flip_rows(walls), cell_size, params, notes, start=places[0], target=places[1])
+    return ForeignMap(flip_rows(walls), cell_size, notes=notes, start=places[0], target=places[1])
 
 
-def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
+def _parts(line: bytes, row: int) -> list[tuple[bool, str]]:
     """Yield, for each cell of a row, whether it is solid, and its mark."""
     parts = []
     # Every four characters are a post and a wall, or a wall and a square.
@@ -114,7 +109,6 @@ def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
                 column=at + 1,
                 form=form,
                 line=row + 1,
-                source=source,
             )
         parts.append((row % 2 == 0 or _PARTS[narrow], ""))
         if wide and not (_SQUARE.fullmatch(wide) if row % 2 else wide in _PARTS):
@@ -128,7 +122,6 @@ def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
                 column=at + 2,
                 form=form,
                 line=row + 1,
-                source=source,
             )
         if wide:
             parts.append((row % 2 == 0 and _PARTS[wide], wide.strip().decode() if row % 2 else ""))
@@ -149,9 +142,7 @@ def write_micromouse(world: World, destination: Destination) -> Exported:
     _check(world)
     # Mark the cells of start and target, and report what gets lost.
     walls = flip_rows(world.walls)
-    start = cell_of(world, world.start.x, world.start.y)
-    target = cell_of(world, world.target.x, world.target.y)
-    altered = off_centre(world, (start, target))
+    start, target, altered = end_cells(world)
     marks = {target: "G", start: "S"}
     for name, (column, row) in (("start", start), ("target", target)):
         if not (column % 2 and row % 2):
@@ -205,7 +196,7 @@ def _check(world: World) -> None:
 micromouse = Format(
     "micromouse",
     "maze of the micromouse contests as text, .maze",
-    # Also .txt; the contents tell it from a drawing.
+    # Also .txt; the contents distinguish it from a drawing.
     (".maze",),
     re.compile(rb"[o+](?:(?:---|   )[o+])+[ \t]*\r?\n[| ]"),
     read_micromouse,

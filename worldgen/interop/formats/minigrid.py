@@ -14,16 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import (
-    GRID_AGENT,
-    ForeignMap,
-    check_sides,
-    digest,
-    read_bounded,
-    unix_text,
-)
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
+from worldgen.interop.formats.text import cell_centre, end_cells, text_rows
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
@@ -61,18 +54,15 @@ def read_minigrid(
     """
     # Read the cells, two characters each.
     data = read_bounded(path)
-    source = str(path)
-    rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
-    while rows and not rows[-1]:
-        rows.pop()
+    rows = text_rows(data)
     width = (max(map(len, rows), default=0) + 1) // 2
-    check_sides(width, len(rows), source=source)
+    check_sides(width, len(rows))
     drawn = np.frombuffer(b"".join(row.ljust(2 * width) for row in rows), np.uint8).reshape(
         len(rows), width, 2
     )
     first = drawn[:, :, 0]
     second = drawn[:, :, 1]
-    _check_words(rows, source)
+    _check_words(rows)
     # Decide which cells are solid.
     solid = (first == ord("W")) | ((first == ord("V")) & (second != ord("V")))
     shut = np.isin(first, list(b"DL"))
@@ -83,14 +73,9 @@ def read_minigrid(
     goals = np.argwhere(first == ord("G")).tolist()
     if len(agents) > 1:
         raise FormatError(
-            "twice",
-            "{agents} agents",
-            "keep one",
-            agents=len(agents),
-            line=agents[1][0] + 1,
-            source=source,
+            "twice", "{agents} agents", "keep one", agents=len(agents), line=agents[1][0] + 1
         )
-    # Report what the options decided.
+    # Report the effect of the options.
     notes = _notes(
         {"doors": int(shut.sum()), "things": int(lying.sum())}, {"doors": doors, "things": things}
     )
@@ -101,16 +86,17 @@ def read_minigrid(
     start = (
         None
         if not agents
-        else (*_centre(agents[0], len(rows), cell_size), _heading(drawn, agents[0]))
+        else (
+            *_centre(agents[0], len(rows), cell_size),
+            _HEADINGS[drawn[tuple(agents[0])].tobytes()],
+        )
     )
     target = _centre(goals[0], len(rows), cell_size) if goals else None
-    params: dict[str, Value] = {
-        "format": "minigrid", "source": path.name, "sha256": digest(data), "doors": doors, "things": things,
-    }  # fmt: skip
+    params: dict[str, Value] = {"doors": doors, "things": things}
     return ForeignMap(flip_rows(solid), cell_size, params, tuple(notes), start=start, target=target)
 
 
-def _check_words(rows: list[bytes], source: str) -> None:
+def _check_words(rows: list[bytes]) -> None:
     for number, row in enumerate(rows, 1):
         line = row + b" " * (len(row) % 2)
         if re.fullmatch(_WORDS + b"*", line):
@@ -124,7 +110,6 @@ def _check_words(rows: list[bytes], source: str) -> None:
             sign=line[at : at + 2],
             column=at + 1,
             line=number,
-            source=source,
         )
 
 
@@ -132,10 +117,6 @@ def _agents(drawn: npt.NDArray[np.uint8]) -> list[list[int]]:
     words = [np.all(drawn == np.frombuffer(word, np.uint8), axis=2) for word in _HEADINGS]
     found: list[list[int]] = np.argwhere(np.logical_or.reduce(words)).tolist()
     return found
-
-
-def _heading(drawn: npt.NDArray[np.uint8], at: list[int]) -> float:
-    return _HEADINGS[drawn[at[0], at[1]].tobytes()]
 
 
 def _centre(at: list[int], height: int, cell_size: float) -> tuple[float, float]:
@@ -153,30 +134,20 @@ def _notes(counts: dict[str, int], taken: dict[str, str]) -> list[str]:
 
 
 def write_minigrid(world: World, destination: Destination) -> Exported:
-    """Write a printed grid of grey walls, one agent and one green goal, the top row first.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
-    """
+    """Write a printed grid of grey walls, one agent and one green goal, the top row first."""
     # Draw floor and walls.
     walls = flip_rows(world.walls)
     cells = np.empty((*walls.shape, 2), np.uint8)
     cells[:] = np.frombuffer(_FREE, np.uint8)
     cells[walls] = np.frombuffer(_WALL, np.uint8)
     # Draw the goal and the agent, and report what gets lost.
-    start = cell_of(world, world.start.x, world.start.y)
-    target = cell_of(world, world.target.x, world.target.y)
+    start, target, altered = end_cells(world)
     turned = math.remainder(world.start.heading, 2 * math.pi)
     nearest = min(
         _HEADINGS, key=lambda word: abs(math.remainder(turned - _HEADINGS[word], 2 * math.pi))
     )
-    altered = off_centre(world, (start, target))
     # The agent is drawn on top.
-    for name, (column, row), word in (
-        ("target", target, _GOAL),
-        ("start", start, nearest),
-    ):
+    for name, (column, row), word in (("target", target, _GOAL), ("start", start, nearest)):
         if walls[row, column]:
             altered[name] = f"the {name} is not drawn, because its cell is solid"
         else:
@@ -199,7 +170,7 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
 minigrid = Format(
     "minigrid",
     "printed grid of MiniGrid, two characters per cell, .minigrid",
-    # Also .txt; the contents tell it from a drawing.
+    # Also .txt; the contents distinguish it from a drawing.
     (".minigrid",),
     re.compile(
         rb"(?=[^#]*?W[" + _COLOURS + rb"])" + _WORDS + rb"+ ?\r?\n" + _WORDS + rb"+ ?(?:\r?\n|\Z)"

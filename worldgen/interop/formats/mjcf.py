@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from importlib import resources
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
@@ -18,9 +17,9 @@ from worldgen.interop.geometry.solid_scene import (
     TIMESTEPS,
     Body,
     SolidScene,
-    events_file,
     numbered,
     plain_name,
+    player_files,
     scene,
 )
 from worldgen.lattice import exact
@@ -77,23 +76,16 @@ def write_mjcf(
         *(_actuators(world) if robot else ()),
         "</mujoco>",
     ]
-    files = {destination.name: ("\n".join(lines) + "\n").encode()}
-    if not parts.bodies:
-        return Exported(files)
-    script = destination.sibling_file("_player.py")
-    table = destination.sibling_file("_events.json")
-    files[script] = (
-        resources.files("worldgen.interop").joinpath("players", "mujoco_player.py").read_bytes()
+    player = player_files(destination, "mujoco_player.py", parts.bodies, height)
+    notes = tuple(
+        f"{script} moves the cells that change, because a MuJoCo model has no events"
+        for script in [*player][:1]
     )
-    files[table] = events_file(destination.name, parts.bodies, height)
-    return Exported(
-        files,
-        notes=(f"{script} moves the cells that change, because a MuJoCo model has no events",),
-    )
+    return Exported({destination.name: ("\n".join(lines) + "\n").encode(), **player}, notes=notes)
 
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:
-    """Yield facts that are not geometry, as the numbers that a model can store."""
+    """Yield facts other than geometry, as numbers that a model can store."""
     x, y = (decimal(value) for value in destination.origin)
     numbers = {
         "cell_size": decimal(world.cell_size),

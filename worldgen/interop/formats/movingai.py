@@ -16,22 +16,22 @@ from typing import NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, Message, Note
+from worldgen.errors import FormatError, Note
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import (
     GRID_AGENT,
     ForeignMap,
     check_sides,
-    digest,
+    names_its_file,
     read_bounded,
     unix_text,
 )
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
+from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.lattice import exact, radius_in_cells
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = [
     "BLOCKED",
@@ -86,10 +86,8 @@ def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
         FormatError: If the header is wrong or the rows do not match it, with the line.
     """
     data = read_bounded(path)
-    walls = flip_rows(_parse(data, str(path)) != GROUND)
-    params: dict[str, Value] = {"format": "movingai", "source": path.name, "sha256": digest(data)}
-    found = ForeignMap(walls, cell_size, params)
-    return _with_only_problem(found, path)
+    walls = flip_rows(_parse(data) != GROUND)
+    return _with_only_problem(ForeignMap(walls, cell_size), path)
 
 
 def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
@@ -98,7 +96,7 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
     The scenario file counts only if it has exactly one problem.
 
     A benchmark's scenario files have hundreds of problems, and none of them is more likely to be
-    meant than another. A file with one problem, as ``export`` writes it, leaves no choice.
+    meant than another. A file with one problem, as written by ``export``, leaves no choice.
     """
     for name in (f"{path.name}.scen", f"{path.stem}.scen"):
         beside = path.with_name(name)
@@ -111,8 +109,8 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
             return replace(found, warnings=(f"{name} next to the map was skipped: {error}",))
         note = Note(
             "scenario-beside-used",
-            "start and goal come from the only problem in {file}, which is for this map",
-            "--seed chooses other places",
+            "start and goal come from the only problem in {file}, which belongs to this map",
+            "use --seed to choose other places",
             at_terminal=True,
             file=name,
         )
@@ -123,6 +121,7 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
     return found
 
 
+@names_its_file
 def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
     """Read the terrain of a map's cells.
 
@@ -136,14 +135,14 @@ def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
     Raises:
         FormatError: As :func:`read_movingai`.
     """
-    return _parse(read_bounded(path), str(path))
+    return _parse(read_bounded(path))
 
 
-def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
+def _parse(data: bytes) -> npt.NDArray[np.uint8]:
     """Return the terrain, top row first."""
     head = unix_text(data).split(b"\n", _FIRST_ROW - 1)
     lines = [line.removesuffix(b"\r") for line in head]
-    kind = _words(lines, 1, "type", source).lower()
+    kind = _words(lines, 1, "type").lower()
     if kind != b"octile":
         corners = kind == b"octile-corner"
         raise FormatError(
@@ -151,77 +150,87 @@ def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
             "type {kind!q} cannot be read; its corner heights are not cells"
             if corners
             else "type {kind!q} cannot be read",
-            "give a map of `type octile`",
+            "use a map of `type octile`",
             kind=kind.decode("utf-8", "backslashreplace"),
             line=1,
-            source=source,
         )
     # Some programs write the width first. Each number has its name, so both orders are accepted.
     first, second = (
         ("height", "width")
-        if lines[1:2] and not _has_key(lines[1], "width")
+        if lines[1:2] and lines[1].lower().split()[:1] != [b"width"]
         else ("width", "height")
     )
-    sizes = {
-        key: _size(_words(lines, at, key, source), key, at, source)
-        for at, key in ((2, first), (3, second))
-    }
+    sizes = {key: _size(_words(lines, at, key), key, at) for at, key in ((2, first), (3, second))}
     height = sizes["height"]
     width = sizes["width"]
-    check_sides(width, height, line=3, source=source)
+    check_sides(width, height, line=3)
     if len(lines) < 4 or lines[3].lower().split() != [b"map"]:
-        _expect(lines, 4, "map", source)
-    return _rows(head[4] if len(head) > 4 else b"", width, height, source)
+        _expect(lines, 4, "map")
+    return _rows(head[4] if len(head) > 4 else b"", width, height)
 
 
-def _has_key(line: bytes, key: str) -> bool:
-    return line.lower().split()[:1] == [key.encode()]
-
-
-def _words(lines: list[bytes], number: int, key: str, source: str) -> bytes:
+def _words(lines: list[bytes], number: int, key: str) -> bytes:
     words = lines[number - 1].split() if len(lines) >= number else []
     if len(words) != 2 or words[0].lower() != key.encode():
-        _expect(lines, number, f"{key} {'octile' if key == 'type' else 'N'}", source)
+        _expect(lines, number, f"{key} {'octile' if key == 'type' else 'N'}")
     return words[1]
 
 
-def _expect(lines: list[bytes], number: int, form: str, source: str) -> NoReturn:
+def _expect(lines: list[bytes], number: int, form: str) -> NoReturn:
     ended = len(lines) < number or (len(lines) == number and not lines[-1])
     came = "the end of the file" if ended else quote(lines[number - 1])
     raise FormatError(
         "wrong-form",
-        "{came} is where `{form}` belongs; an octile map begins with the lines type, height, "
+        "{came} is in place of `{form}`; an octile map begins with the lines type, height, "
         "width, map",
         came=came,
         form=form,
         line=number,
-        source=source,
     )
 
 
-def _size(word: bytes, key: str, number: int, source: str) -> int:
+def _size(word: bytes, key: str, number: int) -> int:
     if not re.fullmatch(rb"[0-9]{1,9}", word):
-        message = Message(
+        raise FormatError(
             "not-a-number",
             "{key} {word!q} is not a whole number of cells",
             "write the number that the rows below have",
             key=key,
             word=word,
+            line=number,
         )
-        raise FormatError.of(message, line=number, source=source)
     return int(word)
 
 
-def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.uint8]:
+def _rows(body: bytes, width: int, height: int) -> npt.NDArray[np.uint8]:
     # The header's sizes limit the split, so a file of line ends takes no more memory than its own
     # size.
     rows = [row.rstrip() for row in body.split(b"\n", height)]
     rest = rows.pop() if len(rows) > height else b""
+    # Of an empty last row, only the line end before it was there.
+    if rows and not rows[-1]:
+        rows.pop()
     for index, row in enumerate(rows):
         if len(row) != width:
-            _wrong_row(row, index, len(rows), width, height, source)
+            _check_characters(row, index)
+            raise FormatError(
+                "ragged-rows",
+                "a row of {cells} cells; the header has width {width}; every row has that many "
+                "cells",
+                "perhaps its width and height are swapped" if len(row) == height else "",
+                cells=len(row),
+                width=width,
+                line=_FIRST_ROW + index,
+            )
     if len(rows) < height:
-        _too_few(len(rows), height, source)
+        raise FormatError(
+            "wrong-size",
+            "{rows} rows; the header has height {height}",
+            "add the missing rows or correct the header",
+            rows=len(rows),
+            height=height,
+            line=_FIRST_ROW + len(rows),
+        )
     if rest.strip():
         raise FormatError(
             "wrong-size",
@@ -229,57 +238,26 @@ def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.u
             "correct `height`, or delete the rest",
             height=height,
             line=_FIRST_ROW + height,
-            source=source,
         )
     cells = _TABLE[np.frombuffer(b"".join(rows), np.uint8).reshape(height, width)]
     if (cells == _BAD).any():
-        row_index, column = divmod(int(np.argmax(cells == _BAD)), width)
-        _wrong_character(rows[row_index], row_index, column, source)
+        index = int(np.argmax(cells == _BAD)) // width
+        _check_characters(rows[index], index)
     return cells
 
 
-def _wrong_row(
-    row: bytes, index: int, count: int, width: int, height: int, source: str
-) -> NoReturn:
-    # Only the last line end was split off.
-    if not row and index == count - 1:
-        _too_few(index, height, source)
+def _check_characters(row: bytes, index: int) -> None:
     strange = np.flatnonzero(_TABLE[np.frombuffer(row, np.uint8)] == _BAD)
     if len(strange):
-        _wrong_character(row, index, int(strange[0]), source)
-    raise FormatError(
-        "ragged-rows",
-        "a row of {cells} cells; the header has width {width}; every row has that many cells",
-        "perhaps its width and height are swapped" if len(row) == height else "",
-        cells=len(row),
-        width=width,
-        line=_FIRST_ROW + index,
-        source=source,
-    )
-
-
-def _too_few(count: int, height: int, source: str) -> NoReturn:
-    raise FormatError(
-        "wrong-size",
-        "{rows} rows; the header has height {height}",
-        "add the missing rows or correct the header",
-        rows=count,
-        height=height,
-        line=_FIRST_ROW + count,
-        source=source,
-    )
-
-
-def _wrong_character(row: bytes, index: int, column: int, source: str) -> NoReturn:
-    raise FormatError(
-        "unknown-sign",
-        "character {sign!q} at column {column} is not an octile cell",
-        ". G S are passable, @ O T W are blocked",
-        sign=row[column : column + 1],
-        column=column + 1,
-        line=_FIRST_ROW + index,
-        source=source,
-    )
+        column = int(strange[0])
+        raise FormatError(
+            "unknown-sign",
+            "character {sign!q} at column {column} is not an octile cell",
+            ". G S are passable, @ O T W are blocked",
+            sign=row[column : column + 1],
+            column=column + 1,
+            line=_FIRST_ROW + index,
+        )
 
 
 @dataclass(frozen=True)
@@ -299,6 +277,7 @@ class Problem:
     map_name: str
 
 
+@names_its_file
 def read_scenario(path: Path, row: int, width: int, height: int, cell_size: float) -> Problem:
     """Read problem number ``row``, counted from 1, of a scenario file.
 
@@ -315,39 +294,32 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
     """
     # Read no more of the file than up to the problem.
     check_between("row", row, 1, _MAX_SCENARIOS)
-    source = str(path)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", row + 1)
-    _check_version(lines[0], source)
+    _check_version(lines[0])
     if len(lines) <= row or not lines[row].strip():
         count = sum(1 for line in lines[1:] if line.strip())
         raise FormatError(
-            "out-of-range",
-            "has no row {row}",
-            "it has rows 1 to {rows}",
-            row=row,
-            rows=count,
-            source=source,
+            "out-of-range", "has no row {row}", "it has rows 1 to {rows}", row=row, rows=count
         )
     # Check that it is about this map.
     line = lines[row].removesuffix(b"\r")
-    fields = _fields(line, row + 1, source)
+    fields = _fields(line, row + 1)
     numbers = [int(field) for field in fields[2:8]]
     if numbers[:2] != [width, height]:
         raise FormatError(
             "wrong-size",
             "the problem is for a map of {problem_width} x {problem_height} cells, the map has "
             "{width} x {height}",
-            "give the map it was made for, in that size",
+            "give the map that it was made for, in that size",
             problem_width=numbers[0],
             problem_height=numbers[1],
             width=width,
             height=height,
             line=row + 1,
-            source=source,
         )
     for column, line_from_top in (numbers[2:4], numbers[4:6]):
         if column >= width or line_from_top >= height:
-            message = Message(
+            raise FormatError(
                 "outside-grid",
                 "cell ({column}, {row}) is outside the map of {width} x {height} cells",
                 "correct the line",
@@ -355,8 +327,8 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
                 row=line_from_top,
                 width=width,
                 height=height,
+                line=row + 1,
             )
-            raise FormatError.of(message, line=row + 1, source=source)
     # Scenarios count rows from the top.
     start, goal = (
         cell_centre(numbers[at], height - 1 - numbers[at + 1], cell_size) for at in (2, 4)
@@ -364,18 +336,18 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
     return Problem(start, goal, float(fields[8]), fields[1].decode("utf-8", "backslashreplace"))
 
 
-def _check_version(line: bytes, source: str) -> None:
+def _check_version(line: bytes) -> None:
     if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", line.lower().strip()):
         raise FormatError(
             "wrong-form",
-            "{came!q} is where `version 1` belongs",
+            "{came!q} is in place of `version 1`",
             "give a scenario file",
             came=line,
             line=1,
-            source=source,
         )
 
 
+@names_its_file
 def scenario_contents(path: Path) -> tuple[str, int]:
     """Return the file name of the map that a ``.scen`` file is for, and its number of problems.
 
@@ -385,15 +357,12 @@ def scenario_contents(path: Path) -> tuple[str, int]:
     Raises:
         FormatError: If it is not a scenario file, or has no problem.
     """
-    source = str(path)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
-    _check_version(lines[0], source)
+    _check_version(lines[0])
     rows = [line for line in lines[1:] if line.strip()]
     if not rows:
-        raise FormatError(
-            "empty", "has no problem", "give a scenario file that has some", source=source
-        )
-    return _map_name(_fields(rows[0].removesuffix(b"\r"), 2, source)[1]), len(rows)
+        raise FormatError("empty", "has no problem", "give a scenario file that has some")
+    return _map_name(_fields(rows[0].removesuffix(b"\r"), 2)[1]), len(rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -417,6 +386,7 @@ class Problems:
     published: npt.NDArray[np.float64]
 
 
+@names_its_file
 def read_problems(path: Path) -> Problems:
     """Read a complete scenario file.
 
@@ -428,7 +398,6 @@ def read_problems(path: Path) -> Problems:
             a different size from the first.
     """
     # Limit the file's size and the number of its problems.
-    source = str(path)
     map_name, _ = scenario_contents(path)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
     # As lists of objects, problems would take five times the file's size.
@@ -438,21 +407,21 @@ def read_problems(path: Path) -> Problems:
     for number, line in enumerate(lines[1:], 2):
         if not line.strip():
             continue
-        fields = _fields(line.removesuffix(b"\r"), number, source)
+        fields = _fields(line.removesuffix(b"\r"), number)
         name = _map_name(fields[1])
         if name != map_name:
-            message = Message(
+            raise FormatError(
                 "other-map",
-                "a problem of {name!q} among those of {first!q}",
+                "a problem for map {name!q} among problems for {first!q}",
                 "give a file for each map",
                 name=name,
                 first=map_name,
+                line=number,
             )
-            raise FormatError.of(message, line=number, source=source)
         row = [int(field) for field in fields[2:8]]
-        check_sides(row[0], row[1], line=number, source=source)
+        check_sides(row[0], row[1], line=number)
         if numbers and row[:2] != list(numbers[:2]):
-            message = Message(
+            raise FormatError(
                 "wrong-size",
                 "{width} x {height} cells among problems for {first_width} x {first_height}",
                 "give a separate file for each",
@@ -460,8 +429,8 @@ def read_problems(path: Path) -> Problems:
                 height=row[1],
                 first_width=numbers[0],
                 first_height=numbers[1],
+                line=number,
             )
-            raise FormatError.of(message, line=number, source=source)
         if max(row[2], row[4]) >= row[0] or max(row[3], row[5]) >= row[1]:
             raise FormatError(
                 "outside-grid",
@@ -473,7 +442,6 @@ def read_problems(path: Path) -> Problems:
                 width=row[0],
                 height=row[1],
                 line=number,
-                source=source,
             )
         numbers.extend(row)
         published.append(float(fields[8]))
@@ -489,7 +457,7 @@ def _map_name(field: bytes) -> str:
     return field.decode("utf-8", "backslashreplace").replace("\\", "/").rpartition("/")[2]
 
 
-def _fields(line: bytes, number: int, source: str) -> list[bytes]:
+def _fields(line: bytes, number: int) -> list[bytes]:
     """Split a problem into its nine fields.
 
     Names may contain spaces only if tabs separate the fields.
@@ -505,7 +473,6 @@ def _fields(line: bytes, number: int, source: str) -> list[bytes]:
             "start y, goal x, goal y, optimal length",
             came=line,
             line=number,
-            source=source,
         )
     return fields
 
@@ -532,8 +499,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
     altered: dict[str, str] = {}
     for number in range(1, len(world.robots) + 1):
         alone = world.alone(number) if world.others else world
-        start = cell_of(alone, alone.start.x, alone.start.y)
-        goal = cell_of(alone, alone.target.x, alone.target.y)
+        start, goal, moved = end_cells(alone)
         moves = octile_moves(flip_rows(world.walls), start, goal)
         if moves is None:
             why = (
@@ -546,7 +512,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
         bucket = int(optimal.partition(".")[0]) // 4
         fields = (bucket, name, world.width, world.height, *start, *goal, optimal)
         rows.append("\t".join(map(str, fields)))
-        altered |= off_centre(alone, (start, goal))
+        altered |= moved
         if radius_in_cells(alone) != SCENARIO_RADIUS:
             altered["robot_radius"] = (
                 "the robot's radius is not stored; a scenario's robot has 0.4 cells"

@@ -16,10 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.support.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = ["npy", "read_numpy_map", "write_numpy_map"]
 
@@ -44,9 +44,8 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
     Raises:
         FormatError: If the file holds anything else; objects are never unpickled.
     """
-    # Read the header; NumPy warns where it should refuse.
+    # Read the header here, because NumPy only warns about headers that it should refuse.
     data = read_bounded(path)
-    source = str(path)
     stream = io.BytesIO(data)
     try:
         with warnings.catch_warnings():
@@ -55,9 +54,9 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
             shape, by_columns, kind = _header(stream, version)
     except _HEADER_FAULTS as error:
         raise FormatError(
-            "unknown-format", "is not a NumPy array file", "write it with numpy.save", source=source
+            "unknown-format", "is not a NumPy array file", "write it with numpy.save"
         ) from error
-    # Only plain numbers are read, and never more than the header says.
+    # Only plain numbers are read, and never more than the header claims.
     if kind.hasobject or kind.kind not in "biu" or len(shape) != 2:
         raise FormatError(
             "wrong-shape",
@@ -65,10 +64,9 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
             "free and 1 solid",
             kind=kind,
             shape=shape,
-            source=source,
         )
     height, width = shape
-    check_sides(width, height, source=source)
+    check_sides(width, height)
     body = data[stream.tell() :]
     if len(body) != width * height * kind.itemsize:
         raise FormatError(
@@ -80,12 +78,10 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
             height=height,
             kind=kind,
             needed=width * height * kind.itemsize,
-            source=source,
         )
     # Arrays may be stored by columns.
     cells = np.frombuffer(body, kind).reshape((height, width), order="F" if by_columns else "C")
-    params: dict[str, Value] = {"format": "npy", "source": path.name, "sha256": digest(data)}
-    return ForeignMap(flip_rows(_solid(cells, source)), cell_size, params)
+    return ForeignMap(flip_rows(_solid(cells)), cell_size)
 
 
 def _header(
@@ -97,7 +93,7 @@ def _header(
     return np.lib.format.read_array_header_2_0(stream)
 
 
-def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
+def _solid(cells: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
     strange = (cells != 0) & (cells != 1)
     if strange.any():
         row, column = np.argwhere(strange)[0]
@@ -108,18 +104,12 @@ def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
             value=cells[row, column],
             row=row,
             column=column,
-            source=source,
         )
     return cells.astype(np.bool_)
 
 
 def write_numpy_map(world: World, destination: Destination) -> Exported:
-    """Return a bool array, True where solid, the top row first.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
-    """
+    """Return a bool array, True where solid, the top row first."""
     stream = io.BytesIO()
     np.lib.format.write_array(
         stream, np.ascontiguousarray(flip_rows(world.walls)), (1, 0), allow_pickle=False

@@ -11,36 +11,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from worldgen.interop.foreign_map import FLOOR_ROBOT
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_lines
-from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, PlacedBox, solid_boxes
-from worldgen.interop.readers.mesh_readers import unitless_reader
+from worldgen.interop.format import HELD, Destination, Format, decimal_text, held_lines
+from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, PlacedBox, box_writer
+from worldgen.interop.readers.mesh_slice import unitless_reader
 from worldgen.world import World
 
-__all__ = ["obj", "write_obj"]
+__all__ = ["obj"]
 
 
-def write_obj(
-    world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
-) -> Exported:
+def _contents(world: World, destination: Destination, boxes: list[PlacedBox]) -> bytes:
     """Return one object per box, four corners per face, m, z up.
 
     The world's other facts are in comments, as TOML.
-
-    Args:
-        world: A static world.
-        destination: Where the file is written.
-        height: Height of the walls, m.
-        floor: Whether to add a floor, a box one cell thick below z = 0.
-
-    Raises:
-        InvalidParameter: If the height isn't a valid length.
-        InvalidWorld: If the coordinates need more than 64 bits.
     """
-    boxes = solid_boxes(world, destination, height=height, floor=floor)
-    lines = [*_comments(world, destination), "s off"]
+    lines = ["worldgen: m, z up, one closed box per object.", *held_lines(world, destination)]
+    lines = [*(f"# {line}" for line in lines), "s off"]
     for number, box in enumerate(boxes):
         lines += _object(box, 8 * number + 1)
-    return Exported({destination.name: ("\n".join(lines) + "\n").encode()})
+    return ("\n".join(lines) + "\n").encode()
 
 
 obj = Format(
@@ -48,16 +36,11 @@ obj = Format(
     "walls as boxes; meshes, cut at a height, .obj",
     (".obj",),
     read=unitless_reader("obj"),
-    write=write_obj,
+    write=box_writer(_contents),
     holds=frozenset(HELD),
     client="CAD and modelling programs, PyBullet",
     usual_robot=FLOOR_ROBOT,
 )
-
-
-def _comments(world: World, destination: Destination) -> Iterator[str]:
-    yield "# worldgen: m, z up, one closed box per object."
-    yield from (f"# {line}" for line in held_lines(world, destination))
 
 
 def _object(box: PlacedBox, first: int) -> Iterator[str]:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.readers.grey_image import GreyImage, read_grey_image, walls_png
 from worldgen.interop.readers.places_text import (
@@ -27,7 +27,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["png", "read_picture", "write_png"]
 
-# Keyword that identifies a picture of ours; without it the other keywords are ignored.
+# Keyword that identifies our own pictures; without it the other keywords are ignored.
 _MARK = "worldgen"
 _WHITE = 255
 
@@ -55,13 +55,12 @@ def read_picture(
     # Read the picture and its text.
     check_between("threshold", threshold, 1, _WHITE)
     data = read_bounded(path)
-    source = str(path)
-    image = read_grey_image(data, source)
+    image = read_grey_image(data)
     walls, greys = _solid(image, threshold, background)
     try:
         own_size, origin, places = _said(image)
     except InvalidParameter as error:
-        raise FormatError.of(error.message.behind("its text: "), source=source) from error
+        raise FormatError.of(error.message.behind("its text: ")) from error
     # Explain what the picture leaves open.
     notes = []
     if greys:
@@ -85,9 +84,7 @@ def read_picture(
                 f"{path.with_suffix(ending).name} next to it may be the map that has scale and "
                 f"origin"
             )
-    params: dict[str, Value] = {
-        "format": "png", "source": path.name, "sha256": digest(data), "threshold": threshold, "background": background,
-    }  # fmt: skip
+    params: dict[str, Value] = {"threshold": threshold, "background": background}
     return ForeignMap(
         flip_rows(walls), cell_size or own_size or DEFAULT_CELL_SIZE, params, tuple(notes), origin=origin,
         start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
@@ -108,7 +105,7 @@ def _solid(image: GreyImage, threshold: int, background: str) -> tuple[npt.NDArr
 
 
 def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
-    """Return cell size, origin and places of a picture of ours; None, 0 and none for any other."""
+    """Return cell size, origin and places of one of our pictures; None, 0 and none for any other."""
     # Only a picture with our keyword may describe a world.
     text = image.text
     if _MARK not in text:
@@ -133,10 +130,6 @@ def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
 def write_png(world: World, destination: Destination) -> Exported:
     """Return a grey picture, one pixel per cell, black for solid, with its facts in ``tEXt``.
 
-    Args:
-        world: The world.
-        destination: Where the file is written.
-
     Raises:
         InvalidParameter: If its suffix belongs to another kind of picture.
     """
@@ -144,7 +137,7 @@ def write_png(world: World, destination: Destination) -> Exported:
         raise InvalidParameter(
             "wrong-suffix",
             "{name} is not the name of a PNG",
-            "give it the ending .png, or write a .yaml with a .pgm with --to ros",
+            "give it the ending .png, or use --to ros to write a .yaml with a .pgm",
             at_terminal=True,
             name=destination.name,
         )

@@ -22,12 +22,11 @@ from worldgen.interop.foreign_map import (
     GRID_AGENT,
     ForeignMap,
     ForeignRobot,
-    digest,
     read_bounded,
     unix_text,
 )
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.formats.text import cell_centre, cell_of, equal_rows, off_centre
+from worldgen.interop.formats.text import cell_centre, end_cells, equal_rows
 from worldgen.interop.readers.pogema_config import KEY_LINE, PogemaTask, read_configuration
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
@@ -35,7 +34,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["pogema", "read_pogema", "write_pogema"]
 
 _WALL = b"#"
-# Cells that are free for anything, only for starts of agents, only for targets, or for neither.
+# Cells that are free for anything, only for agents' starts, only for targets, or for neither.
 _FREE = b".@$!"
 # Robot radius of GridConfig, cells.
 _MAX_SIDE = 4096
@@ -51,12 +50,12 @@ def read_pogema(
     cell_size: float = DEFAULT_CELL_SIZE,
     map_name: str = "",
 ) -> ForeignMap:
-    """Read a map in the form GridConfig takes, the top row first, or a YAML file with such maps.
+    """Read a map in the form that GridConfig takes, the top row first, or a YAML file with such maps.
 
     One agent is the robot, or all agents are robots.
 
     Args:
-        path: The file: a map, of which white space around rows and empty rows are ignored; a
+        path: The file: a map, in which whitespace around rows and empty rows are ignored; a
             configuration in YAML; or a YAML file of named maps.
         agent: Letter of the agent that is the robot, lower case; its target is the same letter in
             upper case. In a configuration with agents_xy, b is the second agent.
@@ -78,14 +77,13 @@ def read_pogema(
         )
     # Read the rows.
     data = read_bounded(path)
-    source = str(path)
     text = unix_text(data)
-    task = _task(text, source, map_name)
-    drawn = _drawn(task.rows, source)
+    task = _task(text, map_name)
+    drawn = _drawn(task.rows)
     walls = drawn == _WALL[0]
 
     # Find the agents and their targets, by number from 1.
-    letters = _letters(drawn, [number for number, _ in task.rows], source)
+    letters = _letters(drawn, [number for number, _ in task.rows])
     starts = _numbered(letters, ascii_lowercase)
     targets = _numbered(letters, ascii_uppercase)
     warnings: list[str] = []
@@ -95,7 +93,6 @@ def read_pogema(
                 "twice",
                 "the agents' places are given both as letters of the map and as agents_xy",
                 "keep one",
-                source=source,
             )
         starts = dict(enumerate(task.starts, start=1))
         targets = dict(enumerate(task.targets, start=1))
@@ -106,7 +103,6 @@ def read_pogema(
             "the configuration has no agents_xy and targets_xy, so POGEMA draws the agents' places "
             "at random",
             "write down the places that it drew",
-            source=source,
         )
     first = 1 + ascii_lowercase.index(agent)
     if starts and first not in starts:
@@ -118,7 +114,6 @@ def read_pogema(
             known=[
                 ascii_lowercase[number - 1] for number in sorted(starts)[: len(ascii_lowercase)]
             ],
-            source=source,
         )
 
     # Make robots of them.
@@ -138,19 +133,13 @@ def read_pogema(
                 "draw it, or read one agent only",
                 letter=letter,
                 target=letter.upper(),
-                source=source,
             )
     elif len(starts) > 1:
         notes = (
             f"the robot is agent {agent} of {len(starts)}; the others are ignored; --from "
             f"pogema+agents=all reads them all",
         )
-    params: dict[str, Value] = {
-        "format": "pogema",
-        "source": path.name,
-        "sha256": digest(data),
-        "agent": agent,
-    }
+    params: dict[str, Value] = {"agent": agent}
     if task.map_name is not None:
         params["map_name"] = task.map_name
     return ForeignMap(
@@ -164,7 +153,7 @@ def read_pogema(
     )  # fmt: skip
 
 
-def _task(text: bytes, source: str, map_name: str) -> PogemaTask:
+def _task(text: bytes, map_name: str) -> PogemaTask:
     """Return the map's rows and, of a YAML file, the agents."""
     if KEY_LINE.search(text):
         if len(text) > _MAX_YAML_BYTES:
@@ -173,24 +162,22 @@ def _task(text: bytes, source: str, map_name: str) -> PogemaTask:
                 "is larger than {most} bytes",
                 "cut a smaller map out of it",
                 most=_MAX_YAML_BYTES,
-                source=source,
             )
-        return read_configuration(text, source, map_name)
+        return read_configuration(text, map_name)
     if map_name:
         raise FormatError(
             "unknown-name",
             "it is a map itself, so there is no map {name!q}",
             "omit map_name",
             name=map_name,
-            source=source,
         )
     lines = enumerate(text.split(b"\n"), 1)
     return PogemaTask([(number, line.strip()) for number, line in lines if line.strip()])
 
 
-def _drawn(rows: list[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
+def _drawn(rows: list[tuple[int, bytes]]) -> npt.NDArray[np.uint8]:
     """Return the characters of the rows, all of which are cells."""
-    drawn = equal_rows(rows, source)
+    drawn = equal_rows(rows)
     for (number, line), row in zip(rows, drawn, strict=True):
         if not re.fullmatch(_CELL + b"*", line):
             column = next(at for at in range(len(row)) if not re.match(_CELL, line[at : at + 1]))
@@ -201,7 +188,6 @@ def _drawn(rows: list[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
                 sign=line[column : column + 1],
                 column=column + 1,
                 line=number,
-                source=source,
             )
     return drawn
 
@@ -214,7 +200,7 @@ def _numbered(letters: Mapping[str, tuple[int, int]], alphabet: str) -> dict[int
 
 
 def _freed(walls: npt.NDArray[np.bool_], places: Iterable[tuple[int, int]]) -> Iterator[str]:
-    """Free the cells of agents and targets that are solid, as POGEMA does, and say so."""
+    """Free the cells of agents and targets that are solid, as POGEMA does, and report it."""
     solid = {place for place in places if walls[place]}
     for place in solid:
         walls[place] = False
@@ -225,9 +211,7 @@ def _freed(walls: npt.NDArray[np.bool_], places: Iterable[tuple[int, int]]) -> I
         )
 
 
-def _letters(
-    drawn: npt.NDArray[np.uint8], numbers: list[int], source: str
-) -> dict[str, tuple[int, int]]:
+def _letters(drawn: npt.NDArray[np.uint8], numbers: list[int]) -> dict[str, tuple[int, int]]:
     """Return the row and column of each letter."""
     found: dict[str, tuple[int, int]] = {}
     for row, column in np.argwhere(
@@ -237,10 +221,9 @@ def _letters(
         if letter in found:
             raise FormatError(
                 "twice",
-                "{letter} occurs twice; each agent has one place, so remove one",
+                "{letter} occurs twice; each agent has only one place, so remove one",
                 letter=letter,
                 line=numbers[row],
-                source=source,
             )
         found[letter] = (row, column)
     return found
@@ -250,12 +233,8 @@ def write_pogema(world: World, destination: Destination) -> Exported:
     """Return a map with an agent for each robot, ``a`` to ``A`` and so on, the top row first.
 
     More robots than there are letters make a configuration in YAML.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
     """
-    # Choose the form: letters, as far as they go.
+    # Choose the form: letters, as long as there are enough.
     notes: tuple[str, ...] = ()
     if max(world.width, world.height) > _MAX_SIDE:
         notes = (f"POGEMA itself takes maps of up to {_MAX_SIDE} cells a side",)
@@ -266,11 +245,10 @@ def write_pogema(world: World, destination: Destination) -> Exported:
     # Draw each agent and its target, unless they share a cell or a wall is in the way.
     for number, letter in enumerate(ascii_lowercase[: len(world.robots)], start=1):
         alone = world.alone(number) if world.others else world
-        start = cell_of(alone, alone.start.x, alone.start.y)
-        target = cell_of(alone, alone.target.x, alone.target.y)
+        start, target, moved = end_cells(alone)
         taken = [int(cells[row, column]) for column, row in (start, target)]
         if start != target and taken == [_FREE[0]] * 2:
-            altered |= off_centre(alone, (start, target))
+            altered |= moved
             cells[start[1], start[0]] = ord(letter)
             cells[target[1], target[0]] = ord(letter.upper())
         elif world.others:
@@ -299,8 +277,7 @@ def _configuration(
     targets: dict[tuple[int, int], int] = {}
     for number in range(1, len(world.robots) + 1):
         alone = world.alone(number)
-        start = cell_of(alone, alone.start.x, alone.start.y)
-        target = cell_of(alone, alone.target.x, alone.target.y)
+        start, target, moved = end_cells(alone)
         # Agents may not begin in one cell, or have the same target.
         free = [int(cells[row, column]) for column, row in (start, target)] == [_FREE[0]] * 2
         if not free or starts.setdefault(start, number) + targets.setdefault(target, number) != (
@@ -313,7 +290,7 @@ def _configuration(
                 "export it as movingai",
                 number=number,
             )
-        altered |= off_centre(alone, (start, target))
+        altered |= moved
     lines = ["# A world made by worldgen for POGEMA; positions are [row, column].", "map: |-"]
     lines += [f"  {row.tobytes().decode()}" for row in cells]
     lines.append(f"num_agents: {len(world.robots)}")
@@ -325,7 +302,7 @@ def _configuration(
 pogema = Format(
     "pogema",
     "map or configuration of POGEMA, .pogema",
-    # Also .txt; the contents tell it from a drawing.
+    # Also .txt; the contents distinguish it from a drawing.
     (".pogema",),
     re.compile(
         rb"(?=[.#A-Z@$!\s]*[a-z@$!])(?:\s*(?=[a-zA-Z@$!]*[.#])"

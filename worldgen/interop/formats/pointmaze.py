@@ -9,7 +9,7 @@ import json
 import re
 
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.formats.text import cell_of, off_centre
+from worldgen.interop.formats.text import end_cells
 from worldgen.interop.geometry.boxes import closing_boxes
 from worldgen.support.rows import flip_rows
 from worldgen.world import World
@@ -27,9 +27,7 @@ def write_pointmaze(world: World, destination: Destination) -> Exported:
         destination: Where the file is written.
     """
     cells: list[list[int | str]] = flip_rows(world.walls).astype(int).tolist()
-    start = cell_of(world, world.start.x, world.start.y)
-    target = cell_of(world, world.target.x, world.target.y)
-    altered = off_centre(world, (start, target))
+    start, target, altered = end_cells(world)
     # Mark start and target; "c" is both.
     for name, (column, row), letter in (("start", start, "r"), ("target", target, "g")):
         if cells[row][column] == 1:

@@ -17,11 +17,11 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES
-from worldgen.errors import FormatError, InvalidParameter, Message
+from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import check_choice
-from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap, read_bounded, sibling_file
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
-from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_grey_image
+from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_picture_file
 from worldgen.interop.readers.places_text import (
     KEYS,
     Places,
@@ -29,7 +29,6 @@ from worldgen.interop.readers.places_text import (
     place_words,
     read_places,
 )
-from worldgen.interop.readers.sibling_file import sibling_file
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
 from worldgen.support.rows import flip_rows
@@ -104,8 +103,7 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     # Read the YAML file and the picture.
     text = read_bounded(path, _MAX_YAML_BYTES)
     metadata = read_metadata(text, path)
-    picture = read_bounded(metadata.image)
-    image = read_grey_image(picture, str(metadata.image))
+    image, image_digest = read_picture_file(metadata.image)
     # Decide which cells are solid, and turn the map upright.
     cells = occupancy(image, metadata)
     solid, unsure = solid_cells(cells, metadata)
@@ -115,7 +113,7 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
             f"{np.count_nonzero(unsure)} of {unsure.size} cells are neither occupied nor free; "
             f"they count as {unknown}"
         )
-    walls, (x, y) = _turned(solid | unsure if unknown == "solid" else solid, metadata, str(path))
+    walls, (x, y) = _turned(solid | unsure if unknown == "solid" else solid, metadata)
     if metadata.yaw != 0.0:
         notes.append(
             f"the picture is turned by {_quarters(metadata.yaw)} quarters, according to its yaw "
@@ -127,9 +125,12 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
         )
     # Record where the map came from.
     params: dict[str, Value] = {
-        "format": "ros", "source": path.name, "sha256": digest(text), "image": metadata.image.name,
-        "image_sha256": digest(picture), "mode": metadata.mode, "origin": [x, y], "unknown": unknown,
-    }  # fmt: skip
+        "image": metadata.image.name,
+        "image_sha256": image_digest,
+        "mode": metadata.mode,
+        "origin": [x, y],
+        "unknown": unknown,
+    }
     params |= {"yaw": metadata.yaw} if metadata.yaw != 0.0 else {}
     warnings = tuple(_warnings(image, metadata))
     places = metadata.places or Places()
@@ -145,7 +146,7 @@ def _quarters(yaw: float) -> int:
 
 
 def _turned(
-    walls: npt.NDArray[np.bool_], metadata: RosMetadata, source: str
+    walls: npt.NDArray[np.bool_], metadata: RosMetadata
 ) -> tuple[npt.NDArray[np.bool_], tuple[float, float]]:
     """Return the picture, top row first, turned by whole quarters, and its new lower-left corner.
 
@@ -164,7 +165,6 @@ def _turned(
             "write its digits, such as 1.57079633, or turn the picture",
             yaw=metadata.yaw,
             moved=moved,
-            source=source,
         )
     across, up = ((0, 0), (-height, 0), (-width, -height), (0, -width))[quarters % 4]
     x, y = map(exact, metadata.origin)
@@ -249,8 +249,7 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
             picture's path leads out of the folder.
     """
     # Check that all keys are there.
-    source = str(path)
-    table = read_yaml(text, source, "a ROS map has `image: map.pgm` and similar keys")
+    table = read_yaml(text, "a ROS map has `image: map.pgm` and similar keys")
     missing = [key for key in _REQUIRED if key not in table]
     if missing:
         raise FormatError(
@@ -259,7 +258,6 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
             "a ROS map has the keys {keys!l}, and may have mode",
             missing=list(missing),
             keys=list(_REQUIRED),
-            source=source,
         )
     # Check the numbers.
     resolution = table.number("resolution")
@@ -267,48 +265,38 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
     free = table.number("free_thresh")
     if not CELL_SIZES[0] <= resolution <= CELL_SIZES[1]:
         least, most = CELL_SIZES
-        message = Message(
+        raise FormatError(
             "out-of-range",
             "resolution is {resolution:g}; it must be the side of a pixel, {low:g} to {high:g} m",
             resolution=resolution,
             low=least,
             high=most,
+            line=table.line_of("resolution"),
         )
-        raise table.fault("resolution", message)
     if not 0.0 <= free < occupied <= 1.0:
-        message = Message(
+        raise FormatError(
             "wrong-order",
             "free_thresh {free:g}, occupied_thresh {occupied:g}; they must satisfy 0 <= free < "
             "occupied <= 1",
             free=free,
             occupied=occupied,
+            line=table.line_of("free_thresh"),
         )
-        raise table.fault("free_thresh", message)
     # Read the origin, and our own places if there are any.
     *origin, yaw = _origin(table)
     negate = table.truth("negate")
     corner = (origin[0], origin[1])
     if yaw != 0.0 and _OURS in table:
-        raise table.fault(
-            "origin",
-            Message(
-                "unsupported",
-                "a map with places under {key} must not be turned",
-                "write the yaw 0, or delete {key}",
-                key=_OURS,
-            ),
+        raise FormatError(
+            "unsupported",
+            "a map with places under {key} must not be turned",
+            "write the yaw 0, or delete {key}",
+            key=_OURS,
+            line=table.line_of("origin"),
         )
     places = _places(table, corner)
-    return RosMetadata(
-        _image(table, path), resolution, corner, occupied, free, negate, _mode(table), places, yaw
-    )
-
-
-def _image(table: YamlTable, path: Path) -> Path:
-    try:
-        return sibling_file(path, "image", table.word("image"))
-    except InvalidParameter as error:
-        raise table.fault("image", error.message) from error
+    image = sibling_file(path, "image", table.word("image"), line=table.line_of("image"))
+    return RosMetadata(image, resolution, corner, occupied, free, negate, _mode(table), places, yaw)
 
 
 def _origin(table: YamlTable) -> tuple[float, float, float]:
@@ -317,19 +305,21 @@ def _origin(table: YamlTable) -> tuple[float, float, float]:
     except InvalidParameter:
         numbers = []
     if len(numbers) != 3:
-        raise table.fault(
-            "origin", Message("wrong-type", "origin must be three numbers, [x m, y m, yaw rad]")
+        raise FormatError(
+            "wrong-type",
+            "origin must be three numbers, [x m, y m, yaw rad]",
+            line=table.line_of("origin"),
         )
     x, y, yaw = numbers
     if not abs(yaw) <= 2 * math.pi or abs(yaw - _quarters(yaw) * math.pi / 2) > _MOST_OFF:
-        message = Message(
+        raise FormatError(
             "turned-map",
             "the map is turned by {yaw:g} rad; only quarter turns can be read, such as 0 and "
             "1.57079633",
             "turn the picture, or write 0 if your programs ignore the yaw",
             yaw=yaw,
+            line=table.line_of("origin"),
         )
-        raise table.fault("origin", message)
     return x, y, yaw
 
 
@@ -339,27 +329,23 @@ def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
         return Places()
     ours = table.tables(_OURS)
     if len(ours) != 1:
-        raise table.fault(
-            _OURS,
-            Message(
-                "wrong-count",
-                "{key} has {tables} tables; it must have one",
-                key=_OURS,
-                tables=len(ours),
-            ),
+        raise FormatError(
+            "wrong-count",
+            "{key} has {tables} tables; it must have one",
+            key=_OURS,
+            tables=len(ours),
+            line=table.line_of(_OURS),
         )
     strange = [key for key in ours[0] if key not in KEYS]
     if strange:
-        raise ours[0].fault(
-            strange[0],
-            Message(
-                "unknown-name",
-                "{name!q} is not a key of {key}",
-                "it has {known!l}",
-                name=strange[0],
-                key=_OURS,
-                known=list(KEYS),
-            ),
+        raise FormatError(
+            "unknown-name",
+            "{name!q} is not a key of {key}",
+            "it has {known!l}",
+            name=strange[0],
+            key=_OURS,
+            known=list(KEYS),
+            line=ours[0].line_of(strange[0]),
         )
     places = Places()
     # Check one by one, so that a fault is reported with its line.
@@ -368,7 +354,7 @@ def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
         try:
             found = read_places({key: [ours[0].word(key)] if words is None else words}, origin)
         except InvalidParameter as error:
-            raise ours[0].fault(key, error.message) from error
+            raise FormatError.of(error.message, line=ours[0].line_of(key)) from error
         places = replace(places, **{key: getattr(found, key)})
     return places
 
@@ -380,7 +366,7 @@ def _mode(table: YamlTable) -> str:
     try:
         check_choice("mode", mode, MODES)
     except InvalidParameter as error:
-        raise table.fault("mode", error.message) from error
+        raise FormatError.of(error.message, line=table.line_of("mode")) from error
     return mode
 
 

@@ -12,9 +12,16 @@ import numpy as np
 
 from worldgen.errors import InvalidParameter
 from worldgen.interop.foreign_map import FLOOR_ROBOT
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
+from worldgen.interop.format import (
+    HELD,
+    Destination,
+    Exported,
+    Format,
+    decimal,
+    decimal_text,
+    degrees_text,
+)
 from worldgen.interop.geometry.boxes import closing_boxes
-from worldgen.interop.geometry.degrees import degrees_text
 from worldgen.interop.geometry.solid_scene import numbered
 from worldgen.interop.readers.grey_image import walls_png
 from worldgen.interop.readers.stage_world import RINGED, TARGET, read_stage

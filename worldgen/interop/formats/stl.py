@@ -9,37 +9,21 @@ import base64
 import struct
 
 from worldgen.interop.foreign_map import FLOOR_ROBOT
-from worldgen.interop.format import Destination, Exported, Format, decimal
-from worldgen.interop.geometry.placed_boxes import solid_boxes
-from worldgen.interop.readers.mesh_readers import unitless_reader
+from worldgen.interop.format import Destination, Format, decimal
+from worldgen.interop.geometry.placed_boxes import PlacedBox, box_mesh, box_writer
+from worldgen.interop.readers.mesh_slice import unitless_reader
 from worldgen.world import World
 
-__all__ = ["stl", "write_stl"]
+__all__ = ["stl"]
 
 # The header must not begin with "solid", as the text form does.
 _HEADER = 80
 
 
-def write_stl(
-    world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
-) -> Exported:
-    """Return the binary form: twelve triangles per box, m, z up.
-
-    Args:
-        world: A static world.
-        destination: Where the file is written.
-        height: Height of the walls, m.
-        floor: Whether to add a floor, a box one cell thick below z = 0.
-
-    Raises:
-        InvalidParameter: If the height isn't a valid length.
-        InvalidWorld: If the coordinates need more than 32 bits.
-    """
-    from worldgen.interop.geometry.box_mesh import box_mesh
-
-    boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)
+def _contents(world: World, destination: Destination, boxes: list[PlacedBox]) -> bytes:
+    """Return the binary form: twelve triangles per box, m, z up."""
     triangles: bytes = box_mesh(boxes).export(file_type="stl")
-    return Exported({destination.name: _header(world, destination) + triangles[_HEADER:]})
+    return _header(world, destination) + triangles[_HEADER:]
 
 
 def _header(world: World, destination: Destination) -> bytes:
@@ -59,7 +43,7 @@ stl = Format(
     "walls as triangles; meshes, cut at a height, binary or text, .stl",
     (".stl",),
     read=unitless_reader("stl"),
-    write=write_stl,
+    write=box_writer(_contents, bits=24),
     client="CAD programs, slicers",
     usual_robot=FLOOR_ROBOT,
 )

@@ -16,9 +16,16 @@ import json
 from collections.abc import Iterator
 from fractions import Fraction
 
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
-from worldgen.interop.geometry.degrees import degrees_text
-from worldgen.interop.geometry.grid_lines import GridLines
+from worldgen.interop.format import (
+    HELD,
+    Destination,
+    Exported,
+    Format,
+    decimal_text,
+    degrees_text,
+    held_values,
+)
+from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
 from worldgen.render import palette
@@ -61,6 +68,7 @@ def write_svg(
     view = " ".join(decimal_text(value) for value in (left, -top, right - left, top - bottom))
     across, down = (float(1000 * length / exact(scale)) for length in (right - left, top - bottom))
     name = html.escape(printable(destination.name))
+    said = {"frame": "local", "units": "m", **held_values(world, destination)}
     text = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{across!r}mm" '
         f'height="{down!r}mm">',
@@ -68,7 +76,7 @@ def write_svg(
         f"<desc>A plan of {world.width} x {world.height} cells; 1 unit is 1 m, "
         f"1:{decimal_text(exact(scale))} in "
         "print; x right, y up in #world.</desc>",
-        f'<metadata id="worldgen">{_metadata(world, destination)}</metadata>',
+        f'<metadata id="worldgen">{html.escape(json.dumps(said), quote=False)}</metadata>',
         f"<style>{_STYLE}</style>",
         '<g id="world" transform="scale(1,-1)">',
         *_cells(world, lines),
@@ -88,16 +96,6 @@ svg = Format(
     holds=frozenset(HELD),
     client="browsers, Inkscape, cutters",
 )
-
-
-def _metadata(world: World, destination: Destination) -> str:
-    said = {
-        "frame": "local",
-        "units": "m",
-        "size": [world.width, world.height],
-        **held_values(world, destination),
-    }
-    return html.escape(json.dumps(said), quote=False)
 
 
 def _cells(world: World, lines: GridLines) -> Iterator[str]:

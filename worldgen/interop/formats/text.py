@@ -11,19 +11,20 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, unix_text
+from worldgen.interop.foreign_map import ForeignMap, check_sides, read_bounded, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.support.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = [
     "cell_centre",
     "cell_of",
+    "end_cells",
     "equal_rows",
-    "off_centre",
     "read_text_map",
     "text",
+    "text_rows",
     "write_text_map",
 ]
 
@@ -52,11 +53,8 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     """
     # Read the rows.
     data = read_bounded(path)
-    source = str(path)
-    rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
-    while rows and not rows[-1]:
-        rows.pop()
-    drawn = equal_rows(list(enumerate(rows, 1)), source)
+    rows = text_rows(data)
+    drawn = equal_rows(list(enumerate(rows, 1)))
     # Refuse unknown characters.
     cells = _TABLE[drawn]
     if (cells == _BAD).any():
@@ -68,27 +66,31 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
             sign=rows[row_index][column : column + 1],
             column=column + 1,
             line=row_index + 1,
-            source=source,
         )
     # Find start and target.
-    start = _place(drawn, _START, "start", cell_size, source)
-    target = _place(drawn, _TARGET, "target", cell_size, source)
-    params: dict[str, Value] = {"format": "text", "source": path.name, "sha256": digest(data)}
+    start = _place(drawn, _START, "start", cell_size)
+    target = _place(drawn, _TARGET, "target", cell_size)
     return ForeignMap(
         flip_rows(cells == 1),
         cell_size,
-        params,
         start=None if start is None else (*start, 0.0),
         target=None if target is None else (*target, lattice_to_metres(UNIT // 2, cell_size)),
     )
 
 
-def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
+def text_rows(data: bytes) -> list[bytes]:
+    """Return the lines of a text, without empty ones at its end."""
+    rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
+    while rows and not rows[-1]:
+        rows.pop()
+    return rows
+
+
+def equal_rows(rows: Sequence[tuple[int, bytes]]) -> npt.NDArray[np.uint8]:
     """Return the characters of rows that must all have one length.
 
     Args:
         rows: Line number in the file and text of each row.
-        source: The file's name for messages.
 
     Returns:
         (rows, length) uint8.
@@ -98,7 +100,7 @@ def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np
             many.
     """
     width = len(rows[0][1]) if rows else 0
-    check_sides(width, len(rows), line=1, source=source)
+    check_sides(width, len(rows), line=1)
     for number, row in rows:
         if len(row) != width:
             raise FormatError(
@@ -107,7 +109,6 @@ def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np
                 cells=len(row),
                 width=width,
                 line=number,
-                source=source,
             )
     return np.frombuffer(b"".join(row for _, row in rows), np.uint8).reshape(len(rows), width)
 
@@ -129,26 +130,27 @@ def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
     return min(ix, world.width - 1), world.height - 1 - min(iy, world.height - 1)
 
 
-def off_centre(world: World, cells: tuple[tuple[int, int], tuple[int, int]]) -> dict[str, str]:
-    """Return a sentence for each fact about start and target that the file's cells cannot hold.
+def end_cells(world: World) -> tuple[tuple[int, int], tuple[int, int], dict[str, str]]:
+    """Return column and row, from the top, of the cells that a file stores as start and target.
 
-    Args:
-        world: The world.
-        cells: Column and row, from the top, that the file stores as start and as target.
+    The last part is a sentence for each of them that is not the centre of its cell.
     """
     altered = {}
     points = (world.start.x, world.start.y), (world.target.x, world.target.y)
-    for name, (column, row), point in zip(("start", "target"), cells, points, strict=True):
+    start, target = (cell_of(world, *point) for point in points)
+    for name, (column, row), point in zip(
+        ("start", "target"), (start, target), points, strict=True
+    ):
         if cell_centre(column, world.height - 1 - row, world.cell_size) != point:
             altered[name] = (
                 f"the {name} is stored as the centre of the cell in column {column}, row {row} "
                 f"from the top"
             )
-    return altered
+    return start, target, altered
 
 
 def _place(
-    drawn: npt.NDArray[np.uint8], letters: bytes, name: str, cell_size: float, source: str
+    drawn: npt.NDArray[np.uint8], letters: bytes, name: str, cell_size: float
 ) -> tuple[float, float] | None:
     found = np.argwhere(np.isin(drawn, list(letters)))
     if len(found) > 1:
@@ -159,7 +161,6 @@ def _place(
             cells=len(found),
             name=name,
             line=int(found[1][0]) + 1,
-            source=source,
         )
     if not len(found):
         return None
@@ -168,17 +169,10 @@ def _place(
 
 
 def write_text_map(world: World, destination: Destination) -> Exported:
-    """Write a drawing, top row first: ``#`` solid, ``.`` free, ``S`` the start, ``G`` the target.
-
-    Args:
-        world: The world.
-        destination: Where the file is written.
-    """
+    """Write a drawing, top row first: ``#`` solid, ``.`` free, ``S`` the start, ``G`` the target."""
     # Draw the marks on free cells.
-    start = cell_of(world, world.start.x, world.start.y)
-    target = cell_of(world, world.target.x, world.target.y)
+    start, target, altered = end_cells(world)
     cells = np.where(flip_rows(world.walls), np.uint8(_SOLID[0]), np.uint8(_FREE[0]))
-    altered = off_centre(world, (start, target))
     marks = (("start", start, _START[0]), ("target", target, _TARGET[0]))
     for name, (column, row), letter in marks:
         if cells[row, column] == _FREE[0]:

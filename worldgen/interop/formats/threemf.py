@@ -1,7 +1,7 @@
 """Export a world as a 3MF file: one box, and an item per wall that puts it into place.
 
 The archive is written here because trimesh 5.2 gives its parts random identifiers, so that no two
-files are the same, says millimetres whatever the unit, and needs two more libraries.
+files are the same, writes millimetres whatever the unit is, and needs two more libraries.
 
 Source: 3MF Consortium, "3D Manufacturing Format Core Specification", version 1.3, 2021.
 """
@@ -15,30 +15,18 @@ from pathlib import Path
 from typing import Literal
 
 from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_lines
-from worldgen.interop.geometry.placed_boxes import (
-    BOX_CORNERS,
-    BOX_TRIANGLES,
-    PlacedBox,
-    solid_boxes,
-)
-from worldgen.interop.readers.mesh_readers import cut_mesh
+from worldgen.interop.format import HELD, Destination, Format, decimal_text, held_lines
+from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, PlacedBox, box_writer
+from worldgen.interop.readers.mesh_slice import Plane, read_slice
 from worldgen.world import World
 
-__all__ = ["read_3mf", "threemf", "write_3mf"]
+__all__ = ["read_3mf", "threemf"]
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _OWN = "urn:worldgen:3mf"
 _PACKAGE = "http://schemas.openxmlformats.org/package/2006"
 # The earliest time that an archive can store, so that the bytes do not depend on the clock.
-_EPOCH = (
-    1980,
-    1,
-    1,
-    0,
-    0,
-    0,
-)
+_EPOCH = (1980, 1, 1, 0, 0, 0)
 _TYPES = (
     f'<?xml version="1.0" encoding="UTF-8"?>\n<Types xmlns="{_PACKAGE}/content-types">'
     f'<Default Extension="rels" '
@@ -53,22 +41,8 @@ _RELATIONS = (
 )
 
 
-def write_3mf(
-    world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
-) -> Exported:
-    """Return a model in metres, z up; walls are named by part numbers.
-
-    Args:
-        world: A static world.
-        destination: Where the file is written.
-        height: Height of the walls, m.
-        floor: Whether to add a floor, a box one cell thick below z = 0.
-
-    Raises:
-        InvalidParameter: If the height isn't a valid length.
-        InvalidWorld: If the coordinates need more than 32 bits.
-    """
-    boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)
+def _contents(world: World, destination: Destination, boxes: list[PlacedBox]) -> bytes:
+    """Return a model in metres, z up; walls are named by part numbers."""
     lines = [*_head(world, destination), *map(_item, boxes), "  </build>", "</model>"]
     parts = {
         "[Content_Types].xml": _TYPES,
@@ -82,7 +56,7 @@ def write_3mf(
             entry = zipfile.ZipInfo(name, _EPOCH)
             entry.create_system = 0
             archive.writestr(entry, text)
-    return Exported({destination.name: stream.getvalue()})
+    return stream.getvalue()
 
 
 def _head(world: World, destination: Destination) -> Iterator[str]:
@@ -126,7 +100,7 @@ def read_3mf(
         up: The axis that points up in the file.
         floor: Number of the floor, from 0, the lowest.
     """
-    return cut_mesh(path, "3mf", slice_height, cell_size, 1.0, up, floor)
+    return read_slice(path, "3mf", Plane(slice_height, cell_size, up, 1.0, floor))
 
 
 threemf = Format(
@@ -134,7 +108,7 @@ threemf = Format(
     "walls as boxes in an archive; meshes, cut at a height, .3mf",
     (".3mf",),
     read=read_3mf,
-    write=write_3mf,
+    write=box_writer(_contents, bits=24),
     holds=frozenset(HELD),
     client="slicers, CAD programs",
     usual_robot=FLOOR_ROBOT,

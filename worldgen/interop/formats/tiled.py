@@ -20,7 +20,7 @@ import numpy as np
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format
 from worldgen.interop.readers.grey_image import png_bytes
 from worldgen.interop.readers.tiled_parts import (
@@ -68,13 +68,12 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
     """
     # Parse the map and choose the layer of walls.
     data = read_bounded(path, _MOST_BYTES)
-    source = str(path)
-    parsed = parse_tiled(data, source)
-    width, height = (checked_number(parsed, key, source) for key in ("width", "height"))
-    check_sides(width, height, source=source)
-    layers = all_layers(parsed, source)
-    walls_layer = tile_layer(layers, layer, source)
-    walls = flip_rows(tile_numbers(walls_layer, width, height, source) != 0)
+    parsed = parse_tiled(data)
+    width, height = (checked_number(parsed, key) for key in ("width", "height"))
+    check_sides(width, height)
+    layers = all_layers(parsed)
+    walls_layer = tile_layer(layers, layer)
+    walls = flip_rows(tile_numbers(walls_layer, width, height) != 0)
     # The map may have its own scale.
     said = numbers_of(parsed)
     size = cell_size or said.get("cell_size") or DEFAULT_CELL_SIZE
@@ -91,12 +90,10 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
             )
         )
     # Find start and target among the objects.
-    scale = exact(size) / checked_number(parsed, "tilewidth", source)
+    scale = exact(size) / checked_number(parsed, "tilewidth")
     start = first_object(layers, _STARTS)
     target = first_object(layers, _TARGETS)
-    params: dict[str, Value] = {
-        "format": "tiled", "source": path.name, "sha256": digest(data), "layer": str(walls_layer["name"]),
-    }  # fmt: skip
+    params: dict[str, Value] = {"layer": str(walls_layer["name"])}
     return ForeignMap(
         walls, size, params, tuple(notes), _warnings(walls),
         start=None if start is None else _start(start, scale, height * exact(size)),
@@ -161,12 +158,7 @@ def _point(
 
 
 def write_tiled(world: World, destination: Destination) -> Exported:
-    """Return a map with a layer of tiles and one of objects, and the picture of its one tile.
-
-    Args:
-        world: The world.
-        destination: Where the map is written.
-    """
+    """Return a map with a layer of tiles and one of objects, and the picture of its one tile."""
     picture = destination.sibling_file("-tile.png")
     made = {
         "compressionlevel": -1, "height": world.height, "infinite": False,

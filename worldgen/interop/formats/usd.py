@@ -11,13 +11,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
-from worldgen.interop.geometry.degrees import degrees_text
-from worldgen.interop.geometry.placed_boxes import PlacedBox, solid_boxes
+from worldgen.interop.format import (
+    HELD,
+    Destination,
+    Format,
+    decimal_text,
+    degrees_text,
+    held_values,
+)
+from worldgen.interop.geometry.placed_boxes import PlacedBox, box_writer
 from worldgen.lattice import exact
 from worldgen.world import World
 
-__all__ = ["usd", "write_usd"]
+__all__ = ["usd"]
 
 _HALF = Fraction(1, 2)
 # Colours are linear.
@@ -29,22 +35,8 @@ _COLOURS = {
 _CUBE = ((-_HALF, -_HALF, -_HALF), (_HALF, _HALF, _HALF))
 
 
-def write_usd(
-    world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
-) -> Exported:
-    """Return a stage in metres, z up.
-
-    Args:
-        world: A static world.
-        destination: Where the file is written.
-        height: Height of the walls, m.
-        floor: Whether to add a floor, a box one cell thick below z = 0.
-
-    Raises:
-        InvalidParameter: If the height isn't a valid length.
-        InvalidWorld: If the coordinates need more than 64 bits.
-    """
-    boxes = solid_boxes(world, destination, height=height, floor=floor)
+def _contents(world: World, destination: Destination, boxes: list[PlacedBox]) -> bytes:
+    """Return a stage in metres, z up."""
     lines = [
         "#usda 1.0",
         "(",
@@ -71,14 +63,14 @@ def write_usd(
         *_place("target", world, destination),
         "}",
     ]
-    return Exported({destination.name: ("\n".join(lines) + "\n").encode()})
+    return ("\n".join(lines) + "\n").encode()
 
 
 usd = Format(
     "usd",
     "walls as a stage, text form, .usda",
     (".usda", ".usd"),
-    write=write_usd,
+    write=box_writer(_contents),
     holds=frozenset(HELD),
     client="Isaac Sim, Omniverse, Blender",
 )
@@ -87,10 +79,10 @@ usd = Format(
 def _custom_data(world: World, destination: Destination) -> Iterator[str]:
     yield "    customData = {"
     yield "        dictionary worldgen = {"
-    yield f"            int2 size = ({world.width}, {world.height})"
     for name, value in held_values(world, destination).items():
         if isinstance(value, list):
-            yield f"            double2 {name} = ({', '.join(map(repr, value))})"
+            kind = "int2" if name == "size" else "double2"
+            yield f"            {kind} {name} = ({', '.join(map(repr, value))})"
         else:
             yield f"            double {name} = {value!r}"
     yield "        }"
@@ -118,7 +110,7 @@ def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
     start = world.start
     target = world.target
     point, radius = (start, world.robot_radius) if name == "start" else (target, target.radius)
-    # The robot's disc stands, the target's lies flat.
+    # The robot's disc is tall, the target's is flat.
     height = radius if name == "start" else radius / 16.0
     turn = degrees_text(start.heading) if name == "start" else "0"
     middle = exact(height) / 2

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from worldgen.interop.format import Destination, Exported, Format, decimal_text
-from worldgen.interop.geometry.grid_lines import GridLines
+from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import Ring, border_cells, cell_polygons
 from worldgen.world import World
 
@@ -17,10 +17,6 @@ __all__ = ["wkt", "write_wkt"]
 
 def write_wkt(world: World, destination: Destination) -> Exported:
     """Return one MULTIPOLYGON on one line, coordinates as exact decimals.
-
-    Args:
-        world: A static world.
-        destination: Where the file is written.
 
     Raises:
         InvalidWorld: If the coordinates need more than 64 bits.

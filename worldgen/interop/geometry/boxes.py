@@ -59,7 +59,7 @@ def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
     keep_level, keep_upright = _apart(level_joins, upright_joins, corner.shape)
     along = level_joins.only(keep_level)
     across = upright_joins.only(keep_upright)
-    # Corners where a cut begins or ends are finished.
+    # Corners where a cut begins or ends need no further cut.
     for lines, at in ((along, corner), (across, corner.T)):
         at[lines.y, lines.begin] = at[lines.y, lines.end] = False
     crossed = _corners_on(across, (corner.shape[1], corner.shape[0])).T >= 0
@@ -75,10 +75,7 @@ def _lines(padded: _Bools) -> _Lines:
     inside = np.zeros((height - 1, width + 1), np.int8)
     inside[:, 1:] = padded[:-1] & padded[1:]
     # x counts padded cells, so it is one more than that of the left corner.
-    edges = np.diff(
-        inside,
-        axis=1,
-    )
+    edges = np.diff(inside, axis=1)
     y, begin = np.nonzero(edges == 1)
     return _Lines(y, begin - 1, np.nonzero(edges == -1)[1] - 1)
 
@@ -113,53 +110,35 @@ def _apart(level: _Lines, upright: _Lines, shape: tuple[int, ...]) -> tuple[_Boo
     """Return a largest set of lines that do not touch, as masks over those along x and along y.
 
     It follows from a largest matching by Koenig's theorem. The nodes reachable from unmatched ones
-    are the same for every such matching, so the answer does not depend on the order.
+    are the same for every such matching, so the answer does not depend on which one SciPy finds.
     """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import breadth_first_order, maximum_bipartite_matching
+
     # Two lines touch if they share a corner.
     first = _corners_on(level, shape)
     second = _corners_on(upright, shape[::-1]).T
     meet = (first >= 0) & (second >= 0)
-    neighbours: list[list[int]] = [[] for _ in level.y]
-    for one, other in zip(first[meet].tolist(), second[meet].tolist(), strict=True):
-        neighbours[one].append(other)
-    # Grow a largest matching, one alternating tree at a time.
-    mate = [-1] * len(level.y)
-    mate_of = [-1] * len(upright.y)
-    kept = np.zeros(len(level.y), np.bool_)
-    dropped = np.zeros(len(upright.y), np.bool_)
-    for root in range(len(neighbours)):
-        queue = [root]
-        reached: dict[int, int] = {}
-        free = _grow(queue, reached, neighbours, mate_of, dropped)
-        # A tree without an augmenting path decides which of its lines to keep.
-        if free < 0:
-            kept[queue] = True
-            dropped[list(reached)] = True
-        while free >= 0:
-            one = reached[free]
-            mate_of[free], mate[one], free = one, free, mate[one]
-    return kept, ~dropped
+    one = first[meet]
+    other = second[meet]
+    along = len(level.y)
+    across = len(upright.y)
+    if not len(one):
+        return np.ones(along, np.bool_), np.ones(across, np.bool_)
+    touching = csr_array((np.ones(len(one), np.int8), (one, other)), shape=(along, across))
+    mate = maximum_bipartite_matching(touching, perm_type="column")
 
-
-def _grow(
-    queue: list[int],
-    reached: dict[int, int],
-    neighbours: list[list[int]],
-    mate_of: list[int],
-    dropped: _Bools,
-) -> int:
-    """Return an unmatched line at the end of an alternating path from the front of the queue.
-
-    The queue grows; the result is -1 if there is no such line.
-    """
-    for one in queue:
-        for other in neighbours[one]:
-            if other not in reached and not dropped[other]:
-                reached[other] = one
-                if mate_of[other] < 0:
-                    return other
-                queue.append(mate_of[other])
-    return -1
+    # Alternating paths: from node 0 to the unmatched lines along x, from there to every line that
+    # they touch, and back from a line along y to its mate.
+    matched = np.flatnonzero(mate >= 0)
+    alone = np.flatnonzero(mate < 0)
+    begins = np.concatenate([np.zeros(len(alone), np.int64), 1 + one, 1 + along + mate[matched]])
+    ends = np.concatenate([1 + alone, 1 + along + other, 1 + matched])
+    count = 1 + along + across
+    paths = csr_array((np.ones(len(begins), np.int8), (begins, ends)), shape=(count, count))
+    reached = np.zeros(count, np.bool_)
+    reached[breadth_first_order(paths, 0, return_predecessors=False)] = True
+    return reached[1 : 1 + along], ~reached[1 + along :]
 
 
 def _cut_from_corners(level: _Lines, corner: _Bools, crossed: _Bools, cut: _Bools) -> None:
@@ -205,7 +184,7 @@ def always_solid(world: World) -> npt.NDArray[np.bool_]:
 def closing_boxes(world: World) -> npt.NDArray[np.int64]:
     """Return boxes one cell thick around the grid, because everything outside it is solid.
 
-    There are none where the world's border is already closed.
+    There are none if the world's border is already closed.
 
     Returns:
         (0 or 4, 4) int64 as :func:`merged_boxes`, with cells -1 and beyond the sides.

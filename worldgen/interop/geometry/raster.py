@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,10 @@ _MOST_PAINTED = (
     # too small.
     500_000_000
 )
+# Limit on the corners; crossings grow with their square, and 500 random corners took minutes.
+_MENDABLE = 8
+# Half the width, cells, given to lines, because they stop robots too.
+_LINE = 1e-3
 # Number of cells painted in the time that one corner of one row takes.
 _CORNER = 50
 # Largest distance, cells; nothing beyond it is in any grid.
@@ -114,17 +118,15 @@ class Raster:
 
     def polygon(self, corners: npt.NDArray[np.float64]) -> None:
         """Paint a polygon of (n, 2) corners, m, or, if n is 2, a line without width."""
-        from worldgen.interop.geometry.polygon_rows import cut_into_rows, prepared
-
         # Nothing that far away is in the grid.
         points = corners / float(self._cell_size)
         if not np.abs(points).max() < _FAR:
             return
-        shape = prepared(points)
+        shape = _prepared(points)
         window = self._around(*shape.bounds)
         # Charge for the work before it is done.
         self._spend(_CORNER * len(points) * (window[0].stop - window[0].start))
-        inside, outside = cut_into_rows(shape, *window)
+        inside, outside = _cut_into_rows(shape, *window)
         # Mark what the shape touches, and what it does not fill.
         solid = self.solid[window]
         full = np.ones_like(self.full[window])
@@ -153,6 +155,76 @@ class Raster:
             raise InvalidWorld(
                 "too-large", "the obstacles take too many cells", "give a larger cell_size"
             )
+
+
+def _prepared(points: npt.NDArray[np.float64]) -> Any:
+    """Return a valid shape of (n, 2) corners, in cells; two corners make a thin wall between them.
+
+    Raises:
+        InvalidWorld: If an outline of many corners crosses itself.
+    """
+    import shapely
+
+    shape: Any = shapely.Polygon(points) if len(points) > 2 else shapely.LineString(points)
+    if not shape.is_valid:
+        if len(points) > _MENDABLE:
+            raise InvalidWorld(
+                "crosses-itself",
+                "an outline of {corners} corners crosses itself",
+                "draw it again, or as several",
+                corners=len(points),
+            )
+        shape = shapely.make_valid(shape)
+    if shape.area < _TOUCH:
+        shape = shapely.buffer(shape, _LINE)
+    shapely.prepare(shape)
+    return shape
+
+
+def _cut_into_rows(
+    shape: Any, rows: slice, columns: slice
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Return the cells of each row that the shape reaches into, and those left partly free.
+
+    Args:
+        shape: The shape, in cells.
+        rows: Rows of the grid.
+        columns: Columns of the grid.
+
+    Returns:
+        Two arrays (n, 3) int64 of row, first and end column, counted from the first row and column.
+    """
+    import shapely
+
+    bands = shapely.box(
+        columns.start,
+        np.arange(rows.start, rows.stop),
+        columns.stop,
+        np.arange(rows.start, rows.stop) + 1,
+    )
+    inside = shapely.intersection(shape, bands)
+    outside = shapely.difference(bands, shape)
+    return _row_pieces(inside, columns), _row_pieces(outside, columns)
+
+
+def _row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> npt.NDArray[np.int64]:
+    """Yield row, first and end column of each piece of a row, without slivers."""
+    import shapely
+
+    pieces, index = shapely.get_parts(parts, return_index=True)
+    # Collections contain the pieces.
+    pieces, inner = shapely.get_parts(pieces, return_index=True)
+    bounds = shapely.bounds(pieces)
+    keep = (shapely.area(pieces) > _TOUCH**2) & (bounds[:, 3] - bounds[:, 1] > _TOUCH)
+    first = np.floor(bounds[keep, 0] + _TOUCH).astype(np.int64)
+    end = np.ceil(bounds[keep, 2] - _TOUCH).astype(np.int64)
+    width = columns.stop - columns.start
+    found = [
+        index[inner][keep],
+        np.clip(first - columns.start, 0, width),
+        np.clip(end - columns.start, 0, width),
+    ]
+    return np.stack(found, axis=1)
 
 
 def _distances(cells: npt.NDArray[np.float64], at: float, far: bool) -> npt.NDArray[np.float64]:
@@ -196,7 +268,7 @@ def natural_cell_size(
 
 
 def _common(a: Fraction, b: Fraction) -> Fraction:
-    """Return the largest length of which both are multiples."""
+    """Return the largest length that divides both."""
     return Fraction(
         math.gcd(a.numerator * b.denominator, b.numerator * a.denominator),
         a.denominator * b.denominator,
@@ -204,10 +276,7 @@ def _common(a: Fraction, b: Fraction) -> Fraction:
 
 
 def painted(
-    extent: tuple[Fraction, Fraction],
-    cell_size: Fraction,
-    paint: Callable[[Raster], None],
-    source: str,
+    extent: tuple[Fraction, Fraction], cell_size: Fraction, paint: Callable[[Raster], None]
 ) -> Raster:
     """Return a grid of this size after ``paint`` has put a file's shapes into it.
 
@@ -215,7 +284,6 @@ def painted(
         extent: Width and height of the world, m.
         cell_size: Side of a cell, m.
         paint: Paints the shapes.
-        source: Name of the file, for messages.
 
     Raises:
         FormatError: If the cells are too small, too large or too many.
@@ -228,7 +296,6 @@ def painted(
             cell_size=float(cell_size),
             low=CELL_SIZES[0],
             high=CELL_SIZES[1],
-            source=source,
         )
     width, height = (math.ceil(side / cell_size) for side in extent)
     if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
@@ -239,11 +306,10 @@ def painted(
             width=width,
             height=height,
             cell_size=float(cell_size),
-            source=source,
         )
     raster = Raster(width, height, cell_size)
     try:
         paint(raster)
     except InvalidWorld as error:
-        raise FormatError.of(error.message, source=source) from error
+        raise FormatError.of(error.message) from error
     return raster

@@ -113,10 +113,7 @@ def _without_copies(faces: Ints) -> tuple[Ints, Ints]:
     order = np.argsort(faces, axis=1)
     corners = np.take_along_axis(faces, order, axis=1)
     # The orders 012, 120 and 201 are rotated, not mirrored.
-    even = np.isin(
-        order[:, 0] * 9 + order[:, 1] * 3 + order[:, 2],
-        (5, 15, 19),
-    )
+    even = np.isin(order[:, 0] * 9 + order[:, 1] * 3 + order[:, 2], (5, 15, 19))
     _, first, place = np.unique(_as_records(corners), return_index=True, return_inverse=True)
     net = np.bincount(place.reshape(-1), weights=np.where(even, 1.0, -1.0), minlength=len(first))
     once = corners[first]

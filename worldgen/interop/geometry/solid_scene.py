@@ -10,17 +10,17 @@ import json
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib import resources
 from pathlib import PurePath
 
 from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.geometry.boxes import always_solid
-from worldgen.interop.geometry.grid_lines import GridLines
-from worldgen.interop.geometry.placed_boxes import PlacedBox, placed_box, solid_boxes
+from worldgen.interop.geometry.placed_boxes import GridLines, PlacedBox, placed_box, solid_boxes
 from worldgen.lattice import exact
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["TIMESTEPS", "Body", "SolidScene", "events_file", "numbered", "plain_name", "scene"]
+__all__ = ["TIMESTEPS", "Body", "SolidScene", "numbered", "plain_name", "player_files", "scene"]
 
 # Time step of the player, s.
 TIMESTEPS = (1e-6, 1e3)
@@ -110,10 +110,29 @@ def _bodies(by_time: dict[float, CellState], box: PlacedBox) -> Iterator[Body]:
             yield Body(f"{word}_{box.name}", box, kind == CellState.BURNING, there[0][1], changes)
 
 
-def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: str = "") -> bytes:
-    """Return the table that a player script plays.
+def player_files(
+    destination: Destination, player: str, bodies: tuple[Body, ...], height: float, world: str = ""
+) -> dict[str, bytes]:
+    """Return a script that moves the bodies, and the table that it plays; none if nothing changes.
 
-    It has the places of bodies, and the height of their centres from each time on.
+    Args:
+        destination: Where the file with the bodies is written.
+        player: Name of the script in ``worldgen/interop/players``.
+        bodies: As in :class:`SolidScene`.
+        height: Height of the walls, m.
+        world: Name of the world in the file, if it has one.
+    """
+    if not bodies:
+        return {}
+    script = resources.files("worldgen.interop").joinpath("players", player).read_bytes()
+    return {
+        destination.sibling_file("_player.py"): script,
+        destination.sibling_file("_events.json"): _events(destination.name, bodies, height, world),
+    }
+
+
+def _events(model: str, bodies: tuple[Body, ...], height: float, world: str) -> bytes:
+    """Return the table: places of bodies, and the height of their centres from each time on.
 
     Args:
         model: Name of the file with the bodies.

@@ -44,7 +44,7 @@ class Gazebo:
     def __init__(self, world: str) -> None:
         found = next((name for name in ("gz", "ign") if shutil.which(name)), None)
         if found is None:
-            sys.exit("neither gz nor ign is on the path; install Gazebo's command-line tools")
+            sys.exit("neither gz nor ign is on PATH; install Gazebo's command-line tools")
         self._command = found
         self._world = f"/world/{world}"
         self._messages = "gz.msgs" if found == "gz" else "ignition.msgs"
@@ -78,7 +78,7 @@ class Gazebo:
                 words, capture_output=True, text=True, check=False, timeout=_SILENCE
             ).stdout
         except subprocess.TimeoutExpired:
-            sys.exit(f"{self._world}/stats sends nothing; is Gazebo running this world?")
+            sys.exit(f"{self._world}/stats does not send anything; is Gazebo running this world?")
         block = re.search(r"sim_time\s*\{([^}]*)\}", said)
         numbers = dict(re.findall(r"(sec|nsec):\s*(\d+)", block[1] if block else ""))
         return int(numbers.get("sec", 0)) + int(numbers.get("nsec", 0)) / 10**9
@@ -99,7 +99,7 @@ class Gazebo:
 
 
 def main() -> None:
-    """Play all changes that are still to come, then let the world continue."""
+    """Play all remaining changes, then let the world continue."""
     table = _table()
     gazebo = Gazebo(table["world"])
     now = gazebo.time()

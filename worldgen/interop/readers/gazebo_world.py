@@ -18,8 +18,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, Message
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
+from worldgen.errors import FormatError
+from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.geometry.raster import RasterBox, RasterDisc, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
@@ -38,14 +38,14 @@ _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-
 # Heights, m; a body that ends below or begins above them stops no robot.
 _FLOOR = Fraction(1, 50)
 _ABOVE = Fraction(2)
-# Tolerance, rad; a body that rolls or pitches more does not stand upright.
+# Tolerance, rad; a body that rolls or pitches more is not upright.
 _FLAT = 1e-6
 # BARN's posts, and the distance between them, m.
 _POST = Fraction("0.075")
 _LATTICE = Fraction("0.15")
-# Part of the lattice's spacing; coordinates come with six digits.
+# Tolerance, as a fraction of the lattice's spacing, because coordinates have six digits.
 _ROUNDED = Fraction(1, 10**6)
-# Where BARN's posts stand, m.
+# Places of BARN's posts, m.
 _LEFT = Fraction("-4.5")
 _LOW = Fraction(0)
 _WIDTH = Fraction("4.5")
@@ -114,7 +114,6 @@ class _Frame(NamedTuple):
 
 @dataclass
 class _GazeboScene:
-    source: str
     shapes: Shapes = field(default_factory=Shapes)
     posts: list[tuple[Fraction, Fraction, Fraction]] = field(default_factory=list)
     models: dict[str, _BodyPose] = field(default_factory=dict)
@@ -139,17 +138,15 @@ def read_gazebo_world(
     """
     # Parse the file.
     data = read_bounded(path, MAX_BYTES)
-    source = str(path)
-    root = read_xml(data, source)
+    root = read_xml(data)
     world = root.first("world")
     if root.name not in ("sdf", "gazebo") or world is None:
         raise FormatError(
             "missing-element",
             "has no <world>; a world of Gazebo is <sdf><world> ... </world></sdf>",
-            source=source,
         )
     # Collect the shapes of all models.
-    scene = _GazeboScene(source)
+    scene = _GazeboScene()
     own = world.first(f"{OURS}grid")
     _add_models(scene, world, passed_over="" if own is None else _ROBOT)
     # Turn them into cells.
@@ -158,19 +155,14 @@ def read_gazebo_world(
     walls, notes = _cells(scene, frame, inner=raster == "inner")
     if own is None:
         notes.append("everything beyond these cells is solid here, but open ground in Gazebo")
-    params: dict[str, Value] = {
-        "format": "barn",
-        "source": path.name,
-        "sha256": digest(data),
-        "raster": raster,
-    }
+    params: dict[str, Value] = {"raster": raster}
     # Find start, target and robot.
     start, target = _ends(scene, frame, barn=barn and own is None, ours=own is not None)
     radius = None
-    speed = _number(world, f"{OURS}robot_speed", scene)
+    speed = _number(world, f"{OURS}robot_speed")
     if own is not None and target is not None:
-        target = (*target, *_disc_radius(world, "target", scene))
-        radius = next(iter(_disc_radius(world, "start", scene)), None)
+        target = (*target, *_disc_radius(world, "target"))
+        radius = next(iter(_disc_radius(world, "start")), None)
     if scene.low_or_high:
         notes.append(
             f"{scene.low_or_high} shapes that lie flat on the floor, or above 2 m, are ignored"
@@ -190,61 +182,51 @@ def _unread(scene: _GazeboScene) -> tuple[str, ...]:
     )
 
 
-def _fault(scene: _GazeboScene, element: XmlElement, message: Message) -> FormatError:
-    return FormatError.of(message, line=element.line, source=scene.source)
-
-
-def _numbers(scene: _GazeboScene, element: XmlElement, count: int) -> list[Fraction]:
+def _numbers(element: XmlElement, count: int) -> list[Fraction]:
     words = element.text.split()
     if len(words) != count or not all(map(_NUMBER.fullmatch, words)):
         name = f"<{element.name}>"
-        raise _fault(
-            scene,
-            element,
-            Message(
-                "wrong-count",
-                "{name} is {text!q}",
-                "it has {count} numbers",
-                name=name,
-                text=element.text.strip(),
-                count=count,
-            ),
+        raise FormatError(
+            "wrong-count",
+            "{name} is {text!q}",
+            "it has {count} numbers",
+            name=name,
+            text=element.text.strip(),
+            count=count,
+            line=element.line,
         )
     return [Fraction(word) for word in words]
 
 
-def _length(scene: _GazeboScene, element: XmlElement, name: str) -> Fraction:
+def _length(element: XmlElement, name: str) -> Fraction:
     found = element.first(name)
-    value = _numbers(scene, found, 1)[0] if found is not None else Fraction(0)
+    value = _numbers(found, 1)[0] if found is not None else Fraction(0)
     if not 0 < value < 10**9:
-        raise _fault(
-            scene,
-            found or element,
-            Message(
-                "not-positive",
-                "<{name}> needs a <{child}> above 0 m",
-                name=element.name,
-                child=name,
-            ),
+        raise FormatError(
+            "not-positive",
+            "<{name}> needs a <{child}> above 0 m",
+            name=element.name,
+            child=name,
+            line=(found or element).line,
         )
     return value
 
 
-def _number(world: XmlElement, name: str, scene: _GazeboScene) -> float | None:
+def _number(world: XmlElement, name: str) -> float | None:
     found = world.first(name)
-    value = None if found is None else float(_numbers(scene, found, 1)[0])
+    value = None if found is None else float(_numbers(found, 1)[0])
     if found is not None and value is not None and value <= 0:
-        raise _fault(
-            scene,
-            found,
-            Message(
-                "not-positive", "<{name}> is {value:g}; it must be above 0", name=name, value=value
-            ),
+        raise FormatError(
+            "not-positive",
+            "<{name}> is {value:g}; it must be above 0",
+            name=name,
+            value=value,
+            line=found.line,
         )
     return value
 
 
-def _pose(scene: _GazeboScene, element: XmlElement) -> _BodyPose:
+def _pose(element: XmlElement) -> _BodyPose:
     found = element.first("pose")
     if found is None:
         return _BodyPose()
@@ -253,26 +235,23 @@ def _pose(scene: _GazeboScene, element: XmlElement) -> _BodyPose:
         or found.attributes.get("frame", "")
         or "degrees" in found.attributes
     ):
-        raise _fault(
-            scene,
-            found,
-            Message(
-                "unsupported",
-                "the pose is in another frame or unit",
-                "write it in m and rad, relative to the element that contains it",
-            ),
+        raise FormatError(
+            "unsupported",
+            "the pose is in another frame or unit",
+            "write it in m and rad, relative to the element that contains it",
+            line=found.line,
         )
-    return _BodyPose(*_numbers(scene, found, 6))
+    return _BodyPose(*_numbers(found, 6))
 
 
 def _add_models(scene: _GazeboScene, world: XmlElement, *, passed_over: str) -> None:
     states = {
-        model.attributes.get("name", ""): _pose(scene, model)
+        model.attributes.get("name", ""): _pose(model)
         for model in world.all("state", "model") if model.first("pose") is not None
     }  # fmt: skip
     for model in world.all("model"):
         name = model.attributes.get("name", "")
-        pose = states.get(name) or _pose(scene, model)
+        pose = states.get(name) or _pose(model)
         scene.models[name] = pose
         if not passed_over or name != passed_over:
             _add_model(scene, model, pose)
@@ -288,24 +267,24 @@ def _count_includes(scene: _GazeboScene, parent: XmlElement) -> None:
     for include in parent.all("include"):
         name = include.word("uri").rstrip("/").rpartition("/")[2].lower().replace(" ", "_")
         if name not in ("sun", "ground_plane"):
-            scene.unread["models of other files"] += 1
+            scene.unread["models from other files"] += 1
 
 
 def _add_model(scene: _GazeboScene, model: XmlElement, pose: _BodyPose) -> None:
     for link in model.all("link"):
-        here = pose.then(_pose(scene, link))
+        here = pose.then(_pose(link))
         for collision in link.all("collision"):
             for geometry in collision.all("geometry"):
                 for shape in geometry.children:
                     _add_shape(
                         scene,
                         shape,
-                        here.then(_pose(scene, collision)),
+                        here.then(_pose(collision)),
                         upright=pose.upright and here.upright,
                     )
     _count_includes(scene, model)
     for inner in model.all("model"):
-        _add_model(scene, inner, pose.then(_pose(scene, inner)))
+        _add_model(scene, inner, pose.then(_pose(inner)))
 
 
 def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, upright: bool) -> None:
@@ -316,11 +295,11 @@ def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, uprig
         _add_plane(scene, shape, pose, upright=upright and pose.upright)
         return
     if shape.name == "sphere":
-        tall = 2 * _length(scene, shape, "radius")
+        tall = 2 * _length(shape, "radius")
     elif shape.name == "cylinder":
-        tall = _length(scene, shape, "length")
+        tall = _length(shape, "length")
     elif shape.name == "box" and (size := shape.first("size")) is not None:
-        tall = _numbers(scene, size, 3)[2]
+        tall = _numbers(size, 3)[2]
     else:
         scene.unread[f"shapes of <{shape.name}>"] += 1
         return
@@ -330,20 +309,16 @@ def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, uprig
     elif pose.z + tall / 2 <= _FLOOR or pose.z - tall / 2 >= _ABOVE:
         scene.low_or_high += 1
     elif shape.name == "box" and size is not None:
-        x, y, _ = (side / 2 for side in _numbers(scene, size, 3))
+        x, y, _ = (side / 2 for side in _numbers(size, 3))
         scene.shapes.outline([(-x, -y), (x, -y), (x, y), (-x, y)], (pose.x, pose.y), pose.yaw)
     else:
-        scene.posts.append((pose.x, pose.y, _length(scene, shape, "radius")))
+        scene.posts.append((pose.x, pose.y, _length(shape, "radius")))
 
 
 def _add_plane(scene: _GazeboScene, plane: XmlElement, pose: _BodyPose, *, upright: bool) -> None:
     """Treat a plane as the floor; a plane on edge is a wall, and is reported as unread."""
     normal = plane.first("normal")
-    x, y, _ = (
-        _numbers(scene, normal, 3)
-        if normal is not None
-        else (Fraction(0), Fraction(0), Fraction(1))
-    )
+    x, y, _ = _numbers(normal, 3) if normal is not None else (Fraction(0), Fraction(0), Fraction(1))
     if x != 0 or y != 0 or not upright:
         scene.unread["tilted shapes of <plane>"] += 1
 
@@ -364,23 +339,20 @@ def _is_barn(scene: _GazeboScene) -> bool:
 
 
 def _frame(scene: _GazeboScene, own: XmlElement | None, wanted: float, *, barn: bool) -> _Frame:
-    """Return the part of the world that becomes cells.
+    """Return the part of the world to turn into cells.
 
-    It is what the file gives, BARN's own, or everything in the world.
+    It comes from the file, or is BARN's own, or includes everything in the world.
     """
     # Our own files and BARN's have a known frame.
     size = Fraction(repr(wanted)) if wanted else None
     if own is not None:
-        left, low, width, height, cell = _numbers(scene, own, 5)
+        left, low, width, height, cell = _numbers(own, 5)
         if min(width, height, cell) <= 0:
-            raise _fault(
-                scene,
-                own,
-                Message(
-                    "wrong-form",
-                    "<{ours}grid> has its corner, then its sides and its cells' above 0 m",
-                    ours=OURS,
-                ),
+            raise FormatError(
+                "wrong-form",
+                "<{ours}grid> has its corner, then its sides and its cells' above 0 m",
+                ours=OURS,
+                line=own.line,
             )
         return _Frame(left, low, width, height, size or cell)
     if barn:
@@ -393,7 +365,6 @@ def _frame(scene: _GazeboScene, own: XmlElement | None, wanted: float, *, barn: 
             "has nothing that could stop a robot: no cylinder, box or sphere on the floor"
             + ("; not read are {unread!l}" if scene.unread else ""),
             unread=[*_unread(scene)],
-            source=scene.source,
         )
     left, low = (min(bound[axis] for bound in bounds) for axis in (0, 1))
     right, high = (max(bound[axis] for bound in bounds) for axis in (2, 3))
@@ -437,12 +408,12 @@ def _cells(
         ],
         [polygon - corner for polygon in scene.shapes.polygons],
     )
-    raster = painted((frame.width, frame.height), size, placed.paint, scene.source)
+    raster = painted((frame.width, frame.height), size, placed.paint)
     # Solid cells are either completely covered, or at least touched.
     if inner:
         return raster.full, [
             "only cells completely inside a shape are solid, so a robot may get through here but "
-            "not there"
+            "not in Gazebo"
         ]
     count = f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m"
     return raster.solid, [
@@ -472,10 +443,10 @@ def _ends(
     )
 
 
-def _disc_radius(world: XmlElement, name: str, scene: _GazeboScene) -> tuple[float, ...]:
+def _disc_radius(world: XmlElement, name: str) -> tuple[float, ...]:
     """Return the radius of the disc that marks a place, m; empty if there is none."""
     for model in world.all("model"):
         if model.attributes.get("name") == name:
             for disc in model.all("link", "visual", "geometry", "cylinder"):
-                return (float(_length(scene, disc, "radius")),)
+                return (float(_length(disc, "radius")),)
     return ()

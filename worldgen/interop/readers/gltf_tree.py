@@ -1,4 +1,4 @@
-"""Check the JSON of a glTF file before a library builds what it claims.
+"""Check the JSON of a glTF file before a library builds the scene.
 
 The result is a well-formed tree of bounded size. trimesh 5.2 allocates whatever an accessor
     claims: a file of 400 bytes can ask for 22 GiB. It also silently drops some nodes with more than
@@ -30,7 +30,7 @@ _TRIANGLES = (4, 5, 6)
 _PARTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
-def gltf_json(data: bytes, source: str) -> dict[str, Any]:
+def gltf_json(data: bytes) -> dict[str, Any]:
     """Return the document of a ``.gltf`` or ``.glb`` file.
 
     Raises:
@@ -40,30 +40,23 @@ def gltf_json(data: bytes, source: str) -> dict[str, Any]:
     # A binary file has its JSON in the first chunk.
     if data[:4] == b"glTF":
         if len(data) < 20:
-            raise FormatError(
-                "ends-early", "ends within its header", "export it again", source=source
-            )
+            raise FormatError("ends-early", "ends within its header", "export it again")
         version, _, size, kind = struct.unpack_from("<III4s", data, 4)
         if version != 2 or kind != b"JSON" or 20 + size > len(data):
             raise FormatError(
-                "wrong-header",
-                "is not binary glTF 2.0 of the length it claims",
-                "export it again",
-                source=source,
+                "wrong-header", "is not binary glTF 2.0 of the length it claims", "export it again"
             )
         text = data[20 : 20 + size]
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise FormatError(
-            "not-json", "has no readable JSON in it", "export it again", source=source
-        ) from error
+        raise FormatError("not-json", "has no readable JSON in it", "export it again") from error
     if not isinstance(document, dict):
-        raise FormatError("not-json", "is not a glTF document", "export it again", source=source)
+        raise FormatError("not-json", "is not a glTF document", "export it again")
     return document
 
 
-def check_gltf(document: dict[str, Any], source: str) -> None:
+def check_gltf(document: dict[str, Any]) -> None:
     """Reject what a reader would choke on or misread.
 
     Raises:
@@ -71,9 +64,9 @@ def check_gltf(document: dict[str, Any], source: str) -> None:
             compressed.
     """
     try:
-        _check_extensions(document, source)
-        _check_sizes(document, source)
-        _check_nodes(document, source)
+        _check_extensions(document)
+        _check_sizes(document)
+        _check_nodes(document)
     except (TypeError, KeyError, IndexError, AttributeError, ValueError, OverflowError) as error:
         if isinstance(error, FormatError):
             raise
@@ -82,11 +75,10 @@ def check_gltf(document: dict[str, Any], source: str) -> None:
             "breaks the rules of glTF 2.0 ({reason})",
             "export it again; glTF-Validator reports where",
             reason=f"{type(error).__name__}: {error}"[:80],
-            source=source,
         ) from error
 
 
-def _check_extensions(document: dict[str, Any], source: str) -> None:
+def _check_extensions(document: dict[str, Any]) -> None:
     used = [name for name in document.get("extensionsUsed", []) if name in _COMPRESSED]
     if used:
         raise FormatError(
@@ -94,11 +86,10 @@ def _check_extensions(document: dict[str, Any], source: str) -> None:
             "needs {extensions!l}, which is not supported",
             "export it without compression",
             extensions=used,
-            source=source,
         )
 
 
-def _check_sizes(document: dict[str, Any], source: str) -> None:
+def _check_sizes(document: dict[str, Any]) -> None:
     values = 0
     for accessor in document.get("accessors", []):
         count = accessor["count"]
@@ -106,12 +97,10 @@ def _check_sizes(document: dict[str, Any], source: str) -> None:
             raise ValueError(f"a count of {count!r}"[:60])
         values += count * _PARTS.get(accessor.get("type"), 1)
     if values > _MOST_VALUES or len(document.get("nodes", [])) > _MOST_NODES:
-        raise FormatError(
-            "too-large", "holds more than the limit", "export a smaller part of it", source=source
-        )
+        raise FormatError("too-large", "holds more than the limit", "export a smaller part of it")
 
 
-def _check_nodes(document: dict[str, Any], source: str) -> None:
+def _check_nodes(document: dict[str, Any]) -> None:
     """Check that each node has at most one parent and is not its own ancestor.
 
     An instance counts each time it is placed.
@@ -124,10 +113,9 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
             if not isinstance(child, int) or not 0 <= child < len(nodes) or parent[child] >= 0:
                 raise FormatError(
                     "no-tree",
-                    "node {node} is not a child in the form that glTF allows",
+                    "node {node} is not a valid child node in glTF",
                     "export it again",
                     node=child,
-                    source=source,
                 )
             parent[child] = number
 
@@ -140,14 +128,13 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
         depth += 1
         level = [child for number in level for child in nodes[number].get("children", [])]
     if met < len(nodes):
-        raise FormatError("no-tree", "its nodes form a cycle", "export it again", source=source)
+        raise FormatError("no-tree", "its nodes form a cycle", "export it again")
     if depth > _MOST_DEPTH:
         raise FormatError(
             "too-deep",
             "its nodes are {depth} levels deep; the limit is {most}",
             depth=depth,
             most=_MOST_DEPTH,
-            source=source,
         )
 
     # Bound the number of triangles, counting every instance.
@@ -160,7 +147,6 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
             "simplify it, or export a part of it",
             faces=total,
             most=MOST_FACES,
-            source=source,
         )
 
 

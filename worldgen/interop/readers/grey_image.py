@@ -10,6 +10,7 @@ import re
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
@@ -17,11 +18,18 @@ import numpy.typing as npt
 from PIL import Image, PngImagePlugin, UnidentifiedImageError
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import check_sides
+from worldgen.interop.foreign_map import check_sides, digest, naming, read_bounded
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
 
-__all__ = ["GreyImage", "pgm_bytes", "png_bytes", "read_grey_image", "walls_png"]
+__all__ = [
+    "GreyImage",
+    "pgm_bytes",
+    "png_bytes",
+    "read_grey_image",
+    "read_picture_file",
+    "walls_png",
+]
 
 _PILLOW_FORMATS = ("PNG", "BMP")
 # One header field of a PGM: white space and comments (from # to the end of the line), then digits.
@@ -87,22 +95,28 @@ def walls_png(solid: npt.NDArray[np.bool_], text: Mapping[str, str] | None = Non
     return png_bytes(np.where(flip_rows(solid), np.uint8(0), np.uint8(255)), text)
 
 
-def read_grey_image(data: bytes, source: str) -> GreyImage:
+def read_picture_file(path: Path) -> tuple[GreyImage, str]:
+    """Return a picture that a map file names, and its digest."""
+    data = read_bounded(path)
+    with naming(path):
+        return read_grey_image(data), digest(data)
+
+
+def read_grey_image(data: bytes) -> GreyImage:
     """Decode a picture of a map.
 
     Args:
         data: PGM (P2 or P5), PNG or BMP; colours become grey by their luma (ITU-R BT.601).
-        source: The file's name for messages.
 
     Raises:
         FormatError: If it is not one of these, damaged, or too large.
     """
     if data[:2] in (b"P2", b"P5"):
-        return _read_pgm(data, source)
-    return _read_with_pillow(data, source)
+        return _read_pgm(data)
+    return _read_with_pillow(data)
 
 
-def _read_pgm(data: bytes, source: str) -> GreyImage:
+def _read_pgm(data: bytes) -> GreyImage:
     # Read the three numbers of the header.
     at = 2
     fields = []
@@ -112,18 +126,17 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
             came = quote((data[at : at + 40].split() or [b""])[0])
             raise FormatError(
                 "wrong-form",
-                "the PGM header has {came} where the {name} belongs; after {magic!q} it "
+                "the PGM header has {came} in place of the {name}; after {magic!q} it "
                 "has width, height and maximum as whole numbers",
                 came=came,
                 name=name,
                 magic=data[:2],
                 line=_line(data, at),
-                source=source,
             )
         fields.append(int(match[1]))
         at = match.end()
     width, height, maximum = fields
-    check_sides(width, height, line=_line(data, at), source=source)
+    check_sides(width, height, line=_line(data, at))
     if not 0 < maximum < 65536:
         raise FormatError(
             "out-of-range",
@@ -131,13 +144,12 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
             "save it again",
             maximum=maximum,
             line=_line(data, at),
-            source=source,
         )
     # Read the pixels, as text or as bytes.
     if data[:2] == b"P2":
-        values = _plain_raster(data, at, width * height, source)
+        values = _plain_raster(data, at, width * height)
     else:
-        values = _binary_raster(data, at, width * height, 1 if maximum < 256 else 2, source)
+        values = _binary_raster(data, at, width * height, 1 if maximum < 256 else 2)
     if int(values.max()) > maximum:
         raise FormatError(
             "above-maximum",
@@ -145,15 +157,12 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
             "the file is damaged, save it again",
             pixel=int(values.max()),
             maximum=maximum,
-            source=source,
         )
     grey = values.astype(np.uint8) if maximum < 256 else values.astype(np.uint16)
     return GreyImage(grey.reshape(height, width), maximum)
 
 
-def _binary_raster(
-    data: bytes, at: int, count: int, width: int, source: str
-) -> npt.NDArray[np.integer[Any]]:
+def _binary_raster(data: bytes, at: int, count: int, width: int) -> npt.NDArray[np.integer[Any]]:
     """Return pixels of ``width`` bytes, high byte first, after the one blank that ends the header."""
     size = count * width
     rest = len(data) - at - 1
@@ -164,7 +173,6 @@ def _binary_raster(
             "truncated, copy it again",
             bytes=max(rest, 0),
             needed=size,
-            source=source,
         )
     if data[at + 1 + size :].strip():
         raise FormatError(
@@ -174,12 +182,11 @@ def _binary_raster(
             "copy it as binary",
             excess=rest - size,
             needed=size,
-            source=source,
         )
     return np.frombuffer(data, ">u1" if width == 1 else ">u2", count, at + 1)
 
 
-def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[np.integer[Any]]:
+def _plain_raster(data: bytes, at: int, count: int) -> npt.NDArray[np.integer[Any]]:
     """Return pixels given as decimal words.
 
     They are converted together, because Python objects would take 30 times the file's size.
@@ -190,7 +197,7 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
     is_digit = (raw >= ord("0")) & (raw <= ord("9"))
     is_space = (raw == ord(" ")) | ((raw >= 9) & (raw <= 13))
     if not (is_digit | is_space).all():
-        _wrong_word(data, text, int(np.argmin(is_digit | is_space)), source)
+        _wrong_word(data, text, int(np.argmin(is_digit | is_space)))
     edges = np.flatnonzero(np.diff(is_digit.astype(np.int8), prepend=np.int8(0), append=np.int8(0)))
     begin = edges[::2]
     end = edges[1::2]
@@ -201,12 +208,11 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
             "again",
             pixels=len(begin),
             needed=count,
-            source=source,
         )
     # Convert all words together, digit by digit.
     lengths = end - begin
     if int(lengths.max()) > _MAX_DIGITS:
-        _wrong_word(data, text, int(begin[int(np.argmax(lengths > _MAX_DIGITS))]), source)
+        _wrong_word(data, text, int(begin[int(np.argmax(lengths > _MAX_DIGITS))]))
     values = np.zeros(count, np.int32)
     for digit in range(int(lengths.max())):
         here = lengths > digit
@@ -214,7 +220,7 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
     return values
 
 
-def _wrong_word(data: bytes, text: bytes, at: int, source: str) -> NoReturn:
+def _wrong_word(data: bytes, text: bytes, at: int) -> NoReturn:
     # Comments were removed but line ends were not, so lines are counted from the end of both.
     line = data.count(b"\n") - text.count(b"\n", at) + 1
     word = quote(text[at : at + 40].split()[0] if text[at : at + 1].strip() else text[at : at + 1])
@@ -223,7 +229,6 @@ def _wrong_word(data: bytes, text: bytes, at: int, source: str) -> NoReturn:
         "{word} is not a pixel; a plain PGM holds whole numbers up to its maximum",
         word=word,
         line=line,
-        source=source,
     )
 
 
@@ -231,23 +236,23 @@ def _line(data: bytes, at: int) -> int:
     return data.count(b"\n", 0, at) + 1
 
 
-def _read_with_pillow(data: bytes, source: str) -> GreyImage:
+def _read_with_pillow(data: bytes) -> GreyImage:
     try:
         with warnings.catch_warnings():
             # check_sides below rejects a decompression bomb before it is unpacked.
             warnings.simplefilter("ignore")
             with Image.open(io.BytesIO(data), formats=_PILLOW_FORMATS) as image:
-                check_sides(*image.size, source=source)
+                check_sides(*image.size)
                 return _to_grey(image)
     except (FormatError, MemoryError):
         raise
     except Image.DecompressionBombError as error:
         raise FormatError(
-            "too-large", "has more pixels than any map needs", "cut or shrink it", source=source
+            "too-large", "has more pixels than any map needs", "cut or shrink it"
         ) from error
     except UnidentifiedImageError as error:
         raise FormatError(
-            "unknown-format", "is not a PGM, PNG or BMP picture", "convert it", source=source
+            "unknown-format", "is not a PGM, PNG or BMP picture", "convert it"
         ) from error
     # Pillow's decoders raise all kinds of exceptions on damaged files.
     except Exception as error:
@@ -256,7 +261,6 @@ def _read_with_pillow(data: bytes, source: str) -> GreyImage:
             "is a damaged picture: {reason}",
             "save it again",
             reason=error or type(error).__name__,
-            source=source,
         ) from error
 
 

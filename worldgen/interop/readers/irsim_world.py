@@ -14,13 +14,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, InvalidParameter, Message
+from worldgen.errors import FormatError
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, read_bounded, sibling_file
 from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size, painted
 from worldgen.interop.geometry.shapes import Shapes, turned
-from worldgen.interop.readers.grey_image import read_grey_image
-from worldgen.interop.readers.sibling_file import sibling_file
+from worldgen.interop.readers.grey_image import read_picture_file
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
@@ -64,26 +63,23 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
     # Parse the file.
     check_between("threshold", threshold, 0.0, 1.0)
     data = read_bounded(path, MAX_YAML_BYTES)
-    source = str(path)
-    top = read_yaml(data, source, "an IR-SIM world has `world:` with width and height")
+    top = read_yaml(data, "an IR-SIM world has `world:` with width and height")
     if "world" not in top:
         raise FormatError(
-            "missing-key",
-            "world is missing; an IR-SIM world has `world:` with width and height",
-            source=source,
+            "missing-key", "world is missing; an IR-SIM world has `world:` with width and height"
         )
-    world = top.tables("world")[0] if not top.is_null("world") else None
+    world = YamlTable() if top.is_null("world") else top.tables("world")[0]
     # Collect the walls.
-    scene = _IrsimScene(_length(world, "width"), _length(world, "height"), _corner(world))
-    if world is not None and "obstacle_map" in world and not world.is_null("obstacle_map"):
+    scene = _IrsimScene(_length(world, "width"), _length(world, "height"), _point(world, "offset"))
+    if "obstacle_map" in world and not world.is_null("obstacle_map"):
         scene.image = _picture(world, path, threshold)
     for table in _tables(top, "obstacle"):
         _add_obstacles(scene, table)
-    walls, size = _cells(scene, cell_size, source)
-    # Record the source, and read the robot.
-    params: dict[str, Value] = {"format": "irsim", "source": path.name, "sha256": digest(data)}
-    if scene.image is not None:
-        params |= {"image": scene.image[1], "image_sha256": scene.image[2]}
+    walls, size = _cells(scene, cell_size)
+    # Record the picture, and read the robot.
+    params: dict[str, Value] = (
+        {} if scene.image is None else {"image": scene.image[1], "image_sha256": scene.image[2]}
+    )
     robot = _robot(top, scene)
     origin = (float(scene.corner[0]), float(scene.corner[1]))
     return ForeignMap(
@@ -96,35 +92,34 @@ def _tables(table: YamlTable, key: str) -> list[YamlTable]:
     return table.tables(key) if key in table and not table.is_null(key) else []
 
 
-def _word(table: YamlTable | None, key: str, default: str) -> str:
-    return default if table is None or key not in table or table.is_null(key) else table.word(key)
+def _word(table: YamlTable, key: str, default: str) -> str:
+    return default if key not in table or table.is_null(key) else table.word(key)
 
 
-def _fraction(table: YamlTable | None, key: str, default: Fraction) -> Fraction:
-    return default if table is None or key not in table else table.fraction(key)
+def _fraction(table: YamlTable, key: str, default: Fraction) -> Fraction:
+    return default if key not in table else table.fraction(key)
 
 
-def _length(table: YamlTable | None, key: str, default: Fraction = _SIZE) -> Fraction:
+def _length(table: YamlTable, key: str, default: Fraction = _SIZE) -> Fraction:
     value = _fraction(table, key, default)
-    if table is not None and key in table and not 0 < value < 10**9:
-        raise table.fault(
-            key,
-            Message(
-                "not-positive",
-                "{key} is {value:g}; it must be a length above 0 m",
-                key=key,
-                value=float(value),
-            ),
+    if key in table and not 0 < value < 10**9:
+        raise FormatError(
+            "not-positive",
+            "{key} is {value:g}; it must be a length above 0 m",
+            key=key,
+            value=float(value),
+            line=table.line_of(key),
         )
     return value
 
 
-def _corner(world: YamlTable | None) -> tuple[Fraction, Fraction]:
-    if world is None or "offset" not in world:
-        return Fraction(0), Fraction(0)
-    rows = world.rows("offset")
-    if len(rows) != 1 or len(rows[0]) != 2:
-        raise world.fault("offset", Message("wrong-type", "offset must be two numbers, [x m, y m]"))
+def _point(table: YamlTable, key: str) -> tuple[Fraction, Fraction]:
+    """Return the two numbers of a key; 0 and 0 if it is missing."""
+    rows = table.rows(key) if key in table else [[Fraction(0), Fraction(0)]]
+    if len(rows[0]) != 2 or (key == "offset" and len(rows) != 1):
+        raise FormatError(
+            "wrong-type", f"{key} must be two numbers, [x m, y m]", line=table.line_of(key)
+        )
     return rows[0][0], rows[0][1]
 
 
@@ -132,28 +127,22 @@ def _picture(
     world: YamlTable, path: Path, threshold: float
 ) -> tuple[npt.NDArray[np.bool_], str, str]:
     """Return the obstacle map's solid cells, lowest row first, its name and its digest."""
-    word = _picture_name(world)
-    try:
-        image = sibling_file(path, "obstacle_map", word)
-    except InvalidParameter as error:
-        raise world.fault("obstacle_map", error.message) from error
-    data = read_bounded(image)
-    grey = read_grey_image(data, str(image))
+    line = world.line_of("obstacle_map")
+    image = sibling_file(path, "obstacle_map", _picture_name(world), line=line)
+    grey, image_digest = read_picture_file(image)
     dark = (grey.maximum - grey.values.astype(np.float64)) / grey.maximum
     step = int(_fraction(world, "mdownsample", Fraction(1)))
     if not 1 <= step <= min(dark.shape):
-        raise world.fault(
-            "mdownsample",
-            Message(
-                "wrong-type",
-                "mdownsample is {value}; it must be a whole number of 1 or more",
-                value=step,
-            ),
+        raise FormatError(
+            "wrong-type",
+            "mdownsample is {value}; it must be a whole number of 1 or more",
+            value=step,
+            line=world.line_of("mdownsample"),
         )
-    # IR-SIM's own rule is "above one half"; at other thresholds a pixel that is exactly as dark
+    # IR-SIM's own rule is "above one half"; at other thresholds, a pixel exactly at the threshold
     # counts too.
     solid = dark > 0.5 if threshold == 0.5 else dark >= threshold
-    return flip_rows(solid)[::step, ::step], image.name, digest(data)
+    return flip_rows(solid)[::step, ::step], image.name, image_digest
 
 
 def _picture_name(world: YamlTable) -> str:
@@ -164,14 +153,12 @@ def _picture_name(world: YamlTable) -> str:
         table = world.tables("obstacle_map")[0]
     kind = _word(table, "name", "none")
     if kind != "image" or "path" not in table:
-        raise world.fault(
-            "obstacle_map",
-            Message(
-                "unsupported",
-                "obstacle_map {kind!q} is drawn by IR-SIM itself",
-                "save the map that it draws as a picture, and name that",
-                kind=kind,
-            ),
+        raise FormatError(
+            "unsupported",
+            "obstacle_map {kind!q} is drawn by IR-SIM itself",
+            "save the map that it draws as a picture, and name that",
+            kind=kind,
+            line=world.line_of("obstacle_map"),
         )
     return table.word("path")
 
@@ -185,14 +172,12 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
     # Check the number of obstacles.
     number = int(_fraction(table, "number", Fraction(1)))
     if not 0 <= number <= _MOST_OBJECTS:
-        raise table.fault(
-            "number",
-            Message(
-                "out-of-range",
-                "number is {number}; it must be a whole number of obstacles, up to {most_objects}",
-                number=number,
-                most_objects=_MOST_OBJECTS,
-            ),
+        raise FormatError(
+            "out-of-range",
+            "number is {number}; it must be a whole number of obstacles, up to {most_objects}",
+            number=number,
+            most_objects=_MOST_OBJECTS,
+            line=table.line_of("number"),
         )
     # Skip obstacles that move, or have no known place.
     count = f"{number} obstacle{'s' * (number != 1)} at line {table.line}"
@@ -201,20 +186,20 @@ def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
         scene.unread.append(f"{count} that can move; our worlds have no moving bodies")
         return
     if _word(table, "unobstructed", "false").lower() == "true":
-        scene.notes.append(f"{count} do not stop a robot in IR-SIM and are ignored")
+        scene.notes.append(f"{count} do not stop a robot in IR-SIM, so they are ignored")
         return
     if _placing(table) != "manual":
-        scene.unread.append(f"{count} placed at random; write their states into the file")
+        scene.unread.append(f"{count} placed at random; write their positions into the file")
         return
     # Add one shape after another.
     states = table.rows("state") if "state" in table else [_STATE]
-    shapes: list[YamlTable | None] = [*_tables(table, "shape")] or [None]
+    shapes = _tables(table, "shape") or [YamlTable()]
     flat = len(states) == 1
     for index in range(min(number, max(len(states), len(shapes)))):
         state = states[0] if flat else states[min(index, len(states) - 1)]
         if len(state) < 2:
-            raise table.fault(
-                "state", Message("wrong-type", "state must have x and y, [1.5, 2, 0]")
+            raise FormatError(
+                "wrong-type", "state must have x and y, [1.5, 2, 0]", line=table.line_of("state")
             )
         _add_shape(scene, table, shapes[min(index, len(shapes) - 1)], state)
 
@@ -225,63 +210,47 @@ def _placing(table: YamlTable) -> str:
 
 
 def _add_shape(
-    scene: _IrsimScene, owner: YamlTable, shape: YamlTable | None, state: list[Fraction]
+    scene: _IrsimScene, owner: YamlTable, shape: YamlTable, state: list[Fraction]
 ) -> None:
     """Add one shape at a state, or the parts of a compound shape one after another."""
     # The shape's name decides how it is read.
     x, y, heading = (*state, Fraction(0))[:3]
     at = (x - scene.corner[0], y - scene.corner[1])
-    name = "circle" if shape is None else _word(shape, "name", "circle")
-    if shape is not None and _word(shape, "random_shape", "false").lower() == "true":
+    name = _word(shape, "name", "circle")
+    if _word(shape, "random_shape", "false").lower() == "true":
         scene.unread.append(f"the obstacle at line {shape.line}, with a random shape")
     elif name == "circle":
-        radius = Fraction(1) if shape is None else _length(shape, "radius", Fraction(1, 5))
-        middle = _middle(shape)
-        scene.shapes.disc(middle, radius, at, heading)
-    elif shape is not None and name == "rectangle":
+        usual = Fraction(1, 5) if _tables(owner, "shape") else Fraction(1)
+        radius = _length(shape, "radius", usual)
+        scene.shapes.disc(_point(shape, "center"), radius, at, heading)
+    elif name == "rectangle":
         half = _length(shape, "length", Fraction(1)) / 2, _length(shape, "width", Fraction(1)) / 2
         back = (
             half[0] if "wheelbase" not in shape else (2 * half[0] - shape.fraction("wheelbase")) / 2
         )
         scene.shapes.outline(_corners(-back, -half[1], 2 * half[0] - back, half[1]), at, heading)
-    elif shape is not None and name in ("polygon", "linestring") and "vertices" in shape:
+    elif name in ("polygon", "linestring") and "vertices" in shape:
         scene.shapes.outline(_vertices(shape), at, heading, closed=name == "polygon")
-    elif shape is not None and name == "compound":
+    elif name == "compound":
         _add_parts(scene, owner, shape, (x, y, heading))
     else:
-        raise owner.fault(
-            "shape",
-            Message(
-                "unsupported",
-                "shape {shape!q} cannot be read; only circle, rectangle, polygon and linestring "
-                "can",
-                shape=name,
-            ),
+        raise FormatError(
+            "unsupported",
+            "shape {shape!q} cannot be read; only circle, rectangle, polygon and linestring can",
+            shape=name,
+            line=owner.line_of("shape"),
         )
-
-
-def _middle(shape: YamlTable | None) -> tuple[Fraction, Fraction]:
-    rows = (
-        shape.rows("center")
-        if shape is not None and "center" in shape
-        else [[Fraction(0), Fraction(0)]]
-    )
-    if shape is not None and len(rows[0]) != 2:
-        raise shape.fault("center", Message("wrong-type", "center must be two numbers, [x m, y m]"))
-    return rows[0][0], rows[0][1]
 
 
 def _vertices(shape: YamlTable) -> list[tuple[Fraction, Fraction]]:
     rows = shape.rows("vertices")
     least = 2 if _word(shape, "name", "") == "linestring" else 3
     if len(rows) < least or any(len(row) != 2 for row in rows):
-        raise shape.fault(
-            "vertices",
-            Message(
-                "wrong-count",
-                "vertices must be {least} or more points, [[0, 0], [1, 0], [1, 1]]",
-                least=least,
-            ),
+        raise FormatError(
+            "wrong-count",
+            "vertices must be {least} or more points, [[0, 0], [1, 0], [1, 1]]",
+            least=least,
+            line=shape.line_of("vertices"),
         )
     return [(row[0], row[1]) for row in rows]
 
@@ -301,13 +270,11 @@ def _add_parts(
     x, y, heading = pose
     for part in _tables(shape, "parts"):
         if _word(part, "name", "circle") == "compound":
-            raise part.fault(
-                "name",
-                Message(
-                    "unsupported",
-                    "a compound in a compound cannot be read",
-                    "put its parts into the outer one",
-                ),
+            raise FormatError(
+                "unsupported",
+                "a compound in a compound cannot be read",
+                "put its parts into the outer one",
+                line=part.line_of("name"),
             )
         own = (
             [*part.rows("pose")[0], Fraction(0), Fraction(0)]
@@ -321,12 +288,10 @@ def _add_parts(
         _add_shape(scene, owner, part, [x + moved[0], y + moved[1], heading + own[2]])
 
 
-def _cells(scene: _IrsimScene, wanted: float, source: str) -> tuple[npt.NDArray[np.bool_], float]:
+def _cells(scene: _IrsimScene, wanted: float) -> tuple[npt.NDArray[np.bool_], float]:
     """Return the walls, and the side of a cell, m."""
     size = _cell_size(scene, wanted)
-    raster = painted(
-        (scene.width, scene.height), size, lambda raster: _paint(raster, scene, size), source
-    )
+    raster = painted((scene.width, scene.height), size, lambda raster: _paint(raster, scene, size))
     if raster.partly:
         scene.notes.append(
             f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m "
@@ -389,13 +354,11 @@ def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | 
     # Read its speed.
     speeds = first.rows("vel_max")[0] if "vel_max" in first else [Fraction(1)]
     if speeds[0] <= 0:
-        raise first.fault(
-            "vel_max",
-            Message(
-                "not-positive",
-                "vel_max begins with {speed:g}; it must be a speed above 0 m/s",
-                speed=float(speeds[0]),
-            ),
+        raise FormatError(
+            "not-positive",
+            "vel_max begins with {speed:g}; it must be a speed above 0 m/s",
+            speed=float(speeds[0]),
+            line=first.line_of("vel_max"),
         )
     return start, target, _radius(first, scene), float(speeds[0])
 
@@ -404,8 +367,8 @@ def _from_corner(
     scene: _IrsimScene, table: YamlTable, key: str, point: list[Fraction]
 ) -> tuple[float, float]:
     if len(point) < 2:
-        raise table.fault(
-            key, Message("wrong-type", "{key} must have x and y, [1.5, 2, 0]", key=key)
+        raise FormatError(
+            "wrong-type", "{key} must have x and y, [1.5, 2, 0]", key=key, line=table.line_of(key)
         )
     return float(point[0] - scene.corner[0]), float(point[1] - scene.corner[1])
 
@@ -430,14 +393,12 @@ def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
         [radius, *(math.sqrt(c.x * c.x + c.y * c.y) + c.radius for c in around.shapes.circles)]
     )
     if radius <= 0.0:
-        raise robot.fault(
-            "shape",
-            Message(
-                "unsupported",
-                "the robot's shape {shape!q} cannot be read",
-                "give it a circle with a radius",
-                shape=name,
-            ),
+        raise FormatError(
+            "unsupported",
+            "the robot's shape {shape!q} cannot be read",
+            "give it a circle with a radius",
+            shape=name,
+            line=robot.line_of("shape"),
         )
     scene.notes.append(
         f"the robot is a {name}; the disc that it needs for turning has {radius:g} m"

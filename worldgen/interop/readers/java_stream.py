@@ -44,12 +44,8 @@ _RECORDS = {
 }
 
 
-def read_ints(data: bytes, source: str) -> Ints:
+def read_ints(data: bytes) -> Ints:
     """Return the numbers of a stream that contains nothing else.
-
-    Args:
-        data: The file's bytes.
-        source: Name of the file for messages.
 
     Returns:
         (n,) int32.
@@ -58,18 +54,17 @@ def read_ints(data: bytes, source: str) -> Ints:
         FormatError: If the header is different, a record isn't raw bytes, is empty or is cut short,
             or the bytes end within a number.
     """
-    _check_header(data, source)
+    _check_header(data)
     # Join the records' bytes.
     payload = bytearray()
     at = len(_HEADER)
     while at < len(data):
-        first, length = _record(data, at, source)
+        first, length = _record(data, at)
         if length == 0:
             raise FormatError(
                 "empty-block",
                 "byte {at}: an empty block; every block of a map holds numbers",
                 at=at,
-                source=source,
             )
         if length > len(data) - first:
             raise FormatError(
@@ -80,7 +75,6 @@ def read_ints(data: bytes, source: str) -> Ints:
                 at=at,
                 length=length,
                 left=len(data) - first,
-                source=source,
             )
         payload += data[first : first + length]
         at = first + length
@@ -91,12 +85,11 @@ def read_ints(data: bytes, source: str) -> Ints:
             "{count} bytes of numbers; a number has 4, so the last one is truncated",
             "fetch the file again",
             count=len(payload),
-            source=source,
         )
     return np.frombuffer(payload, ">i4").astype(np.int32)
 
 
-def _check_header(data: bytes, source: str) -> None:
+def _check_header(data: bytes) -> None:
     if data[:2] != MAGIC[: len(data)] or not data:
         came = data[:2].hex(" ").upper() or "nothing"
         raise FormatError(
@@ -104,7 +97,6 @@ def _check_header(data: bytes, source: str) -> None:
             "begins with {came}, but a Java object stream begins with AC ED 00 05",
             "give a file that the program saved",
             came=came,
-            source=source,
         )
     if len(data) < len(_HEADER):
         raise FormatError(
@@ -112,38 +104,32 @@ def _check_header(data: bytes, source: str) -> None:
             "ends after {bytes} bytes, within the header AC ED 00 05",
             "fetch it again",
             bytes=len(data),
-            source=source,
         )
     version = int.from_bytes(data[2:4], "big")
     if version != _VERSION:
         raise FormatError(
             "unknown-version",
-            "version {version} of Java's object stream; only version {known} exists",
+            "version {version} of Java's object stream; the only known version is {known}",
             "fetch the file again",
             version=version,
             known=_VERSION,
-            source=source,
         )
 
 
-def _record(data: bytes, at: int, source: str) -> tuple[int, int]:
+def _record(data: bytes, at: int) -> tuple[int, int]:
     """Return where the bytes of a record begin, and their number."""
     kind = data[at]
     if kind not in (_SHORT, _LONG):
-        _refuse_record(kind, at, source)
+        _refuse_record(kind, at)
     first = at + (2 if kind == _SHORT else 5)
     if first > len(data):
         raise FormatError(
-            "cut-short",
-            "byte {at}: ends within a block's length",
-            "fetch the file again",
-            at=at,
-            source=source,
+            "cut-short", "byte {at}: ends within a block's length", "fetch the file again", at=at
         )
     return first, int.from_bytes(data[at + 1 : first], "big")
 
 
-def _refuse_record(kind: int, at: int, source: str) -> NoReturn:
+def _refuse_record(kind: int, at: int) -> NoReturn:
     what = _RECORDS.get(kind, "not a record of Java")
     raise FormatError(
         "not-numbers",
@@ -152,7 +138,6 @@ def _refuse_record(kind: int, at: int, source: str) -> NoReturn:
         at=at,
         kind=kind,
         what=what,
-        source=source,
     )
 
 
@@ -165,12 +150,13 @@ def write_ints(values: npt.NDArray[np.integer]) -> bytes:
         values: Numbers of at most 32 bits, in the order of writing.
     """
     payload = values.astype(">i4").tobytes()
-    blocks = (payload[at : at + _BLOCK] for at in range(0, len(payload), _BLOCK))
-    return _HEADER + b"".join(_block_head(len(block)) + block for block in blocks)
-
-
-def _block_head(length: int) -> bytes:
-    return bytes([_SHORT, length]) if length <= 255 else bytes([_LONG]) + length.to_bytes(4, "big")
+    stream = bytearray(_HEADER)
+    for at in range(0, len(payload), _BLOCK):
+        block = payload[at : at + _BLOCK]
+        short = len(block) <= 255
+        stream.append(_SHORT if short else _LONG)
+        stream += len(block).to_bytes(1 if short else 4, "big") + block
+    return bytes(stream)
 
 
 def stream_bytes(count: int) -> int:

@@ -1,6 +1,6 @@
 """Load the triangles of a mesh file, all in one frame.
 
-trimesh reads the file; this module checks what goes in and what comes out.
+trimesh reads the file; this module checks its input and output.
 """
 
 from __future__ import annotations
@@ -21,10 +21,9 @@ import numpy as np
 import numpy.typing as npt
 import trimesh
 
-from worldgen.errors import FormatError, InvalidParameter, WorldgenError
-from worldgen.interop.foreign_map import MAX_FILE_BYTES, read_bounded
+from worldgen.errors import FormatError, WorldgenError
+from worldgen.interop.foreign_map import MAX_FILE_BYTES, read_bounded, sibling_file
 from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
-from worldgen.interop.readers.sibling_file import sibling_file
 from worldgen.interop.readers.threemf_file import read_threemf
 
 __all__ = ["RawMesh", "load_mesh"]
@@ -43,7 +42,6 @@ class RawMesh(NamedTuple):
     """A mesh as stored in its file.
 
     Args:
-        kind: The file's format.
         up: The axis that points up by the format's convention, ``y`` or ``z``.
         vertices: (n, 3) float64, in the file's unit and axes.
         faces: (m, 3) int64.
@@ -51,17 +49,14 @@ class RawMesh(NamedTuple):
             :data:`~worldgen.interop.format.HELD`, and ``size``; empty for other files.
         unit: Metres per unit, if the file gives it.
         left_out: Parts that are not surfaces, such as points and lines.
-        sha_data: The bytes of the file.
     """
 
-    kind: str
     up: str
     vertices: npt.NDArray[np.float64]
     faces: npt.NDArray[np.int64]
     held: dict[str, Any]
     unit: float | None
     left_out: int
-    sha_data: bytes
 
 
 def load_mesh(path: Path, kind: str) -> RawMesh:
@@ -75,38 +70,35 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
         FormatError: If the file breaks its format's rules, is too large, or has no triangles.
     """
     data = read_bounded(path)
-    source = str(path)
     held: dict[str, Any] = {}
     unit: float | None = None
     left_out = 0
     up = "z"
     # Check the file before a library reads it; 3MF has its own reader.
     if kind == "3mf":
-        vertices, faces, held, unit = read_threemf(data, source)
+        vertices, faces, held, unit = read_threemf(data)
     else:
         if kind in ("glb", "gltf"):
             up = "y"
-            document = gltf_json(data, source)
-            check_gltf(document, source)
+            document = gltf_json(data)
+            check_gltf(document)
             held = root_extras(document)
         else:
-            _check_counts(data, kind, source)
+            _check_counts(data, kind)
             held = _held(data, kind)
-        vertices, faces, left_out = _in_one_frame(_loaded(data, kind, path), source)
-    _check_arrays(vertices, faces, source)
-    return RawMesh(kind, up, vertices, faces, held, unit, left_out, data)
+        vertices, faces, left_out = _in_one_frame(_loaded(data, kind, path))
+    _check_arrays(vertices, faces)
+    return RawMesh(up, vertices, faces, held, unit, left_out)
 
 
-def _check_counts(data: bytes, kind: str, source: str) -> None:
+def _check_counts(data: bytes, kind: str) -> None:
     """Reject headers that claim more parts than the file has bytes."""
     if kind == "ply" and any(
         int(count[:20]) > len(data) for count in _COUNTED.findall(data[: 1 << 16])
     ):
-        raise FormatError(
-            "ends-early", "claims more parts than it has bytes", "export it again", source=source
-        )
+        raise FormatError("ends-early", "claims more parts than it has bytes", "export it again")
     if (kind in ("obj", "ply") and b"\0" in data[:4]) or not data.strip():
-        raise FormatError("empty", "holds no mesh", "give a file with triangles", source=source)
+        raise FormatError("empty", "holds no mesh", "give a file with triangles")
 
 
 def _held(data: bytes, kind: str) -> dict[str, Any]:
@@ -182,9 +174,6 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
                 process=False,
                 skip_materials=True,
             )
-    # The error is about a file that the mesh file names.
-    except InvalidParameter as error:
-        raise FormatError.of(error.message, source=str(path)) from error
     except WorldgenError:
         raise
     # A damaged file can make trimesh raise anything.
@@ -195,13 +184,10 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
             "export it again, or in another format",
             kind=kind,
             reason=" ".join(f"{type(error).__name__}: {error}".split())[:100],
-            source=str(path),
         ) from error
 
 
-def _in_one_frame(
-    scene: Any, source: str
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], int]:
+def _in_one_frame(scene: Any) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], int]:
     """Return all triangles of a scene, each instance in its place, and the number of empty ones."""
     # Collect the vertices and triangles of every part.
     places: list[npt.NDArray[np.float64]] = [np.zeros((0, 3))]
@@ -222,22 +208,16 @@ def _in_one_frame(
                 "has more than {most} triangles",
                 "simplify it, or export a part of it",
                 most=MOST_FACES,
-                source=source,
             )
         vertices = np.asarray(part.vertices, np.float64)
         corners = np.asarray(part.faces, np.int64)
         # A damaged OBJ file may have vertices of one or two numbers.
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise FormatError(
-                "wrong-count",
-                "has vertices without three coordinates",
-                "export it again",
-                source=source,
+                "wrong-count", "has vertices without three coordinates", "export it again"
             )
         if corners.min() < 0 or corners.max() >= len(vertices):
-            raise FormatError(
-                "out-of-range", "has a triangle without vertices", "export it again", source=source
-            )
+            raise FormatError("out-of-range", "has a triangle without vertices", "export it again")
         # Move the part into place; a mirror turns its triangles inside out.
         with np.errstate(all="ignore"):
             # Round each product and sum once, so that every machine gets the same bits.
@@ -249,15 +229,10 @@ def _in_one_frame(
     return np.concatenate(places), np.concatenate(triangles), left_out
 
 
-def _check_arrays(
-    vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], source: str
-) -> None:
+def _check_arrays(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64]) -> None:
     if not len(faces):
         raise FormatError(
-            "no-triangles",
-            "has no triangles",
-            "export surfaces, not points or lines",
-            source=source,
+            "no-triangles", "has no triangles", "export surfaces, not points or lines"
         )
     used = vertices[faces.reshape(-1)]
     if not (np.isfinite(used).all() and np.abs(used).max() < _FURTHEST):
@@ -265,5 +240,4 @@ def _check_arrays(
             "not-a-number",
             "has a vertex whose coordinates are not usable numbers",
             "export it again",
-            source=source,
         )

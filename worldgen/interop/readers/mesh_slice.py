@@ -2,29 +2,38 @@
 
 As with a real lidar, anything lower or higher than the plane is not seen: only the legs of a table
     appear.
+
+Each format has the options that its kind of file leaves open. Source of the axes: glTF 2.0, section
+    3.3 (y up, metres); ROS REP 103 (z up), which STL, OBJ and PLY files in robotics follow although
+    their formats do not require it.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest
+from worldgen.interop.foreign_map import ForeignMap, check_sides
+from worldgen.interop.format import HELD, LENGTHS, PAIRS, fact_numbers
 from worldgen.interop.geometry.section import Bodies, Section, cut, paint, sort_bodies
-from worldgen.interop.readers.mesh_file import RawMesh, load_mesh
 from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
 from worldgen.world import Value
 
-__all__ = ["Plane", "read_slice"]
+if TYPE_CHECKING:
+    from worldgen.interop.readers.mesh_file import RawMesh
 
+__all__ = ["Plane", "metric_reader", "read_slice", "unitless_reader"]
+
+_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 
 # Default, m, if neither the user nor the file gives one.
 _USUAL_CELL = 0.05
@@ -38,18 +47,10 @@ _SMALL = 0.25
 _ROUNDED = 2.0**-22
 # Depth in cells, as in `worldgen.interop.geometry.raster`.
 _TOUCH = 1e-6
+# Largest number in a file from worldgen.
+_FURTHEST = 1e15
 # Sizes in m; a smaller or larger building is probably in another unit.
 _ODD_SIDES = (0.5, 1000.0)
-_OURS = (
-    "start",
-    "heading",
-    "target",
-    "target_radius",
-    "robot_radius",
-    "robot_speed",
-    "cell_size",
-    "origin",
-)
 
 
 @dataclass(frozen=True)
@@ -71,12 +72,74 @@ class Plane:
     floor: int
 
 
+def unitless_reader(kind: str) -> Callable[..., ForeignMap]:
+    """Return the reader of a format without unit or up axis.
+
+    Args:
+        kind: ``stl``, ``obj`` or ``ply``.
+    """
+
+    def read(
+        path: Path,
+        *,
+        slice_height: float = 0.2,
+        cell_size: float = 0.0,
+        unit: Literal["m", "cm", "mm", "in"] = "m",
+        up: Literal["z", "y"] = "z",
+        floor: int = 0,
+    ) -> ForeignMap:
+        """Read a mesh, cut at a height.
+
+        Args:
+            path: The file.
+            slice_height: Height of the cut above the floor, m, such as the lidar's.
+            cell_size: Side of a cell, m; 0 means the file's own if worldgen wrote it, otherwise
+                0.05.
+            unit: The file's unit of length.
+            up: The axis that points up in the file; in Blender's OBJ files it is y.
+            floor: Number of the floor, from 0, the lowest.
+        """
+        return read_slice(path, kind, Plane(slice_height, cell_size, up, _METRES[unit], floor))
+
+    return read
+
+
+def metric_reader(kind: str) -> Callable[..., ForeignMap]:
+    """Return the reader of glTF, which is in metres, y up.
+
+    Args:
+        kind: ``glb`` or ``gltf``.
+    """
+
+    def read(
+        path: Path,
+        *,
+        slice_height: float = 0.2,
+        cell_size: float = 0.0,
+        up: Literal["y", "z"] = "y",
+        floor: int = 0,
+    ) -> ForeignMap:
+        """Read a mesh, cut at a height.
+
+        Args:
+            path: The file.
+            slice_height: Height of the cut above the floor, m, such as the lidar's.
+            cell_size: Side of a cell, m; 0 means the file's own if worldgen wrote it, otherwise
+                0.05.
+            up: The axis that points up in the file; glTF's is y, but not all exporters follow it.
+            floor: Number of the floor, from 0, the lowest.
+        """
+        return read_slice(path, kind, Plane(slice_height, cell_size, up, 1.0, floor))
+
+    return read
+
+
 def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     """Cut a mesh file and return the cells that are solid in the plane.
 
     Args:
         path: The file.
-        kind: Its format, one that :func:`~worldgen.interop.readers.mesh_file.load_mesh` takes.
+        kind: Its format, as for :func:`~worldgen.interop.readers.mesh_file.load_mesh`.
         plane: The cut to make.
 
     Raises:
@@ -84,6 +147,9 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
         InvalidParameter: If there is no such floor, or a number is out of range.
         InvalidWorld: If there are too many cells.
     """
+    # trimesh takes a second to import, so it is imported when a mesh is read.
+    from worldgen.interop.readers.mesh_file import load_mesh
+
     check_between("slice_height", plane.height, 0.0, 1000.0, "m")
     mesh = load_mesh(path, kind)
     held = _checked(mesh.held) if _as_written(mesh, plane) else {}
@@ -111,7 +177,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     if not len(section.closed) and not len(section.sheets):
         raise FormatError(
             "nothing-there",
-            "nothing stands {height:g} m above floor {floor}, which is at {level:g} m; the mesh "
+            "there is nothing {height:g} m above floor {floor}, which is at {level:g} m; the mesh "
             "reaches from {low:g} "
             "to {high:g} m",
             "give another slice height, floor, unit or up axis",
@@ -120,31 +186,35 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
             level=level,
             low=vertices[:, 2].min(),
             high=vertices[:, 2].max(),
-            source=str(path),
         )
 
     # Convert to cells.
     size = held.get("size") if held.get("cell_size") == cell_size else None
-    origin, width, height = _frame(vertices, cell_size, held.get("origin"), size, str(path))
+    origin, width, height = _frame(vertices, cell_size, held.get("origin"), size)
     solid = _cells(section, cell_size, origin, width, height)
-    return _map(path, mesh, solid, cell_size, origin, _Told(plane, held, floors, bodies, vertices))
+    params: dict[str, Value] = {"slice_height": plane.height, "floor": plane.floor, "up": plane.up}
+    found = ForeignMap(solid, cell_size, params, origin=origin)
+    if not held:
+        notes = _notes(plane, floors, bodies, mesh.left_out)
+        return replace(found, notes=notes, warnings=_warnings(vertices))
 
-
-@dataclass(frozen=True)
-class _Told:
-    """The plane of a cut, the facts that the file holds, and those for the notes."""
-
-    plane: Plane
-    held: dict[str, Any]
-    floors: list[float]
-    bodies: Bodies
-    vertices: npt.NDArray[np.float64]
+    # A file from worldgen may have start, target and robot too.
+    start = held.get("start")
+    target = held.get("target")
+    radius = [held["target_radius"]] if "target_radius" in held else []
+    return replace(
+        found,
+        start=None if start is None else (*start, held.get("heading", 0.0)),
+        target=None if target is None else (*target, *radius),
+        robot_radius=held.get("robot_radius"),
+        robot_speed=held.get("robot_speed"),
+    )
 
 
 def _as_written(mesh: RawMesh, plane: Plane) -> bool:
     """Return whether a file from worldgen is read with the up axis and the unit it was written in.
 
-    In any other frame, the facts it holds would describe another world.
+    In any other frame, the facts in the file would describe a different world.
     """
     return plane.up == mesh.up and (mesh.unit is not None or plane.unit == 1.0)
 
@@ -154,32 +224,21 @@ def _checked(held: dict[str, Any]) -> dict[str, Any]:
 
     Otherwise the file is read like any other.
     """
-    numbers: dict[str, Any] = {}
-    # Each fact must have the right number of finite values.
-    for name in ("size", *_OURS):
-        value = held.get(name)
-        if value is None:
+    facts: dict[str, Any] = {}
+    for name in ("size", *HELD):
+        if held.get(name) is None:
             continue
-        pair = name in ("size", "start", "target", "origin")
-        items = value if isinstance(value, list) else [value]
-        if len(items) != 1 + pair or any(
-            isinstance(one, bool) or not isinstance(one, int | float) for one in items
-        ):
+        numbers = fact_numbers(name, held[name])
+        if numbers is None or max(map(abs, numbers)) >= _FURTHEST:
             return {}
-        if not all(math.isfinite(one) and abs(one) < 1e15 for one in items):
+        if name in LENGTHS and min(numbers) <= 0:
             return {}
-        if (
-            name in ("size", "cell_size", "robot_radius", "robot_speed", "target_radius")
-            and min(items) <= 0
-        ):
-            return {}
-        numbers[name] = (
-            [int(one) for one in items] if name == "size" else [float(one) for one in items]
-        )
+        facts[name] = list(numbers) if name in PAIRS else numbers[0]
     # The grid needs all three of its facts.
-    if not {"size", "cell_size", "origin"} <= numbers.keys():
+    if not {"size", "cell_size", "origin"} <= facts.keys():
         return {}
-    return {name: value if len(value) > 1 else value[0] for name, value in numbers.items()}
+    facts["size"] = [int(side) for side in facts["size"]]
+    return facts
 
 
 def _floors(
@@ -222,14 +281,13 @@ def _frame(
     cell_size: float,
     origin: list[float] | None,
     size: list[int] | None,
-    source: str,
 ) -> tuple[tuple[float, float], int, int]:
     """Return the grid's corner, m, and its sides, cells.
 
     They are the file's own if worldgen wrote it; otherwise they surround the mesh, on whole cells.
     """
     if origin is not None and size is not None:
-        check_sides(size[0], size[1], source=source)
+        check_sides(size[0], size[1])
         return (origin[0], origin[1]), size[0], size[1]
     cell = exact(cell_size)
     ends = np.stack([vertices[:, :2].min(axis=0), vertices[:, :2].max(axis=0)]) / cell_size
@@ -238,10 +296,7 @@ def _frame(
     high = [math.ceil(value - slack) for value in ends[1].tolist()]
     width, height = (max(b - a, 1) for a, b in zip(low, high, strict=True))
     check_sides(
-        width,
-        height,
-        source=source,
-        remedy="give larger cells, or the file's unit if it is not the metre",
+        width, height, remedy="give larger cells, or the file's unit if it is not the metre"
     )
     return (float(low[0] * cell), float(low[1] * cell)), width, height
 
@@ -263,50 +318,11 @@ def _cells(
     return paint(in_cells, width, height, _slack(furthest))
 
 
-def _map(
-    path: Path,
-    mesh: RawMesh,
-    solid: npt.NDArray[np.bool_],
-    cell_size: float,
-    origin: tuple[float, float],
-    told: _Told,
-) -> ForeignMap:
-    plane = told.plane
-    held = told.held
-    params: dict[str, Value] = {
-        "format": mesh.kind,
-        "source": path.name,
-        "sha256": digest(mesh.sha_data),
-        "slice_height": plane.height,
-        "floor": plane.floor,
-        "up": plane.up,
-    }
-    start = held.get("start")
-    target = held.get("target")
-    return ForeignMap(
-        solid,
-        cell_size,
-        params,
-        () if held else _notes(told, mesh.left_out),
-        () if held else _warnings(told),
-        start=None if start is None else (*start, held.get("heading", 0.0)),
-        target=None
-        if target is None
-        else (*target, *([held["target_radius"]] if "target_radius" in held else [])),
-        robot_radius=held.get("robot_radius"),
-        robot_speed=held.get("robot_speed"),
-        origin=origin,
-    )
-
-
-def _notes(told: _Told, left_out: int) -> tuple[str, ...]:
-    plane = told.plane
-    floors = told.floors
-    bodies = told.bodies
+def _notes(plane: Plane, floors: list[float], bodies: Bodies, left_out: int) -> tuple[str, ...]:
     level = floors[plane.floor]
     notes = [
         f"cut {plane.height:g} m above the floor at {level:g} m; parts that end below it or begin "
-        f"above it are not seen"
+        "above it are ignored"
     ]
     if len(floors) > 1:
         notes.append(
@@ -326,13 +342,13 @@ def _notes(told: _Told, left_out: int) -> tuple[str, ...]:
     return (*notes, "everything beyond these cells is solid")
 
 
-def _warnings(told: _Told) -> tuple[str, ...]:
-    sides = (told.vertices.max(axis=0) - told.vertices.min(axis=0)).tolist()
+def _warnings(vertices: npt.NDArray[np.float64]) -> tuple[str, ...]:
+    sides = (vertices.max(axis=0) - vertices.min(axis=0)).tolist()
     if _ODD_SIDES[0] <= max(sides[:2]) <= _ODD_SIDES[1]:
         return ()
     return (
-        f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if it is in another unit, "
-        f"give that with +unit",
+        f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if that is wrong, give the "
+        "file's unit with +unit",
     )
 
 

@@ -59,7 +59,7 @@ def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
 
 
 def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float]) -> Places:
-    """Parse what :func:`place_words` wrote; a world's numbers come back bit for bit.
+    """Parse the output of :func:`place_words`; a world's numbers are restored bit for bit.
 
     Args:
         words: Any number of the words.

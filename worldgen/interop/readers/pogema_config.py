@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 
 __all__ = ["KEY_LINE", "PogemaTask", "read_configuration"]
@@ -46,55 +46,53 @@ class PogemaTask:
     map_name: str | None = None
 
 
-def read_configuration(text: bytes, source: str, map_name: str) -> PogemaTask:
+def read_configuration(text: bytes, map_name: str) -> PogemaTask:
     """Read a configuration, or one map of a file of named maps.
 
     Args:
         text: The file.
-        source: Its name for messages.
         map_name: Name of the map in a file of named maps; may be empty if there is only one.
 
     Raises:
         FormatError: If a key has a wrong value, or POGEMA itself would choose a place or a map.
     """
-    top = read_yaml(text, source, _EXAMPLE)
+    top = read_yaml(text, _EXAMPLE)
     if not _KEYS.intersection(top):
-        return _named_map(top, source, map_name)
+        return _named_map(top, map_name)
 
     # A configuration needs its own map.
     if map_name:
-        message = Message(
+        raise FormatError(
             "unknown-name",
             "it is a configuration, which has one map, so there is no map {name!q}",
             "omit map_name",
             name=map_name,
         )
-        raise FormatError.of(message, source=source)
     if "map" not in top or top.is_null("map"):
-        message = Message(
+        raise FormatError(
             "random-map",
-            "it has no map, so POGEMA draws one at random or takes one of its own",
+            "it has no map, so POGEMA draws one at random or uses one of its own",
             "write its rows below `map: |-`",
+            line=1,
         )
-        raise FormatError.of(message, line=1, source=source)
     if "on_target" in top and top.word("on_target") == "restart":
-        message = Message(
+        raise FormatError(
             "random-places",
             "with on_target: restart, POGEMA draws a new target whenever an agent arrives",
             "choose `finish` or `nothing`",
+            line=top.line_of("on_target"),
         )
-        raise top.fault("on_target", message)
 
-    # The agents have places, all or none.
+    # Either all agents have places, or none.
     given = [key for key in ("agents_xy", "targets_xy") if key in top and not top.is_null(key)]
     if len(given) == 1:
-        message = Message(
+        raise FormatError(
             "random-places",
-            "{key} is given alone, so POGEMA draws the other places at random",
+            "{key} is given without the other, so POGEMA draws the other places at random",
             "give agents_xy and targets_xy",
             key=given[0],
+            line=top.line_of(given[0]),
         )
-        raise top.fault(given[0], message)
     rows = _rows(top, "map")
     if not given:
         return PogemaTask(rows, places_needed=True)
@@ -102,10 +100,10 @@ def read_configuration(text: bytes, source: str, map_name: str) -> PogemaTask:
     return PogemaTask(rows, *_agents(top, starts, targets))
 
 
-def _named_map(top: YamlTable, source: str, map_name: str) -> PogemaTask:
+def _named_map(top: YamlTable, map_name: str) -> PogemaTask:
     names = list(top)
     if map_name not in top and (map_name or len(names) != 1):
-        message = Message(
+        raise FormatError(
             "unknown-name",
             "it has {count} maps, but none is named {name!q}"
             if map_name
@@ -115,8 +113,8 @@ def _named_map(top: YamlTable, source: str, map_name: str) -> PogemaTask:
             count=len(names),
             name=map_name,
             known=names[:10] + ["..."] * (len(names) > 10),
+            line=1,
         )
-        raise FormatError.of(message, line=1, source=source)
     name = map_name or names[0]
     return PogemaTask(_rows(top, name), map_name=name)
 
@@ -130,8 +128,9 @@ def _rows(top: YamlTable, key: str) -> list[tuple[int, bytes]]:
     rows = []
     for row in top.rows(key):
         if any(value not in (0, 1) for value in row):
-            message = Message("unknown-sign", "a cell of {key} is neither 0 nor 1", key=key)
-            raise top.fault(key, message)
+            raise FormatError(
+                "unknown-sign", "a cell of {key} is neither 0 nor 1", key=key, line=top.line_of(key)
+            )
         rows.append((line, b"".join(b"#" if value else b"." for value in row)))
     return rows
 
@@ -143,15 +142,15 @@ def _cells(top: YamlTable, key: str, rows: list[tuple[int, bytes]]) -> tuple[_Ce
     cells = []
     for place in top.rows(key):
         if len(place) != 2 or any(value.denominator != 1 for value in place):
-            message = Message(
+            raise FormatError(
                 "wrong-count",
                 "{key} must be a list of [row, column], one place for each agent",
                 key=key,
+                line=top.line_of(key),
             )
-            raise top.fault(key, message)
         row, column = (int(value) for value in place)
         if not (0 <= row < height and 0 <= column < width):
-            message = Message(
+            raise FormatError(
                 "outside-grid",
                 "{key}: [{row}, {column}] is outside the map of {height} rows and {width} columns",
                 "correct it; rows and columns count from 0",
@@ -160,8 +159,8 @@ def _cells(top: YamlTable, key: str, rows: list[tuple[int, bytes]]) -> tuple[_Ce
                 column=column,
                 height=height,
                 width=width,
+                line=top.line_of(key),
             )
-            raise top.fault(key, message)
         cells.append((row, column))
     return tuple(cells)
 
@@ -175,15 +174,17 @@ def _agents(
     for key, cells in (("agents_xy", starts), ("targets_xy", targets)):
         # Without their number, every start has a target.
         if len(cells) < count or not (counted or len(cells) == count):
-            message = Message(
+            raise FormatError(
                 "wrong-count",
                 "{key} has {found} places for {count} agents",
                 "give each agent a start and a target",
                 key=key,
                 found=len(cells),
                 count=count,
+                line=top.line_of(key),
             )
-            raise top.fault(key, message)
     if count < 1:
-        raise top.fault("num_agents", Message("empty", "there is no agent", "give at least one"))
+        raise FormatError(
+            "empty", "there is no agent", "give at least one", line=top.line_of("num_agents")
+        )
     return starts[:count], targets[:count]

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError
 
 __all__ = ["Entity", "read_stage_file"]
 
@@ -65,11 +65,9 @@ class Entity:
     def __contains__(self, key: str) -> bool:
         return key in self.properties
 
-    def fault(self, key: str, message: Message) -> FormatError:
-        """Return an error at the line of a property, or at its model's line if there is none."""
-        value = self.properties.get(key)
-        line, source = (self.line, self.source) if value is None else (value.line, value.source)
-        return FormatError.of(message, line=line, source=source)
+    def place(self, key: str) -> _Value | Entity:
+        """Return what has the line of a property: its value, or the entity if it lacks it."""
+        return self.properties.get(key, self)
 
     def text(self, key: str, default: str = "") -> str:
         """Return the string of a property."""
@@ -77,7 +75,7 @@ class Entity:
         return value.items[0].text if value is not None and value.items else default
 
     def numbers(self, key: str) -> list[Fraction]:
-        """Return the numbers of a property, exactly; none if it is missing.
+        """Return the exact numbers of a property; none if it is missing.
 
         Raises:
             FormatError: If one isn't a number.
@@ -85,15 +83,14 @@ class Entity:
         items = self.properties[key].items if key in self.properties else ()
         for item in items:
             if not _NUMBER.fullmatch(item.text):
-                raise self.fault(
-                    key,
-                    Message(
-                        "not-a-number",
-                        "{key} has {text!q}, which is not a number",
-                        "write one such as 0.05, without exponent",
-                        key=key,
-                        text=item.text,
-                    ),
+                raise FormatError(
+                    "not-a-number",
+                    "{key} has {text!q}, which is not a number",
+                    "write one such as 0.05, without exponent",
+                    key=key,
+                    text=item.text,
+                    line=self.place(key).line,
+                    source=self.place(key).source,
                 )
         return [Fraction(item.text) for item in items]
 
@@ -117,34 +114,35 @@ class _StageReader:
             elif token.kind == "word":
                 self._named(entity, depth)
             else:
-                raise _fault(
-                    token,
-                    Message("wrong-form", "{came!q} is where a name belongs", came=token.text),
+                raise FormatError(
+                    "wrong-form",
+                    "{came!q} is where a name belongs",
+                    came=token.text,
+                    line=token.line,
+                    source=token.source,
                 )
 
     def _spend(self, count: int, token: _Token) -> None:
         self.spent += count
         if self.spent > _MOST_TOKENS:
-            raise _fault(
-                token,
-                Message(
-                    "too-large",
-                    "definitions grow to more than {most} words",
-                    "take some out",
-                    most=_MOST_TOKENS,
-                ),
+            raise FormatError(
+                "too-large",
+                "definitions grow to more than {most} words",
+                "take some out",
+                most=_MOST_TOKENS,
+                line=token.line,
+                source=token.source,
             )
 
     def _define(self) -> None:
         words = self.tokens[self.at + 1 : self.at + 3]
         if len(words) < 2 or any(word.kind != "word" for word in words):
-            raise _fault(
-                self.tokens[self.at],
-                Message(
-                    "wrong-form",
-                    "define needs a name and a base",
-                    "write `define wall model ( ... )`",
-                ),
+            raise FormatError(
+                "wrong-form",
+                "define needs a name and a base",
+                "write `define wall model ( ... )`",
+                line=self.tokens[self.at].line,
+                source=self.tokens[self.at].source,
             )
         begin = self.at + 3
         self.at = begin
@@ -164,11 +162,12 @@ class _StageReader:
                 break
         self._spend(self.at - begin, first)
         if depth or self.tokens[self.at - 1].text != ")":
-            raise _fault(
-                first,
-                Message(
-                    "wrong-form", "a bracket ( is missing or not closed", "write `name ( ... )`"
-                ),
+            raise FormatError(
+                "wrong-form",
+                "a bracket ( is missing or not closed",
+                "write `name ( ... )`",
+                line=first.line,
+                source=first.source,
             )
         return self.at - 1
 
@@ -187,13 +186,12 @@ class _StageReader:
         elif after is not None and after.kind == "mark" and after.text == "[":
             entity.properties[name.text] = _Value(tuple(self._list(after)), name.line, name.source)
         else:
-            raise _fault(
-                name,
-                Message(
-                    "missing-value",
-                    '{name!q} has no value; a name is followed by a number, a "word", [ or (',
-                    name=name.text,
-                ),
+            raise FormatError(
+                "missing-value",
+                '{name!q} has no value; a name is followed by a number, a "word", [ or (',
+                name=name.text,
+                line=name.line,
+                source=name.source,
             )
 
     def _list(self, first: _Token) -> Iterator[_Token]:
@@ -206,22 +204,24 @@ class _StageReader:
             if token.kind not in ("number", "text"):
                 break
             yield token
-        raise _fault(
-            first,
-            Message("wrong-form", 'a list [ lacks a number or a "word"', "close it with ]"),
+        raise FormatError(
+            "wrong-form",
+            'a list [ lacks a number or a "word"',
+            "close it with ]",
+            line=first.line,
+            source=first.source,
         )
 
     def _entity(self, name: _Token, begin: int, end: int, depth: int) -> Entity:
         """Return the entity between two tokens, on top of its definition."""
         if depth > _MOST_DEPTH:
-            raise _fault(
-                name,
-                Message(
-                    "nested-too-deep",
-                    "entities are nested deeper than {most} levels",
-                    "flatten them",
-                    most=_MOST_DEPTH,
-                ),
+            raise FormatError(
+                "nested-too-deep",
+                "entities are nested deeper than {most} levels",
+                "flatten them",
+                most=_MOST_DEPTH,
+                line=name.line,
+                source=name.source,
             )
         after = self.at
         if name.text in self.defined:
@@ -236,10 +236,6 @@ class _StageReader:
         self.fill(entity, depth + 1, end)
         self.at = after
         return entity
-
-
-def _fault(token: _Token, message: Message) -> FormatError:
-    return FormatError.of(message, line=token.line, source=token.source)
 
 
 def read_stage_file(
@@ -289,16 +285,20 @@ def _tokens(
         token = _Token(kind, match[kind], line, source)
         if including:
             if kind != "text":
-                raise _fault(token, Message("wrong-form", "include needs a file's name in quotes"))
+                raise FormatError(
+                    "wrong-form",
+                    "include needs a file's name in quotes",
+                    line=token.line,
+                    source=token.source,
+                )
             if depth >= _MOST_DEPTH:
-                raise _fault(
-                    token,
-                    Message(
-                        "nested-too-deep",
-                        "files are included more than {most} levels deep",
-                        "does one include itself?",
-                        most=_MOST_DEPTH,
-                    ),
+                raise FormatError(
+                    "nested-too-deep",
+                    "files are included more than {most} levels deep",
+                    "does one include itself?",
+                    most=_MOST_DEPTH,
+                    line=token.line,
+                    source=token.source,
                 )
             found = include(token.text, line)
             if found is not None:

@@ -15,12 +15,11 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, InvalidParameter, Message
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
-from worldgen.interop.geometry.degrees import radians
+from worldgen.errors import FormatError
+from worldgen.interop.foreign_map import ForeignMap, naming, read_bounded, sibling_file
+from worldgen.interop.format import radians
 from worldgen.interop.geometry.raster import painted
-from worldgen.interop.readers.grey_image import read_grey_image
-from worldgen.interop.readers.sibling_file import sibling_file
+from worldgen.interop.readers.grey_image import read_picture_file
 from worldgen.interop.readers.stage_file import Entity, read_stage_file
 from worldgen.support.rows import flip_rows
 from worldgen.world import Value
@@ -35,15 +34,7 @@ _MOST_INCLUDES = 100
 # Largest grey, of 255, of a wall's pixel.
 _BLACK = 127
 # Beginnings of the names of included objects.
-_ROBOTS = (
-    "position",
-    "pioneer",
-    "turtlebot",
-    "roomba",
-    "erratic",
-    "amigobot",
-    "robot",
-)
+_ROBOTS = ("position", "pioneer", "turtlebot", "roomba", "erratic", "amigobot", "robot")
 _UNITS = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000)}
 
 _Point = tuple[Fraction, Fraction]
@@ -51,7 +42,7 @@ _Point = tuple[Fraction, Fraction]
 
 @dataclass
 class _Includes:
-    """Files that a world file includes: those next to it are read, the others are reported."""
+    """Files that a world file includes: those next to it are read, others are reported."""
 
     path: Path
     notes: list[str] = field(default_factory=list)
@@ -60,16 +51,17 @@ class _Includes:
     def __call__(self, name: str, line: int) -> tuple[str, str] | None:
         self.read += 1
         if self.read > _MOST_INCLUDES:
-            message = Message(
+            raise FormatError(
                 "too-large",
                 "more than {most} files are included",
                 "does one include itself?",
                 most=_MOST_INCLUDES,
+                line=line,
+                source=str(self.path),
             )
-            raise FormatError.of(message, line=line, source=str(self.path))
         try:
             file = sibling_file(self.path, "include", name)
-        except InvalidParameter as error:
+        except FormatError as error:
             self.notes.append(f"{error}; its definitions are not known")
             return None
         return _text(file), str(file)
@@ -99,19 +91,29 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     Raises:
         FormatError: If a file breaks a rule, with the line if there is one.
     """
-    source = str(path)
+    # Parse the file and those that it includes.
     includes = _Includes(path)
-    data = read_bounded(path, _MAX_BYTES)
-    world = read_stage_file(_text(path), source, includes)
+    world = read_stage_file(_text(path), str(path), includes)
     unit, turn = _units(world)
-    floor = _floor_plan(world, source, includes.notes)
-    image = _picture(floor, path)
-    plan = _plan(floor, image, unit, includes.notes)
-    walls, size = _cells(plan, cell_size, includes.notes, source)
-    params: dict[str, Value] = {
-        "format": "stage", "source": path.name, "sha256": digest(data), "image": image.name,
-        "image_sha256": digest(read_bounded(image)),
-    }  # fmt: skip
+    floor = _floor_plan(world, includes.notes)
+    # The picture's name is relative to the world file, even if an included file has it.
+    place = floor.place("bitmap")
+    with naming(Path(place.source)):
+        image = sibling_file(path, "bitmap", floor.text("bitmap"), line=place.line)
+    # Black pixels are walls.
+    grey, image_digest = read_picture_file(image)
+    solid = flip_rows(grey.values.astype(np.int64) * 255 // grey.maximum <= _BLACK)
+    if not solid.any():
+        raise FormatError(
+            "empty",
+            "has no black pixel, so Stage has no walls to stretch",
+            "draw some",
+            source=str(image),
+        )
+    plan = _plan(floor, solid, unit, includes.notes)
+    walls, size = _cells(plan, cell_size, includes.notes)
+    params: dict[str, Value] = {"image": image.name, "image_sha256": image_digest}
+    # Read the robot and its target.
     robot = _robot(world, includes.notes)
     start = _pose(robot, plan, unit, turn) if robot is not None else None
     speeds = robot.numbers("velocity_bounds") if robot is not None else []
@@ -130,85 +132,62 @@ def _units(world: Entity) -> tuple[Fraction, bool]:
     length = world.text("unit_length", "m")
     angle = world.text("unit_angle", "degrees")
     if length not in _UNITS:
-        raise world.fault(
-            "unit_length",
-            Message(
-                "unknown-name", "unit_length is {name!q}; Stage knows m, cm and mm", name=length
-            ),
+        raise FormatError(
+            "unknown-name",
+            "unit_length is {name!q}; Stage knows m, cm and mm",
+            name=length,
+            line=world.place("unit_length").line,
+            source=world.place("unit_length").source,
         )
     if angle not in ("degrees", "radians"):
-        raise world.fault(
-            "unit_angle",
-            Message(
-                "unknown-name",
-                "unit_angle is {name!q}; Stage knows degrees and radians",
-                name=angle,
-            ),
+        raise FormatError(
+            "unknown-name",
+            "unit_angle is {name!q}; Stage knows degrees and radians",
+            name=angle,
+            line=world.place("unit_angle").line,
+            source=world.place("unit_angle").source,
         )
     return _UNITS[length], angle == "degrees"
 
 
-def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
+def _floor_plan(world: Entity, notes: list[str]) -> Entity:
     """Return the only object with a picture, or the largest of several."""
     found = [entity for entity in world.parts if "bitmap" in entity]
     if not found:
-        message = Message(
+        raise FormatError(
             "no-map-found",
-            "has no model with a bitmap; a world of Stage has its walls as one, `floorplan ( "
+            "has no model with a bitmap; a Stage world stores its walls as one, `floorplan ( "
             'bitmap "map.png" )`',
         )
-        raise FormatError.of(message, source=source)
     if len(found) > 1:
         notes.append(f"{len(found)} models have pictures; only the largest was used")
     return max(found, key=lambda entity: math.prod(entity.numbers("size")[:2]))
 
 
-def _picture(floor: Entity, path: Path) -> Path:
-    """Return the picture's path.
-
-    It is relative to the world file, even if an included file names it.
-    """
-    try:
-        return sibling_file(path, "bitmap", floor.text("bitmap"))
-    except InvalidParameter as error:
-        raise floor.fault("bitmap", error.message) from error
-
-
-def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan:
-    # Find the bounding box of the black pixels.
-    grey = read_grey_image(read_bounded(image), str(image))
-    solid = flip_rows(grey.values.astype(np.int64) * 255 // grey.maximum <= _BLACK)
-    rows, columns = (np.flatnonzero(solid.any(axis=axis)) for axis in (1, 0))
-    if not len(rows):
-        raise FormatError(
-            "empty",
-            "has no black pixel, so Stage has no walls to stretch",
-            "draw some",
-            source=str(image),
-        )
+def _plan(floor: Entity, solid: npt.NDArray[np.bool_], unit: Fraction, notes: list[str]) -> _Plan:
+    """Return the floor plan with these black pixels, stretched as Stage does it."""
     # Check the floor plan's size and pose.
     size = floor.numbers("size")
     pose = [*floor.numbers("pose"), *[Fraction(0)] * 4][:4]
     if len(size) < 2 or min(size[:2]) <= 0:
-        raise floor.fault(
-            "size",
-            Message(
-                "wrong-type",
-                "a floor plan needs its size, two or three lengths above 0, size [16 16 0.8]",
-            ),
+        raise FormatError(
+            "wrong-type",
+            "a floor plan needs its size, two or three lengths above 0, size [16 16 0.8]",
+            line=floor.place("size").line,
+            source=floor.place("size").source,
         )
     if pose[3] != 0 or any(floor.numbers("origin")):
-        raise floor.fault(
-            "pose",
-            Message(
-                "unsupported",
-                "the floor plan is turned or has an origin; only upright ones can be read",
-                "turn the picture",
-            ),
+        raise FormatError(
+            "unsupported",
+            "the floor plan is turned or has an origin; only upright ones can be read",
+            "turn the picture",
+            line=floor.place("pose").line,
+            source=floor.place("pose").source,
         )
     if floor.numbers("obstacle_return") == [0]:
         notes.append("obstacle_return is 0: Stage's own robots drive through these walls")
-    # Stretch the box over the size, as Stage does.
+    # Stretch the bounding box of the black pixels over the size.
+    rows, columns = (np.flatnonzero(solid.any(axis=axis)) for axis in (1, 0))
     (low, high), (left, right) = ((int(index[0]), int(index[-1]) + 1) for index in (rows, columns))
     if (right - left, high - low) != solid.shape[::-1]:
         notes.append(
@@ -227,9 +206,7 @@ def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan
     return _Plan(solid, across, along, corner)
 
 
-def _cells(
-    plan: _Plan, wanted: float, notes: list[str], source: str
-) -> tuple[npt.NDArray[np.bool_], float]:
+def _cells(plan: _Plan, wanted: float, notes: list[str]) -> tuple[npt.NDArray[np.bool_], float]:
     """Return the walls, and the side of a cell, m."""
     size = Fraction(repr(wanted)) if wanted else min(plan.across, plan.along)
     rows, columns = plan.solid.shape
@@ -237,7 +214,6 @@ def _cells(
         (columns * plan.across, rows * plan.along),
         size,
         lambda raster: raster.picture(plan.solid, plan.across, plan.along),
-        source,
     )
     if raster.partly:
         notes.append(

@@ -50,32 +50,29 @@ Mesh = tuple[Floats, Ints]
 class _Model:
     """The objects of a file, and how many parts and triangles it may still place."""
 
-    source: str
     objects: dict[str, XmlElement]
     meshes: dict[str, list[Mesh]] = field(default_factory=dict)
     parts: int = _MOST_PARTS
     faces: int = MOST_FACES
 
 
-def read_threemf(data: bytes, source: str) -> tuple[Floats, Ints, dict[str, Any], float]:
+def read_threemf(data: bytes) -> tuple[Floats, Ints, dict[str, Any], float]:
     """Return vertices, triangles, the facts of a file from worldgen, and metres per unit.
 
     Raises:
         FormatError: If the file breaks the format's rules.
     """
-    root = read_xml(_unpacked(data, source), source)
+    root = read_xml(_unpacked(data))
     unit = root.attributes.get("unit", "millimeter")
     if _plain(root.name) != "model" or unit not in UNITS:
-        raise FormatError(
-            "wrong-structure", "has no <model> in a unit of 3MF", "export it again", source=source
-        )
+        raise FormatError("wrong-structure", "has no <model> in a unit of 3MF", "export it again")
     objects = {
         element.attributes.get("id", ""): element
         for element in _children(root, "resources", "object")
         if element.attributes.get("type", "model") != "other"
     }
     found: list[Mesh] = []
-    model = _Model(source, objects)
+    model = _Model(objects)
     try:
         for item in _children(root, "build", "item"):
             name = item.attributes.get("objectid", "")
@@ -88,12 +85,11 @@ def read_threemf(data: bytes, source: str) -> tuple[Floats, Ints, dict[str, Any]
             "breaks the rules of 3MF ({reason})",
             "export it again",
             reason=f"{type(error).__name__}: {error}"[:80],
-            source=source,
         ) from error
     return (*_joined(found), _held(root), UNITS[unit])
 
 
-def _unpacked(data: bytes, source: str) -> bytes:
+def _unpacked(data: bytes) -> bytes:
     """Return the model's XML.
 
     The archive may claim any size, so only the bytes that are read are unpacked.
@@ -112,18 +108,13 @@ def _unpacked(data: bytes, source: str) -> bytes:
     ) as error:
         raise FormatError(
             "not-an-archive",
-            "is not a ZIP archive with {model} in it",
+            "is not a ZIP archive that contains {model}",
             "export it again",
             model=_MODEL,
-            source=source,
         ) from error
     if len(text) > _MOST_XML:
         raise FormatError(
-            "too-large",
-            "unpacks to more than {most} bytes",
-            "simplify it",
-            most=_MOST_XML,
-            source=source,
+            "too-large", "unpacks to more than {most} bytes", "simplify it", most=_MOST_XML
         )
     return text
 
@@ -153,9 +144,7 @@ def _transform(element: XmlElement) -> Floats:
 def _placed(model: _Model, name: str, transform: Floats, depth: int) -> list[Mesh]:
     """Return the meshes of an object and of its components, each in its place."""
     if depth == 0:
-        raise FormatError(
-            "too-deep", "its components nest too deep", "export it flat", source=model.source
-        )
+        raise FormatError("too-deep", "its components nest too deep", "export it flat")
     model.parts -= 1
     if model.parts < 0 or model.faces < 0:
         raise FormatError(
@@ -164,7 +153,6 @@ def _placed(model: _Model, name: str, transform: Floats, depth: int) -> list[Mes
             "simplify it",
             parts=_MOST_PARTS,
             faces=MOST_FACES,
-            source=model.source,
         )
     element = model.objects[name]
     if name not in model.meshes:

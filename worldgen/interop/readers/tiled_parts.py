@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError
 from worldgen.support.plain_text import quote
 
 __all__ = [
@@ -40,7 +40,7 @@ _WINDOW = 47
 _COMMON_NAMES = ("walls", "wall", "collision", "collisions", "obstacles", "solid")
 
 
-def parse_tiled(data: bytes, source: str) -> Part:
+def parse_tiled(data: bytes) -> Part:
     """Return the map after checking its kind.
 
     Raises:
@@ -50,39 +50,28 @@ def parse_tiled(data: bytes, source: str) -> Part:
     try:
         parsed = json.loads(data)
     except UnicodeDecodeError as error:
-        raise FormatError(
-            "not-utf8", "is not UTF-8 text", "save it from Tiled as JSON", source=source
-        ) from error
+        raise FormatError("not-utf8", "is not UTF-8 text", "save it from Tiled as JSON") from error
     except json.JSONDecodeError as error:
-        message = Message(
+        raise FormatError(
             "not-json",
             "is not JSON: {reason}",
             "save it from Tiled as JSON (.tmj)",
             reason=error.msg,
-        )
-        raise FormatError.of(message, line=error.lineno, source=source) from error
+            line=error.lineno,
+        ) from error
     # Nested too deep, or a number of thousands of digits.
     except (RecursionError, ValueError) as error:
         raise FormatError(
-            "wrong-form",
-            "is not a map in the form that Tiled writes",
-            "save it from Tiled again",
-            source=source,
+            "wrong-form", "is not a map in the form that Tiled writes", "save it from Tiled again"
         ) from error
     if not isinstance(parsed, dict) or not isinstance(parsed.get("layers"), list):
         raise FormatError(
             "unknown-format",
-            "is JSON without layers, and of JSON only Tiled's maps are read",
+            "is JSON without layers; the only JSON maps that can be read are Tiled's",
             "give a map that Tiled saved, not a tileset or world",
-            source=source,
         )
     if parsed.get("infinite") is True:
-        raise FormatError(
-            "endless-map",
-            "is endless",
-            "clear Infinite in Tiled's Map Properties",
-            source=source,
-        )
+        raise FormatError("endless-map", "is endless", "clear Infinite in Tiled's Map Properties")
     kind = parsed.get("orientation", "orthogonal")
     if kind != "orthogonal":
         raise FormatError(
@@ -90,22 +79,20 @@ def parse_tiled(data: bytes, source: str) -> Part:
             "its orientation is {orientation!q}; only orthogonal maps can become worlds",
             "draw it again as an orthogonal map",
             orientation=str(kind),
-            source=source,
         )
-    tile = [checked_number(parsed, key, source) for key in ("tilewidth", "tileheight")]
+    tile = [checked_number(parsed, key) for key in ("tilewidth", "tileheight")]
     if tile[0] != tile[1] or tile[0] < 1:
         raise FormatError(
             "not-square",
-            "tiles of {width} x {height} pixels; a cell is a square",
+            "tiles of {width} x {height} pixels; a cell must be square",
             "make both sides equal in Map Properties",
             width=tile[0],
             height=tile[1],
-            source=source,
         )
     return parsed
 
 
-def checked_number(part: Part, key: str, source: str) -> int:
+def checked_number(part: Part, key: str) -> int:
     """Return a whole number from 0 to a million.
 
     Raises:
@@ -119,12 +106,11 @@ def checked_number(part: Part, key: str, source: str) -> int:
             "save it again",
             key=key,
             value=json.dumps(value),
-            source=source,
         )
     return value
 
 
-def all_layers(parsed: Part, source: str) -> list[Part]:
+def all_layers(parsed: Part) -> list[Part]:
     """Return layers in drawing order, those in groups too.
 
     Raises:
@@ -140,7 +126,6 @@ def all_layers(parsed: Part, source: str) -> list[Part]:
                 "a layer is not an object, or there are more than {most}",
                 "save it again",
                 most=_MOST_LAYERS,
-                source=source,
             )
         found.append(layer)
         inner = layer.get("layers")
@@ -149,7 +134,7 @@ def all_layers(parsed: Part, source: str) -> list[Part]:
     return found
 
 
-def tile_layer(layers: list[Part], name: str, source: str) -> Part:
+def tile_layer(layers: list[Part], name: str) -> Part:
     """Return the layer of walls: the named one, otherwise one called walls, or the only one.
 
     Raises:
@@ -172,12 +157,11 @@ def tile_layer(layers: list[Part], name: str, source: str) -> Part:
             at_terminal=True,
             name=name,
             known=[quote(layer["name"]) for layer in tiles[:20]],
-            source=source,
         )
     return found[0]
 
 
-def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArray[np.uint32]:
+def tile_numbers(layer: Part, width: int, height: int) -> npt.NDArray[np.uint32]:
     """Return the numbers of tiles, (height, width), top row first, 0 where there is none.
 
     Flips are ignored.
@@ -198,13 +182,12 @@ def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArr
             layer_height=size[1],
             width=width,
             height=height,
-            source=source,
         )
     data = layer.get("data")
     if isinstance(data, str):
-        numbers = np.frombuffer(_unpacked(layer, data, 4 * width * height, name, source), "<u4")
+        numbers = np.frombuffer(_unpacked(layer, data, 4 * width * height, name), "<u4")
     else:
-        numbers = _listed(data, name, source)
+        numbers = _listed(data, name)
     if len(numbers) != width * height:
         raise FormatError(
             "wrong-length",
@@ -215,12 +198,11 @@ def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArr
             width=width,
             height=height,
             needed=width * height,
-            source=source,
         )
     return (numbers & _TILE).astype(np.uint32).reshape(height, width)
 
 
-def _listed(data: object, name: str, source: str) -> npt.NDArray[np.int64]:
+def _listed(data: object, name: str) -> npt.NDArray[np.int64]:
     numbers = np.array([])
     if isinstance(data, list) and not any(isinstance(value, list) for value in data[:1]):
         with contextlib.suppress(ValueError, OverflowError):
@@ -232,15 +214,14 @@ def _listed(data: object, name: str, source: str) -> npt.NDArray[np.int64]:
     ):
         raise FormatError(
             "wrong-type",
-            "{name} has no list of tile numbers as its data",
+            "the data of {name} is not a list of tile numbers",
             "save it again",
             name=name,
-            source=source,
         )
     return numbers.astype(np.int64)
 
 
-def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> bytes:
+def _unpacked(layer: Part, text: str, size: int, name: str) -> bytes:
     if layer.get("encoding", "base64") != "base64":
         raise FormatError(
             "unsupported",
@@ -248,7 +229,6 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
             "save it as CSV",
             name=name,
             encoding=str(layer["encoding"]),
-            source=source,
         )
     kind = layer.get("compression") or "none"
     if kind not in ("none", "zlib", "gzip"):
@@ -258,7 +238,6 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
             "save it in Tiled as CSV or zlib",
             name=name,
             compression=str(kind),
-            source=source,
         )
     try:
         packed = base64.b64decode(text, validate=True)
@@ -274,7 +253,6 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
             "save it again",
             name=name,
             reason=str(error),
-            source=source,
         ) from error
     if len(data) > size or not unpacker.eof:
         raise FormatError(
@@ -282,7 +260,6 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
             "{name} does not unpack to {size} bytes; it is damaged, save it again",
             name=name,
             size=size,
-            source=source,
         )
     return data[: len(data) // 4 * 4]
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError
 
 __all__ = ["XmlElement", "read_xml"]
 
@@ -27,7 +27,7 @@ class XmlElement:
         line: Line where it begins.
         attributes: Values by name.
         children: The elements inside it.
-        text: The characters inside it, without those of its children.
+        text: The text inside it, without its children's text.
     """
 
     name: str
@@ -52,42 +52,33 @@ class XmlElement:
         return default if found is None else found.text.strip()
 
 
-def read_xml(data: bytes, source: str) -> XmlElement:
+def read_xml(data: bytes) -> XmlElement:
     """Return the root of a file.
-
-    Args:
-        data: The file.
-        source: Name of the file for messages.
 
     Raises:
         FormatError: If it isn't well-formed XML, declares a document type, or is nested too deep.
     """
-    reader = _TreeBuilder(source)
+    reader = _TreeBuilder()
     try:
         for at in range(0, len(data), _CHUNK):
             reader.parser.Parse(data[at : at + _CHUNK], False)
         reader.parser.Parse(b"", True)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        message = Message(
+        raise FormatError(
             "not-xml",
             "is not XML: {reason} in column {column}",
-            "correct it there, or just before",
+            "correct it there, or just before that",
             reason=reason,
             column=error.offset + 1,
-        )
-        raise FormatError.of(message, line=error.lineno, source=source) from error
+            line=error.lineno,
+        ) from error
     except FormatError:
         raise
     # Python does not know this encoding.
     except (ValueError, LookupError) as error:
         raise FormatError(
-            "not-xml",
-            "is not XML: {reason}",
-            "save it as UTF-8",
-            reason=str(error),
-            line=1,
-            source=source,
+            "not-xml", "is not XML: {reason}", "save it as UTF-8", reason=str(error), line=1
         ) from error
     return reader.open[0].children[0]
 
@@ -95,8 +86,7 @@ def read_xml(data: bytes, source: str) -> XmlElement:
 class _TreeBuilder:
     """Build the tree, and refuse anything that could make a small file large when it appears."""
 
-    def __init__(self, source: str) -> None:
-        self.source = source
+    def __init__(self) -> None:
         self.open = [XmlElement("", 0)]
         self._count = 0
         self._texts: list[list[str]] = [[]]
@@ -108,40 +98,34 @@ class _TreeBuilder:
         self.parser.EndElementHandler = self._end
         self.parser.CharacterDataHandler = self._characters
 
-    def _fault(self, message: Message) -> FormatError:
-        return FormatError.of(message, line=self.parser.CurrentLineNumber, source=self.source)
-
     def _doctype(self, name: str, *_: object) -> None:
-        raise self._fault(
-            Message(
-                "unsupported",
-                "a document type ({name!q}) is declared; worlds have none, so delete the "
-                "<!DOCTYPE ...>",
-                name=name,
-            )
+        raise FormatError(
+            "unsupported",
+            "a document type ({name!q}) is declared; worlds have none, so delete the "
+            "<!DOCTYPE ...>",
+            name=name,
+            line=self.parser.CurrentLineNumber,
         )
 
     def _entity(self, name: str, *_: object) -> None:
-        raise self._fault(
-            Message(
-                "unsupported",
-                "an entity ({name!q}) is declared",
-                "write its text where it is used",
-                name=name,
-            )
+        raise FormatError(
+            "unsupported",
+            "an entity ({name!q}) is declared",
+            "write its text where it is used",
+            name=name,
+            line=self.parser.CurrentLineNumber,
         )
 
     def _begin(self, name: str, attributes: dict[str, str]) -> None:
         self._count += 1
         if len(self.open) > _MOST_DEPTH or self._count > _MOST_ELEMENTS:
-            raise self._fault(
-                Message(
-                    "too-large",
-                    "more than {most_depth} levels or {most_elements} elements",
-                    "cut out a smaller world",
-                    most_depth=_MOST_DEPTH,
-                    most_elements=_MOST_ELEMENTS,
-                )
+            raise FormatError(
+                "too-large",
+                "more than {most_depth} levels or {most_elements} elements",
+                "cut out a smaller world",
+                most_depth=_MOST_DEPTH,
+                most_elements=_MOST_ELEMENTS,
+                line=self.parser.CurrentLineNumber,
             )
         element = XmlElement(name, self.parser.CurrentLineNumber, attributes)
         self.open[-1].children.append(element)

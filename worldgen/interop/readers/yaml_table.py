@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import yaml
 
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError
 
 __all__ = ["YamlTable", "read_yaml"]
 
@@ -46,28 +46,21 @@ class YamlTable:
     Its methods raise an error with the line if a value has another form.
 
     Args:
-        node: The mapping.
-        source: The file's name for messages.
+        node: The mapping; an empty one if omitted.
 
     Raises:
         FormatError: If a key is given twice.
     """
 
-    def __init__(self, node: yaml.MappingNode, source: str) -> None:
-        self.source = source
-        self.line = node.start_mark.line + 1
+    def __init__(self, node: yaml.MappingNode | None = None) -> None:
+        self.line = 1 if node is None else node.start_mark.line + 1
         self._entries: dict[str, _Entry] = {}
-        for key, value in node.value:
+        for key, value in () if node is None else node.value:
             line = key.start_mark.line + 1
             name = key.value if isinstance(key, yaml.ScalarNode) else "a list or mapping"
             if name in self._entries:
                 raise FormatError(
-                    "twice",
-                    "{name!q} is given twice",
-                    "keep one",
-                    name=name,
-                    line=line,
-                    source=source,
+                    "twice", "{name!q} is given twice", "keep one", name=name, line=line
                 )
             self._entries[name] = _Entry(value, line)
 
@@ -77,13 +70,9 @@ class YamlTable:
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)
 
-    def fault(self, key: str, message: Message) -> FormatError:
-        """Return an error at the line of a key."""
-        return FormatError.of(message, line=self._entries[key].line, source=self.source)
-
     def line_of(self, key: str) -> int:
-        """Return the line of a key."""
-        return self._entries[key].line
+        """Return the line of a key, or the table's own if it lacks the key."""
+        return self._entries[key].line if key in self._entries else self.line
 
     def lines(self, key: str) -> list[tuple[int, str]] | None:
         """Return the lines of a key's text with their numbers; None if it is a list or a table."""
@@ -103,13 +92,11 @@ class YamlTable:
         """
         node = self._entries[key].node
         if not isinstance(node, yaml.ScalarNode) or not node.value:
-            raise self.fault(
-                key,
-                Message(
-                    "wrong-type",
-                    "{key} must be one value on its line, not a list and not empty",
-                    key=key,
-                ),
+            raise FormatError(
+                "wrong-type",
+                "{key} must be one value on its line, not a list and not empty",
+                key=key,
+                line=self.line_of(key),
             )
         return str(node.value)
 
@@ -122,15 +109,13 @@ class YamlTable:
         word = self.word(key)
         value = _parse_number(word)
         if value is None:
-            raise self.fault(
-                key,
-                Message(
-                    "not-a-number",
-                    "{key} is {word!q}, which is not a finite number",
-                    "write one such as 0.05",
-                    key=key,
-                    word=word,
-                ),
+            raise FormatError(
+                "not-a-number",
+                "{key} is {word!q}, which is not a finite number",
+                "write one such as 0.05",
+                key=key,
+                word=word,
+                line=self.line_of(key),
             )
         return value
 
@@ -142,9 +127,13 @@ class YamlTable:
         """
         word = self.word(key)
         if word.lower() not in _TRUTH:
-            raise self.fault(
-                key,
-                Message("not-a-number", "{key} is {word!q}", "write 0 or 1", key=key, word=word),
+            raise FormatError(
+                "not-a-number",
+                "{key} is {word!q}",
+                "write 0 or 1",
+                key=key,
+                word=word,
+                line=self.line_of(key),
             )
         return _TRUTH[word.lower()]
 
@@ -174,15 +163,13 @@ class YamlTable:
         """
         word = self.word(key)
         if not _is_exact(word):
-            raise self.fault(
-                key,
-                Message(
-                    "not-a-number",
-                    "{key} is {word!q}, which is not a number",
-                    "write one such as 0.05",
-                    key=key,
-                    word=word,
-                ),
+            raise FormatError(
+                "not-a-number",
+                "{key} is {word!q}, which is not a number",
+                "write one such as 0.05",
+                key=key,
+                word=word,
+                line=self.line_of(key),
             )
         return Fraction(word)
 
@@ -205,13 +192,11 @@ class YamlTable:
             for row in rows
         ]
         if not all(row and all(map(_is_exact, row)) for row in words):
-            raise self.fault(
-                key,
-                Message(
-                    "wrong-type",
-                    "{key} must be a list of numbers, [1.5, 2, 0], or a list of such lists",
-                    key=key,
-                ),
+            raise FormatError(
+                "wrong-type",
+                "{key} must be a list of numbers, [1.5, 2, 0], or a list of such lists",
+                key=key,
+                line=self.line_of(key),
             )
         return [[Fraction(word) for word in row] for row in words]
 
@@ -225,35 +210,30 @@ class YamlTable:
         items = node.value if isinstance(node, yaml.SequenceNode) else [node]
         tables = [item for item in items if isinstance(item, yaml.MappingNode)]
         if len(tables) < len(items):
-            raise self.fault(
-                key,
-                Message(
-                    "wrong-type",
-                    "{key} must have keys of its own, `name: value`, indented below it",
-                    key=key,
-                ),
+            raise FormatError(
+                "wrong-type",
+                "{key} must have keys of its own, `name: value`, indented below it",
+                key=key,
+                line=self.line_of(key),
             )
-        return [YamlTable(item, self.source) for item in tables]
+        return [YamlTable(item) for item in tables]
 
 
-def read_yaml(text: bytes, source: str, example: str) -> YamlTable:
+def read_yaml(text: bytes, example: str) -> YamlTable:
     """Parse the top level of a file.
 
     Args:
         text: The file.
-        source: Name of the file for messages.
         example: A typical line, for messages: "a ROS map has `image: map.pgm` and similar keys".
 
     Raises:
         FormatError: If it isn't YAML, isn't a table, or has anchors, aliases, or lists nested too
             deep.
     """
-    root = _compose(text, source)
+    root = _compose(text)
     if not isinstance(root, yaml.MappingNode):
-        raise FormatError(
-            "empty", "holds no keys; {example}", example=example, line=1, source=source
-        )
-    return YamlTable(root, source)
+        raise FormatError("empty", "holds no keys; {example}", example=example, line=1)
+    return YamlTable(root)
 
 
 def _is_exact(word: str) -> bool:
@@ -266,43 +246,39 @@ def _parse_number(word: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _compose(text: bytes, source: str) -> yaml.Node | None:
+def _compose(text: bytes) -> yaml.Node | None:
     """Return the file as nodes only: no value is built, no tag obeyed."""
     try:
         decoded = text.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = text.count(b"\n", 0, error.start) + 1
         raise FormatError(
-            "not-utf8", "is not UTF-8 text", "give the map's YAML file", line=line, source=source
+            "not-utf8", "is not UTF-8 text", "give the map's YAML file", line=line
         ) from error
     try:
-        _refuse_tricks(decoded, source)
+        _refuse_tricks(decoded)
         return yaml.compose(decoded, Loader=_LOADER)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = 1 if mark is None else mark.line + 1
-        message = Message(
+        raise FormatError(
             "not-yaml",
             "is not YAML: {reason}",
             "write `key: value` lines",
             reason=error.problem or error.context,
-        )
-        raise FormatError.of(message, line=line, source=source) from error
+            line=line,
+        ) from error
     except FormatError:
         raise
     # A forbidden character, raw or as an escape.
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         line = decoded.count("\n", 0, getattr(error, "position", 0)) + 1
         raise FormatError(
-            "forbidden-character",
-            "has a character that YAML forbids",
-            "remove it",
-            line=line,
-            source=source,
+            "forbidden-character", "has a character that YAML forbids", "remove it", line=line
         ) from error
 
 
-def _refuse_tricks(text: str, source: str) -> None:
+def _refuse_tricks(text: str) -> None:
     """Reject anything that makes a small YAML file large or deep, before a tree is built."""
     depth = 0
     for event in yaml.parse(text, Loader=_LOADER):
@@ -311,9 +287,8 @@ def _refuse_tricks(text: str, source: str) -> None:
             raise FormatError(
                 "unsupported",
                 "anchors and aliases (& and *) are not supported",
-                "write the value out",
+                "write out the value",
                 line=line,
-                source=source,
             )
         depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(
             event, yaml.CollectionEndEvent
@@ -325,5 +300,4 @@ def _refuse_tricks(text: str, source: str) -> None:
                 "flatten them",
                 most=_MAX_DEPTH,
                 line=line,
-                source=source,
             )

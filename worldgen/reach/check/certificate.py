@@ -49,7 +49,7 @@ class CheckReport:
 
     Args:
         valid: True if the certificate proves its claim for the requested radius.
-        reason: One sentence about what holds, or what does not.
+        reason: One sentence about the proof, or about the error in it.
         clearance: Length, m: the measured radius of the largest disc that a witness lets through,
             or half the widest gap of a cut. It is 0 if the check failed before it was measured.
     """
@@ -123,7 +123,8 @@ def _check_joint(world: World, joint: JointWitness, radius: float | None) -> Che
         needed = radii[pair.first - 1] + radii[pair.second - 1]
         if not pair.distance >= needed - TOLERANCE * world.cell_size:
             reason = (
-                f"robots {pair.first} and {pair.second} overlap at {pair.time:.6g} s: their centres "
+                f"robots {pair.first} and {pair.second} overlap at {pair.time:.6g} s: their "
+                "centres "
                 f"are {pair.distance:.9g} m apart, and their radii add up to {needed:.9g} m"
             )
             return CheckReport(False, reason, clearance)
@@ -144,10 +145,10 @@ def _waiting(path: Witness, until: float) -> Witness:
 def _leaves_target(world: World, path: Witness) -> bool:
     """Return True if a path leads into or across the target and ends a later piece outside it.
 
-    A robot parks as soon as its centre is in its target, also in the middle of a step, so it could
+    A robot parks as soon as its centre is in its target, even in the middle of a step, so it could
     not drive such a path. Whole pieces count, not only their ends: a piece between two points
-    outside can cross the target. Once a path has come in, the ends of its pieces suffice, because a
-    disc is convex.
+    outside can cross the target. Once a path has entered the target, the ends of its pieces are
+    enough, because a disc is convex.
     """
     # Find the first piece that comes nearer than the target's radius.
     target = world.target
@@ -174,7 +175,7 @@ def _check_one_of_several(
 ) -> CheckReport:
     """Check a cut of one of several robots; if that robot cannot arrive, not all of them can."""
     if not isinstance(certificate, Cut):
-        return CheckReport(False, "the witness is about one robot, but there are several", 0.0)
+        return CheckReport(False, "the witness covers one robot, but there are several", 0.0)
     if not 1 <= certificate.robot <= len(world.robots):
         return CheckReport(False, f"there is no robot {certificate.robot}", 0.0)
     report = check_certificate(world.alone(certificate.robot), certificate, radius=radius)
@@ -314,7 +315,9 @@ def path_of(world: World, witness: Witness) -> WitnessPoints:
     y = witness.y
     size = world.cell_size
     finite = all(np.isfinite(values).all() for values in (times, x, y))
-    _require(len(times) > 0 and finite, "the witness has no points, or a number that is not finite")
+    _require(
+        len(times) > 0 and finite, "the witness has no points, or has a number that is not finite"
+    )
     _require(bool(times[0] == 0.0), f"the witness starts at {times[0]} s, not at 0 s")
     falls = np.nonzero(times[1:] < times[:-1])[0]
     _require(not len(falls), f"the witness goes back in time after point {_first(falls)}")
@@ -441,7 +444,7 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
         f"the gap between cells {cells[at]} and {cells[(at + 1) % len(cells)]} is not narrower "
         f"than the disc",
     )
-    # The start or the grid may rule out the disc at once.
+    # The start or the grid may rule out the disc immediately.
     spans = blocked_spans(world)
     if _start_is_covered(world, cells, in_cells, spans):
         return "the start is closer to a solid cell than the radius"

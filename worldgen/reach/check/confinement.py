@@ -51,7 +51,8 @@ def check_confinement(
         return CheckReport(True, f"no robot gets that far{within}", 0.0)
     return CheckReport(
         True,
-        f"no robot leaves the {len(proof.stays)} stays{within}, and none of them is at the target",
+        f"no robot can leave the {len(proof.stays)} stays{within}, and none of the stays is at "
+        "the target",
         0.0,
     )
 
@@ -67,7 +68,7 @@ class _Check:
         self.proof = proof
         self.k = proof.k
         if not (isinstance(proof.k, int) and proof.k >= 1 and proof.slab > 0):
-            raise _ConfinementRefused("a tile or a slab has size 0")
+            raise _ConfinementRefused("a tile or a time slab has size 0")
         size = _decimal(world.cell_size)
         speed = _decimal(world.robot_speed)
         if proof.slab * speed > size / proof.k:

@@ -26,7 +26,7 @@ class PairDistance(NamedTuple):
 
     Args:
         first: Number of one robot, from 1.
-        second: Number of the other.
+        second: Number of the other robot.
         distance: Smallest distance of their centres, m.
         time: Time of that distance, s.
     """

@@ -56,7 +56,7 @@ def witness_margin(world: World, witness: Witness, *, radius: float | None = Non
     length = np.diff(path.times)[piece]
     since = begin + first * length
     until = begin + last * length
-    # Spans before that are over before the disc comes near.
+    # Earlier spans end before the disc comes near.
     ahead = met & (spans.end[cell] > (since + until) / 2)
     left = spans.begin[cell][ahead] - until[ahead]
     return float(max(left.min(initial=np.inf), 0.0))

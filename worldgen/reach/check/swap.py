@@ -32,7 +32,8 @@ def check_swap(world: World, swap: Swap, *, radius: float | None = None) -> Chec
     if fault:
         return CheckReport(False, fault, 0.0)
     reason = (
-        f"robots {swap.first} and {swap.second} would have to change places in a passage too narrow "
+        f"robots {swap.first} and {swap.second} would have to change places in a passage too "
+        "narrow "
         "for both"
     )
     return CheckReport(True, reason, 0.0)
@@ -85,7 +86,7 @@ def _cell_of(world: World, robot: Robot) -> tuple[int, int]:
 
 
 def _flooded(blocked: npt.NDArray[np.bool_], start: tuple[int, int]) -> npt.NDArray[np.bool_]:
-    """Return the cells joined to one by their sides; each is looked at once."""
+    """Return the cells connected to one by their sides, examining each only once."""
     # A ring of blocked cells around the grid, so that no step leaves the array.
     before = np.pad(~blocked, 1)
     stride = before.shape[1]
@@ -99,7 +100,7 @@ def _flooded(blocked: npt.NDArray[np.bool_], start: tuple[int, int]) -> npt.NDAr
             if free[beside]:
                 free[beside] = 0
                 to_visit.append(beside)
-    # The room is what was free and is not any more, and the start in any case.
+    # The room consists of the cells that were free and no longer are, and of the start.
     after = np.frombuffer(bytes(free), np.bool_).reshape(before.shape)
     room = (before & ~after)[1:-1, 1:-1]
     room[start] = True

@@ -43,8 +43,8 @@ def stay_apart(
     """Return True if two robots stay apart while each goes straight from one point to another.
 
     Args:
-        one: Where one robot begins and ends.
-        other: Where the other begins and ends, in the same time.
+        one: One robot's start and end.
+        other: The other robot's start and end, in the same time.
         apart_sq: Square of the distance that they must keep.
     """
     (ax, ay), (bx, by) = one

@@ -15,7 +15,7 @@ from worldgen.world import Cut, World
 __all__ = ["decide_joint"]
 
 _FINER = 4  # nodes per cell side if half cells have no plan
-_MOST_FINE = 40_000  # cells of a world that is searched on the finer graph too
+_MOST_FINE = 40_000  # largest world, in cells, to search on the finer graph too
 
 
 def decide_joint(
@@ -38,7 +38,7 @@ def decide_joint(
         radius: Radius of every robot, m; each one's own if None.
         margin: Seconds by which all robots may start late, in a world that changes.
         certificate: True to return the proof.
-        cut: True to return the proof also if it is a cut. Otherwise, no proof that there is no
+        cut: True to return the proof even if it is a cut. Otherwise, no proof that there is no
             witness is searched for, and the search for a witness is short.
     """
     # Search half cells first, then finer ones, which take longer but find tighter plans.
@@ -72,7 +72,7 @@ def decide_joint(
 
 def _undecided_reason(exhausted: int) -> str:
     if not exhausted:
-        return "no joint plan was found, and nothing proves that there is none"
+        return "no joint plan was found, but it is not proved that none exists"
     return (
         f"all joint moves on the grid of 1/{exhausted} cells were searched, from the nodes chosen "
         f"for the starts and with robots that stay where they arrive, but none brings every robot "
@@ -93,7 +93,8 @@ def _proved_impossible(world: World, radius: float | None, wants_cut: bool) -> D
     if swap is None:
         return None
     reason = (
-        f"robots {swap.first} and {swap.second} would have to change places in a passage too narrow "
+        f"robots {swap.first} and {swap.second} would have to change places in a passage too "
+        "narrow "
         "for both"
     )
     return Decision(BLOCKED, None, reason, swap=swap)

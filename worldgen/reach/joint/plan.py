@@ -12,7 +12,7 @@ from worldgen._core import ffi, lib
 from worldgen.reach.joint.question import JointQuestion
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["PlanResult", "find_plan"]
+__all__ = ["PlanResult", "find_plan", "taken_nodes"]
 
 # Each robot without a path is planned first in the next round. In most worlds this works within a
 # few rounds; twice the number of robots is enough, and more than forty only cost time.
@@ -21,7 +21,7 @@ _MOST_ONE = 2_000_000  # states of one robot
 _MOST_EXHAUST = 300_000  # joint states: about 3 s for two robots in a narrow place
 _FEW = 3  # robots whose joint states are searched one by one
 _MOST_LACAM = 30_000  # joint states for more robots
-_QUICK_EXHAUST = 30_000  # for a search that is not thorough: some tens of milliseconds
+_QUICK_EXHAUST = 30_000  # for a search that is not thorough: tens of milliseconds
 _QUICK_LACAM = 1_000
 _QUICK_ONE = 200_000
 _QUICK_ORDERS = 6
@@ -83,7 +83,7 @@ def _one_after_the_other(question: JointQuestion, described: Any, *, thorough: b
             lib.wg_joint_prioritised(described, pointer(ffi, order, np.int64), most, made, failed)
         )
         if made[0] != ffi.NULL:
-            return _taken(made[0], described.robots)
+            return taken_nodes(made[0], described.robots)
         stuck = int(failed[0])
         # A robot that has no path even if all others make room for it has to make room itself.
         is_first = stuck == order[0]
@@ -101,11 +101,11 @@ def _joint(search: Any, described: Any, most: int) -> PlanResult:
     progress = ffi.new("WgProgress *")
     check(search(described, most, made, progress))
     if made[0] != ffi.NULL:
-        return PlanResult(_taken(made[0], described.robots))
+        return PlanResult(taken_nodes(made[0], described.robots))
     return PlanResult(None, progress[0] == lib.WG_EXHAUSTED)
 
 
-def _taken(plan: Any, robots: int) -> Ints:
+def taken_nodes(plan: Any, robots: int) -> Ints:
     """Return the nodes of a plan, which is freed."""
     try:
         nodes = np.empty((lib.wg_joint_length(plan) + 1, robots), np.int64)

@@ -22,9 +22,9 @@ from worldgen.reach.still.prove import links
 from worldgen.reach.still.walls import ExactPoint, Walls
 from worldgen.reach.timed.spans import Spans
 from worldgen.support.ccall import check, pointer, writable
-from worldgen.world import World
+from worldgen.world import Robot, World
 
-__all__ = ["JointQuestion", "RobotEnds", "crossing_steps", "joint_question"]
+__all__ = ["Ground", "JointQuestion", "RobotEnds", "crossing_steps", "joint_question"]
 
 _MOST_NODES = 60_000_000  # limit on nodes times robots: each has a distance of four bytes
 _MOST_CHOICES = 20_000  # limit on the assignments of starts to nodes that are tried
@@ -37,7 +37,7 @@ Ints = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class RobotEnds:
-    """How a robot gets onto the nodes and off again.
+    """How a robot enters and leaves the nodes.
 
     Args:
         start: Where it starts, lu.
@@ -119,7 +119,7 @@ class JointQuestion:
             pointer(ffi, np.cumsum([0, *map(len, self.crossings)]), np.int64),
             pointer(ffi, np.concatenate(self.crossings), np.int64),
         ]
-        # Fill in the question.
+        # Fill in the struct.
         made = ffi.new("WgJoint *")
         made.robots = len(self.radii)
         made.classes = len(classes)
@@ -170,31 +170,78 @@ def joint_question(
         return None
 
     # Starts and goals, each with the nodes next to it.
-    options: list[list[int]] = []
-    starts: list[ExactPoint] = []
-    goals: list[ExactPoint | None] = []
-    crossings: list[Ints] = []
+    grounds = [Ground(rasters, which, of_class) for which, of_class in enumerate(classes)]
     distances = np.empty((len(robots), rasters.clear.shape[-2] * rasters.clear.shape[-1]), np.int32)
-    for index, robot in enumerate(robots):
-        which = classes.index(radii[index])
-        start: ExactPoint = (lattice_units(robot.start.x, size), lattice_units(robot.start.y, size))
-        first = Graph(k, rasters.clear[0, which], rasters.middle[0, which])
-        nodes = links(Walls(rasters.blocked[0], radii[index]), first, start)
-        target = robot.target
-        disc = disc_of(target.x, target.y, target.radius, size)
-        ever = rasters.ever(which)
-        flags, goal = _goal_nodes(Walls(rasters.ever_blocked, radii[index]), ever, disc)
-        _fill_distances(ever, flags, distances[index])
-        crossings.append(crossing_steps(disc, k, ever.stride))
-        starts.append(start)
-        goals.append(goal)
-        nodes = _before_parking(nodes, start, disc, ever)
-        options.append(_nearest_first(nodes, start, ever, distances[index]))
-    chosen = _choose_nodes(options, starts, radii, k, rasters.clear.shape[-1])
+    approaches = []
+    for robot, of_robot, row in zip(robots, radii, distances, strict=True):
+        ground = grounds[classes.index(of_robot)]
+        approaches.append(ground.approach(robot, size, row))
+    chosen = _choose_nodes(
+        [approach.nodes for approach in approaches],
+        [approach.start for approach in approaches],
+        radii,
+        k,
+        rasters.clear.shape[-1],
+    )
     if chosen is None:
         return None
-    ends = [RobotEnds(*parts) for parts in zip(starts, chosen, goals, strict=True)]
+    ends = [
+        RobotEnds(approach.start, node, approach.goal)
+        for approach, node in zip(approaches, chosen, strict=True)
+    ]
+    crossings = [approach.crossings for approach in approaches]
     return JointQuestion(world, radii, rasters, spans, ticks, tick, ends, distances, crossings)
+
+
+@dataclass(frozen=True)
+class Approach:
+    """The ways of one robot onto the nodes and off again.
+
+    Args:
+        start: Where it starts, lu.
+        nodes: The nodes that it can go to from there, the nearest first.
+        goal: Where it ends, lu; None if it ends at a node.
+        crossings: The steps across its target.
+    """
+
+    start: ExactPoint
+    nodes: list[int]
+    goal: ExactPoint | None
+    crossings: Ints
+
+
+class Ground:
+    """Where the robots of one class can be.
+
+    Args:
+        rasters: Where the discs are clear.
+        which: Number of the class.
+        radius: Its radius, cells.
+    """
+
+    def __init__(self, rasters: Rasters, which: int, radius: Fraction) -> None:
+        self._first = Graph(rasters.k, rasters.clear[0, which], rasters.middle[0, which])
+        self._first_walls = Walls(rasters.blocked[0], radius)
+        self._ever = rasters.ever(which)
+        self._ever_walls = Walls(rasters.ever_blocked, radius)
+
+    def approach(self, robot: Robot, size: float, distances: npt.NDArray[np.int32]) -> Approach:
+        """Return how a robot gets onto the nodes, and fill in their distances from its target.
+
+        Args:
+            robot: The robot.
+            size: Side of a cell, m.
+            distances: (nodes,) int32, receives the distances.
+        """
+        start: ExactPoint = (lattice_units(robot.start.x, size), lattice_units(robot.start.y, size))
+        nodes = links(self._first_walls, self._first, start)
+        target = robot.target
+        disc = disc_of(target.x, target.y, target.radius, size)
+        flags, goal = _goal_nodes(self._ever_walls, self._ever, disc)
+        _fill_distances(self._ever, flags, distances)
+        crossings = crossing_steps(disc, self._ever.k, self._ever.stride)
+        nodes = _before_parking(nodes, start, disc, self._ever)
+        return Approach(start, _nearest_first(nodes, start, self._ever, distances), goal, crossings)
 
 
 def crossing_steps(disc: Disc, k: int, stride: int) -> Ints:
@@ -208,7 +255,8 @@ def crossing_steps(disc: Disc, k: int, stride: int) -> Ints:
         stride: Nodes per row.
 
     Returns:
-        (n,) int64, rising: eight times the node where a step begins, plus the number of the step.
+        (n,) int64, ascending: eight times the node where a step begins, plus the number of the
+        step.
     """
     # Each number of the disc is a whole number of units.
     scale = math.lcm(disc.x.denominator, disc.y.denominator, disc.radius.denominator)

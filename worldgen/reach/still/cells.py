@@ -1,4 +1,4 @@
-"""Find the cells whose centres the disc can reach, which a coverage task asks a robot to visit."""
+"""Find the cells whose centres the disc can reach, which a coverage task requires a robot to visit."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ class _Ground:
                 other = node + step
                 if other in parent or not 0 <= other < len(clear) or not clear[other]:
                     continue
-                # Steps along the axes come first, and need no check of a middle.
+                # Steps along the axes come first, and need no check of a midpoint.
                 if k < _AXIS_STEPS or middle[node + between]:
                     parent[other] = node
                     queue.append(other)

@@ -1,4 +1,4 @@
-"""The target's disc, and what a cut separates from the start."""
+"""The target's disc, and the poses that a cut separates from the start."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ __all__ = [
 
 _HALF = UNIT // 2
 _ROUNDED = Fraction(1, 2)
-# Parts of 1/1024 cell; C compares nothing finer.
+# Fraction of 1/1024 cell; C compares nothing finer.
 _FINEST = 2**32
 
 

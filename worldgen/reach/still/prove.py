@@ -45,7 +45,10 @@ _MOST_NODES = 40_000_000
 # The same limit in a world that changes.
 _MOST_TIMED_NODES = 4_000_000
 _NOT_ASKED = "a path was found; its witness was not requested"
-_CUT_NOT_ASKED = "the start is covered, or chains of cells separate it from the target; the cut was not requested"
+_CUT_NOT_ASKED = (
+    "the start is covered, or chains of cells separate it from the target; the cut was not "
+    "requested"
+)
 _NONE = np.zeros(0, np.int64)
 
 
@@ -108,7 +111,7 @@ def _decide_changing(world: World, radius: float, margin: float) -> Decision:
             )
             if for_ever.result == BLOCKED:
                 return for_ever
-    # A path that avoids everything that is ever blocked needs no timing.
+    # A path that avoids all cells that are ever blocked needs no timing.
     untouched = _ReachQuery(replace(still, walls=spans.ever), radius).answer()
     # A path between nodes, which the timed graphs do not have, may exist.
     if untouched.result == REACHABLE:
@@ -362,7 +365,7 @@ class _ReachQuery:
         poses = deciding_poses(self.walls, self.disc)
         if poses is None:
             reason = (
-                "the target's disc is too large to look at all of its poses; give a smaller one"
+                "the target's disc is too large to examine all of its poses; give a smaller one"
             )
             return Decision(UNDECIDED, None, reason)
         if not len(poses):
@@ -387,7 +390,7 @@ class _ReachQuery:
         return Decision(
             UNDECIDED,
             None,
-            "each pose in the target's disc is walled off, but no single ring was found",
+            "every pose in the target's disc is walled off, but no single ring was found",
         )
 
     def _ringed(self, chain: Chain) -> Decision:
@@ -403,7 +406,7 @@ class _ReachQuery:
     def _stopped_sq(self, chain: Chain) -> Fraction | None:
         """Return the squared radius, cells, above which a chain stops every disc.
 
-        Return None if that is known only for the robot's disc.
+        Return None if that is only known for the robot's disc.
         """
         return Fraction(widest_gap_sq(chain), 4) if beyond(chain, self.start, self.disc) else None
 

@@ -29,7 +29,7 @@ from worldgen.support.ccall import check, pointer
 
 __all__ = ["DecidingPoses", "deciding_poses", "described_target"]
 
-# Cells; the error of floats is far smaller when they select what is examined exactly.
+# Margin, cells; floats, whose error is far smaller, only select candidates for the exact test.
 _SLACK = 1e-6
 # Binary digits of a root: far finer than the distance of any clear pose from any cut.
 _BITS = 160

@@ -99,7 +99,7 @@ class Walls:
     def near(self, p: ExactPoint, q: ExactPoint, reach: int) -> Iterator[Cell]:
         """Yield solid cells (ix, iy) that may be within ``reach`` lu of segment pq.
 
-        No closer cell is missing. Outside the grid, only the ring next to it is included, since
+        No closer cell is missing. Outside the grid, only the ring next to it is included, because
         other cells are never closer.
         """
         (px, py), (qx, qy) = (p, q) if p[1] <= q[1] else (q, p)

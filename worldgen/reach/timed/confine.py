@@ -1,8 +1,8 @@
 """Confine the robot: bound where it can be, tile by tile and slab by slab.
 
 A tile is dead while a single blocked cell is so near that no point of the tile is clear. In one
-slab of time a robot gets no farther than one tile's side, so from its tile to one of the eight
-around it, or it stays. The tiles reached this way include all that the disc can reach, and
+slab of time a robot gets no farther than one tile's side, so it stays in its tile or moves to one
+of the eight around it. The tiles reached this way include all that the disc can reach, and
 everything else is out of reach (docs/explanation/reachability.md).
 """
 
@@ -40,8 +40,8 @@ class Reach:
     """The result of a search.
 
     Args:
-        proof: Proof that the target is not reached, or not by the deadline; None if that is not
-            shown.
+        proof: Proof that the target is not reached, or not by the deadline; None if there is no
+            such proof.
         earliest: If there is no proof, a time, s, before which the target is not reached.
     """
 

@@ -67,7 +67,7 @@ class Intervals:
 def touching(radius: Fraction, k: int, half: int) -> list[list[Cell]]:
     """Return, for each place in a cell, the cells within the radius of it.
 
-    Places are at multiples of 1/k, or, if ``half`` is 1, 1 / 2k beyond them.
+    Points are at multiples of 1/k or, if ``half`` is 1, 1 / 2k beyond them.
     """
     return [
         touching_cells(2 * a + half, 2 * b + half, 2 * k, radius)

@@ -32,7 +32,7 @@ Ints = npt.NDArray[np.int64]
 class Spans:
     """The cells that change, and when they are blocked: solid or burning.
 
-    If a robot is clear of spans that begin ``early`` seconds early, it stays clear when it comes up
+    If a robot is clear of spans that begin ``early`` seconds early, it stays clear if it arrives up
     to that much later: for some delay up to ``early``, t + delay is b or later exactly if t is b -
     early or later.
 

@@ -1,12 +1,12 @@
-// Arrow heads along a path, so that a picture that stands still shows which way the robot drove.
+// Arrowheads along a path, so that a still picture shows which way the robot drove.
 
 const APART = 90; // pixels along the path between two heads
-const SIZE = 7; // pixels of a head's length
-const MOST = 60; // heads of one path in the window
-const LEAST = 3; // pixels: a shorter piece of the path says little about the direction
+const SIZE = 7; // length of an arrowhead, pixels
+const MOST = 60; // arrowheads of one path in the window
+const LEAST = 3; // pixels: a shorter piece of the path does not show a clear direction
 
 /**
- * Returns where heads are drawn on the rows of a path, in pixels, each with its direction.
+ * Returns where to draw arrowheads on the rows of a path, in pixels, each with its direction.
  * @param {Pen} pen
  * @param {{x: ArrayLike<number>, y: ArrayLike<number>}} open
  * @param {number} from
@@ -37,7 +37,7 @@ function headsOn(pen, { x, y }, from, to) {
 }
 
 /**
- * Draws the heads on the rows of a path, without those that would cover each other.
+ * Draws the arrowheads on the rows of a path, except those that would cover each other.
  * @param {Pen} pen
  * @param {{x: ArrayLike<number>, y: ArrayLike<number>}} open
  * @param {number} from
@@ -60,7 +60,7 @@ export function drawHeads(pen, open, from, to, colour) {
 }
 
 /**
- * Fills a head with the context's colour.
+ * Fills an arrowhead with the context's colour.
  * @param {Pen} pen
  * @param {number} x - Its middle, pixels
  * @param {number} y

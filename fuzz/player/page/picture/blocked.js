@@ -4,11 +4,11 @@ import { drawHead } from "#player/picture/arrows.js";
 import { bodyRadius } from "#player/picture/body.js";
 import { poseAt, stepWithin } from "#player/decode.js";
 
-const ASIDE = 0.55; // radii to the right of the line between the middles: two that block each other have an arrow each
-const INSET = 0.3; // radii from the middles to the arrow's ends, at most a quarter of the distance
+const ASIDE = 0.55; // radii to the right of the line between the centres, so that two robots that block each other have separate arrows
+const INSET = 0.3; // radii from the centres to the arrow's ends, at most a quarter of the distance
 
 /**
- * Draws the arrows, once the part of the run that repeats forever has begun.
+ * Draws the arrows once the repeating part of the run has begun.
  * @param {Pen} pen
  * @param {RunScene} scene
  */

@@ -3,10 +3,10 @@
 import { openWorld } from "#player/decode.js";
 import { disc, line, robotColour, stroke } from "#player/picture/pen.js";
 
-const CASING = 5; // pixels: makes the path and the cut stand out from anything below them, in any colour vision
+const CASING = 5; // pixels: makes the path and the cut stand out from anything below them, even to people who see few colours
 
 /**
- * Draws a timed path, and a dot where it is at a time.
+ * Draws a timed path, and a dot at its place at the given time.
  * @param {Pen} pen
  * @param {{ms: Float64Array, x: Float64Array, y: Float64Array}} witness
  * @param {number} ms

@@ -1,18 +1,19 @@
-// Changes of cells over time: what happens next to each cell, and which floor has burnt. Hatching shows what is to come.
+// Changes of cells over time: the next change of each cell, and the burnt floor. Hatching shows
+// future changes.
 
 import { BURNING, FREE, SOLID } from "#player/decode.js";
 import { rimOf } from "#player/picture/pen.js";
 
-// What happens next to a cell: the state after it plus one, because 0 means nothing.
+// The next change of a cell: its new state plus one, because 0 means no change.
 const OPENS = FREE + 1,
   CLOSES = SOLID + 1,
   BURNS = BURNING + 1;
-const HATCHED = 3; // pixels per cell from which hatching can be told from a plain colour
+const HATCHED = 3; // pixels per cell above which hatching can be told from a plain colour
 const APART = 6; // pixels between two lines of hatching
 const MOST_LABELS = 6; // of the places where a timed path waits for a wall to open
 
 /**
- * Returns for each cell what happens to it next (0: nothing), and which free cells have burnt.
+ * Returns the next change of each cell (0: none), and which free cells have burnt.
  * @param {OpenWorld} open - As cellsAt has left it for the current time
  * @returns {{next: Uint8Array, burnt: Uint8Array}}
  */
@@ -121,7 +122,8 @@ function hatch(pen, world, is, colour, slant) {
 }
 
 /**
- * Says next to a timed path where it goes through a cell that is a wall now, and when that opens.
+ * Labels the places where a timed path crosses a cell that is still a wall, with the time at which
+ * it opens.
  * @param {Pen} pen
  * @param {SceneWorld} world
  * @param {Uint8Array} cells
@@ -146,7 +148,7 @@ export function drawOpenings(pen, world, cells) {
 }
 
 /**
- * Returns where a timed path enters walls that open later, one place for each stretch of wall.
+ * Returns where a timed path enters walls that open later, one place per stretch of wall.
  * @param {SceneWorld} world
  * @param {Uint8Array} cells
  * @returns {{x: number, y: number, ms: number}[]}

@@ -75,7 +75,7 @@ function drawGrid(pen, world) {
   context.restore();
 }
 
-// Draws row by row, joining neighbours into one rectangle; only the visible part.
+// Draws the visible part row by row, joining neighbouring cells into one rectangle.
 function drawCells(pen, world, cells, state, colour) {
   const { context, px, py, snap } = pen;
   const first = Math.max(0, Math.floor((0 - px(0)) / pen.scale)),

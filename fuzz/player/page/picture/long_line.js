@@ -1,19 +1,18 @@
-/* Draws lines with many corners incrementally, in pictures that are kept.
+/* Draws lines with many corners incrementally, in cached pictures.
 
-   A browser without a graphics card takes 10 to 30 times as long for a line wider than one pixel as for a thin one. So a
-   long line is drawn one pixel wide and then widened by slightly shifted copies of the whole picture. That costs the
-   same however long the line is, so even a frame that can reuse nothing causes no delay. */
+   A browser without a graphics card takes 10 to 30 times as long for a line wider than one pixel as for a thin one. So it draws a long line one pixel wide, then widens it with slightly shifted copies of the whole picture. The cost does not depend on the line's length, so even a frame that cannot reuse a picture is drawn without delay. */
 
 import { line, seen, stroke } from "#player/picture/pen.js";
 
 const LONG = 300; // visible corners; a shorter line is drawn again in each frame
-const MORE = 2_000; // most rows that are added to a picture; with more it is drawn again
-const AROUND = 1 / 8; // margin around the window, as a share of its side, if the view is moving
+const MORE = 2_000; // most rows to add to a picture; if there are more, it is drawn again
+const AROUND = 1 / 8; // margin around the window while the view is moving, as a share of its side
 const kept = new WeakMap(); // pictures by name, by the columns
 
 /**
- * Draws rows of two columns as a line. Rows added since the last frame are added to the picture. Everything is drawn
- * again if the view has changed other than by a shift, or if the line has become shorter.
+ * Draws rows of two columns as a line. Rows that are new since the last frame are added to the
+ * picture. Everything is drawn again if the view has changed other than by a shift, or if the line
+ * has become shorter.
  * @param {Pen} pen
  * @param {{x: Float64Array, y: Float64Array}} columns
  * @param {string} name - Name of this part of the line; each part has its own picture
@@ -46,7 +45,8 @@ function thicknessOf(width, ratio) {
   return Math.max(1, Math.round(width * ratio));
 }
 
-// Returns the known picture if rows can be added to it, else an empty one; null if little of the line is visible.
+// Returns the cached picture if rows can be added to it, or else an empty one; null if little of
+// the line is visible.
 function pictureFor(pen, columns, name, look) {
   const { from, to, colour, width, once } = look;
   if (to - from < LONG) return null;
@@ -64,7 +64,7 @@ function pictureFor(pen, columns, name, look) {
   return pictures[name];
 }
 
-// Makes a picture of the window; it is larger than that if the view has been moving since `before`.
+// Makes a picture of the window, or of more than that if the view has been moving since `before`.
 function emptyPicture(pen, old, colour, before) {
   const { width, height } = pen.context.canvas,
     ratio = ratioOf(pen),

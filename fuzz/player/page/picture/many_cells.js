@@ -26,15 +26,15 @@ export function drawManyCells(pen, world, cells) {
   return true;
 }
 
-// Returns how many pixels of the screen a pixel of the page has.
+// Returns the number of screen pixels per page pixel.
 const ratioOf = (context) => context.getTransform?.().a || 1;
 
 /** @type {WeakMap<OffscreenCanvas, {drawn: number, levels: OffscreenCanvas[]}>} */
-const halves = new WeakMap(); // by the picture, its halves, quarters and so on
+const halves = new WeakMap(); // by picture: its copies of half size, quarter size and so on
 
 /**
- * Returns a picture with at most two pixels for each pixel of the screen. A browser that shrinks further leaves out rows
- * and columns, and a maze becomes a pattern that is not there.
+ * Returns a picture with at most two pixels for each pixel of the screen. A browser that shrinks
+ * further drops rows and columns, so a maze would show a pattern that it does not have.
  * @param {{canvas: OffscreenCanvas, drawn: number}} picture - `drawn` counts how often it was drawn
  * @param {number} scale - Pixels of the screen for each cell
  * @returns {OffscreenCanvas}
@@ -56,8 +56,8 @@ function halfOf(picture) {
   return half;
 }
 
-const FEW = 20_000; // changes that are drawn into the picture individually; with more it is drawn again
-const FLAMES = 150; // opacity, of 255: lets paths stand out from flames
+const FEW = 20_000; // changes to draw into the picture individually; if there are more, it is drawn again
+const FLAMES = 150; // opacity, of 255: makes paths stand out from flames
 
 // Returns the picture of the current cells; `done` counts their changes. The changes since the picture was made are
 // either the world's events or, in a world that is being edited, `open.boxSince`: a box of cells, null for all.
@@ -111,7 +111,8 @@ function drawChanges(known, world, cells, done, { wall, fire }) {
   known.done = done;
 }
 
-// Returns a colour such as #3b434e as a pixel in little-endian order, which all machines with browsers use.
+// Returns a colour such as #3b434e as a little-endian pixel, the byte order of every machine that
+// runs a browser.
 function pixelOf(hex, alpha) {
   const value = parseInt(hex.slice(1), 16);
   const red = value >> 16,

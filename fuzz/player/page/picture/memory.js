@@ -41,7 +41,8 @@ export function memoryFacts(run, step) {
   });
 }
 
-// Returns the shapes that exist at a step by the name of their kind, and those with a degree by that, the worst first.
+// Returns the shapes at a step by the name of their kind, and shapes with a degree in order of
+// degree, worst first.
 function shapesAt(run, step) {
   const { kinds, degrees, names } = run.memory.map,
     { cell } = run.per;

@@ -4,7 +4,7 @@ import { bodyRadius } from "#player/picture/body.js";
 import { openRun, poseAt, rowAt, stepWithin } from "#player/decode.js";
 import { robotColour } from "#player/picture/pen.js";
 
-const FIRST = 6; // cells before the first number on a path; the next ones are at twice that distance, and so on
+const FIRST = 6; // cells before the first number on a path; the next is twice as far along, and so on
 const APART = 18; // least distance in pixels between two numbers, or a number and a robot
 
 /**

@@ -1,6 +1,6 @@
 // The pen: a canvas addressed in cells, the colours of the page, and lines, discs and rings. y points up.
 
-const RIM = 0.4; // cells of solid outside drawn around a world, unless that is too wide
+const RIM = 0.4; // cells of solid ground to draw around a world, unless that is too wide
 
 /** @returns {Record<string, string>} */
 export function palette() {
@@ -23,7 +23,7 @@ export function fitView(world, width, height) {
   };
 }
 
-// Returns the margin in pixels around a world that is shown whole.
+// Returns the margin in pixels around a world that is shown in full.
 function edgeOf(width) {
   return width < 400 ? 9 : 16;
 }
@@ -71,10 +71,10 @@ export function penFor(canvas, view, world) {
 }
 
 const LEAST = 0.75; // pixels: corners closer than this to the previous one are skipped
-const OUT = 20; // pixels beyond the window; pieces entirely outside of this margin are not drawn
+const OUT = 20; // pixels beyond the window; pieces entirely outside this margin are not drawn
 
 /**
- * Makes a path of the rows of two columns, with an optional last place.
+ * Makes a path from the rows of two columns, with an optional last place.
  * @param {Pen} pen
  * @param {ArrayLike<number>} x
  * @param {ArrayLike<number>} y
@@ -109,7 +109,8 @@ export function seen(pen, x, y, from, to) {
   return count;
 }
 
-// Calls `act` with each corner that matters, in pixels, and whether the piece that leads to it is out of sight.
+// Calls `act` with each corner that matters, in pixels, and whether the piece leading to it is out
+// of sight.
 function corners(pen, x, y, from, to, act) {
   const { scale, width, height } = pen,
     x0 = pen.px(0),
@@ -174,7 +175,7 @@ export function ring(pen, x, y, radius, colour, width) {
 }
 
 /**
- * Returns the colour of a robot in the palette, by its number; more robots than colours begin again with the first.
+ * Returns the palette colour for a robot's number; after the last colour, the palette starts over.
  * @param {number} number
  * @returns {string}
  */

@@ -1,5 +1,5 @@
-// Walls that a robot enters: which cells, when, and where. They are red with stripes and a cross, so that the colour
-// is not the only sign.
+// Walls that a robot enters: which cells, when, and where. They are red, striped and crossed out,
+// so that colour is not the only sign.
 
 import { SOLID, cellsAt, openRun, poseAt, stateAt } from "#player/decode.js";
 import { stroke } from "#player/picture/pen.js";
@@ -63,7 +63,8 @@ function crossed(cells, world, open, row) {
   return found;
 }
 
-// Returns where the robot breaks into the cell that the verdict names: its centre's first place in it, or the nearest.
+// Returns where the robot breaks into the cell that the verdict names: the first place of its
+// centre in the cell, or the nearest to it.
 function breachPoint(run, mark) {
   const [ix, iy] = mark.cell,
     before = poseAt(run, Math.max(0, mark.step - 1)),

@@ -3,8 +3,8 @@
 import { palette } from "#player/picture/pen.js";
 
 const WIDEST = 0.3; // share of the picture's width that the bar may take
-const LEAST = 24; // pixels: a shorter bar says nothing
-const HIGH = 15; // pixels of the plate behind bar and text
+const LEAST = 24; // pixels: a shorter bar is useless
+const HIGH = 15; // pixels of the plate behind the bar and its text
 
 /**
  * Returns the longest round length, in metres, that fits into some pixels: 1, 2 or 5 times a power of ten.
@@ -37,7 +37,7 @@ function lengthWords(metres) {
  * @param {SceneWorld} world
  */
 export function drawScaleBar(pen, world) {
-  const perMetre = pen.scale / (world.cell ?? NaN); // a drawing has rulers, and no bar
+  const perMetre = pen.scale / (world.cell ?? NaN); // a drawing has rulers instead of a bar
   const metres = roundLength(Math.max(WIDEST * pen.width, LEAST), perMetre);
   const long = metres * perMetre;
   if (!(long > 4)) return;

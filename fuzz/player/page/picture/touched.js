@@ -1,4 +1,4 @@
-// Walls that the robot touches: which cells, and since when.
+// The wall cells that the robot touches, and the step of the first touch.
 
 import { SOLID, cellsAt, openRun, stateAt } from "#player/decode.js";
 import { rimOf } from "#player/picture/pen.js";

@@ -6,7 +6,7 @@ import { drawLine } from "#player/picture/long_line.js";
 import { line, robotColour, stroke } from "#player/picture/pen.js";
 
 const RECENT = 300; // rows of a long path that are drawn strongest
-const FADES = 5; // steps in which the recent path becomes fainter with its age
+const FADES = 5; // steps over which the recent path fades
 
 /**
  * Draws the path; the period of a loop has its own colour, or a stronger line in the robot's colour.
@@ -50,7 +50,7 @@ export function drawTrail(pen, scene) {
 }
 
 /**
- * Draws another robot's path up to a row, and on to its current place.
+ * Draws another robot's path up to a row, and from there to its current place.
  * @param {Pen} pen
  * @param {DrawnRun} run
  * @param {string} colour

@@ -31,7 +31,8 @@ export function makeArchive(campaign) {
   };
 }
 
-// Opens the simplest world of a kind on the board, with the campaign's robot chosen on the page Play.
+// Opens the simplest world of a kind on the board, and chooses the campaign's robot on the page
+// Play.
 function openCell(campaign, i, j) {
   const { studio, folder } = campaign;
   return campaign.trying(async () => {

@@ -12,7 +12,7 @@ import { showTabs } from "#studio/shared/fields.js";
 import { keep, keptOf } from "#studio/shared/kept.js";
 import { Refused, refusalWords } from "#studio/shared/refusals.js";
 
-const CHOSEN = "folder"; // key for the folder chosen last, in the browser's storage
+const CHOSEN = "folder"; // key for the last chosen folder, in the browser's storage
 const LOOKING = "Looking through the opened folder …";
 const PANELS = { new: "New campaign", failure: "Failure", archive: "Archive" };
 
@@ -66,7 +66,8 @@ export function makeCampaign(section, studio) {
   };
 }
 
-// Returns the name of the chosen folder to show, and whether its campaign runs and is being stopped.
+// Returns the display name of the chosen folder, and whether its campaign is running or being
+// stopped.
 function nameOf({ folder, states, stopping, isListed }) {
   if (folder === null) return { shown: isListed ? "no failures yet" : "looking …", running: false, stopping: false };
   const running = Boolean(states.get(folder)?.running);
@@ -108,7 +109,7 @@ async function trying({ parts }, act) {
   }
 }
 
-// Lists the campaigns after the page was opened, or the connection restored.
+// Lists the campaigns after the page is opened or the connection is restored.
 async function begin(campaign) {
   if (!campaign.studio.offered) return;
   await trying(campaign, () => list(campaign));
@@ -132,7 +133,7 @@ async function list(campaign) {
   return answer.faults.map(refusalWords).join(" ");
 }
 
-// Chooses the folder that a link names, and its failure once the folder has been read.
+// Chooses the folder that a link names, and the failure once the folder has been read.
 function follow(campaign, { folder, failure }) {
   campaign.wanted = failure ?? null;
   if (folder === undefined) return;
@@ -211,7 +212,8 @@ function take(campaign, state) {
   if (state.failures !== campaign.stamp) reloadWall(campaign, state.failures);
 }
 
-// Shows the state of the folder's campaign: numbers, behaviours, and the page's title. Null without a campaign.
+// Shows the state of the folder's campaign: numbers, behaviours, and the page's title. Null if
+// there is no campaign.
 function showState(campaign, state) {
   const { parts } = campaign;
   campaign.status.show(state);
@@ -274,7 +276,7 @@ async function goOn(campaign, message) {
   }
 }
 
-// Stops a campaign that has not begun yet; the request that began it is answered accordingly.
+// Stops a campaign that has not begun yet; the request that started it is answered accordingly.
 async function halt(campaign, folder) {
   try {
     await campaign.studio.connection.ask("stop", { folder });
@@ -298,7 +300,8 @@ async function stop(campaign) {
   return "";
 }
 
-// After an edit of a controller's code, its failures are run again, and campaigns say that they run the code as it was.
+// After an edit of a controller's code, its failures are run again, and its campaigns report that
+// they run the old code.
 function edited(campaign, files) {
   const runs = ({ controller }) => files.some(({ controllers }) => runsOneOf(controller, controllers));
   campaign.wall.forget(runs);

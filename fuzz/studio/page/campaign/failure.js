@@ -7,7 +7,7 @@ import { copied } from "#studio/shared/clipboard.js";
 import { openFile } from "#studio/draw/files.js";
 import { refusalWords } from "#studio/shared/refusals.js";
 
-const OTHER_RUN = "This is not the run that was found: the controller's code has changed since. The file keeps what it did then.";
+const OTHER_RUN = "This is not the run that was found: the controller's code has changed since. The file still records that run.";
 
 /**
  * @param {any} campaign
@@ -24,7 +24,8 @@ function redraw({ canvas, look }) {
   if (canvas && look) drawSmall(canvas, look);
 }
 
-// Updates the panel after the failures were read again, if the chosen one has been shrunk or marked meanwhile.
+// Updates the panel after the failures were read again, if the chosen one was shrunk or marked in
+// the meantime.
 function follow(panel, failures) {
   const before = panel.failure,
     now = before && failures.find((one) => one.name === before.name);
@@ -63,7 +64,8 @@ function show(panel, failure) {
     panel.look = look;
     words.replaceChildren([look.error ? refusalWords(look.error) : look.words, ...look.notes].join("; "), framesPart(look.error?.frames) ?? "");
     const cause = campaignCauses(panel)[look.cause ?? failure.cause];
-    why.replaceChildren(...(cause ? [el("b", {}, cause.sentence), ` ${cause.advice}`] : []));
+    const repeats = look.repeats ? ` It ${look.repeats}.` : "";
+    why.replaceChildren(...(cause ? [el("b", {}, cause.sentence), ` ${cause.advice}${repeats}`] : []));
     changed.hidden = look.error !== null || look.same !== false;
     redraw(panel);
   });
@@ -108,6 +110,6 @@ function mark(panel) {
       panel.element.querySelector("#mark-known").focus();
     }
     await campaign.reload();
-    return failure.known ? "A copy is in known/. Campaigns that you begin here count this class, but only keep others." : "";
+    return failure.known ? "A copy is in known/. Campaigns that you start here count this class but do not keep it." : "";
   });
 }

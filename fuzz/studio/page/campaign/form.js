@@ -25,7 +25,7 @@ export function makeForm(campaign) {
     event.preventDefault();
     return once(parts.begin, () => submit(form, (message) => begin(form, message)));
   };
-  const typed = ({ target }) => target.hasAttribute("aria-invalid") && isGood(target); // only marked fields, so that nothing moves under a click
+  const typed = ({ target }) => target.hasAttribute("aria-invalid") && isGood(target); // only marked fields, so that nothing moves during a click
   const changed = () => keepForm(form); // runs after the field's own listener
   const listeners = { onsubmit: sent, oninput: typed, onchange: changed };
   parts.element = el("form", { class: "campaign-form", id: "campaign-form", novalidate: true, ...listeners }, parts.fields);
@@ -47,7 +47,7 @@ function refresh(form) {
   form.more.offer(folders.map(({ name }) => name).filter((name) => name && name !== offered.known));
 }
 
-// Builds the form for the opened folder, with the last choices in that folder.
+// Builds the form for the opened folder, with the last choices made there.
 function build(form) {
   const { campaign, parts, state } = form;
   const { offered, folder, limits } = campaign.studio;
@@ -88,7 +88,8 @@ function build(form) {
   setMotion(form, state.motion);
 }
 
-// Returns the initial controller without earlier choices: the first that was named when the studio was started.
+// Returns the controller to start with if there are no earlier choices: the first one named when
+// the studio was started.
 function firstOf({ controllers }) {
   const first = controllers.find(({ named, fault }) => named && !fault);
   return first ? { controller: first.name, motion: first.motion } : {};
@@ -181,7 +182,7 @@ function worldsPart(form) {
   const pairs = [
     ["search", "Let the search choose"],
     ["some", "From these strategies and families"],
-    ["drawn", "The drawn map; only start, target and radius vary"],
+    ["drawn", "On the drawn map; only start, target and radius vary"],
   ];
   const set = (value) => {
     state.worlds = value;
@@ -236,7 +237,7 @@ function messageFor({ campaign, state, parts, more }) {
   };
 }
 
-// Returns whether every field is valid; otherwise moves the focus to the first that is not.
+// Returns whether every field is valid; if not, moves the focus to the first invalid one.
 function isFilled({ parts, state }) {
   const inputs = [...parts.element.querySelectorAll("input:not([type=radio], [type=checkbox])")];
   const bad = inputs.filter((input) => !isGood(input));

@@ -1,4 +1,5 @@
-// The folded part of the form that begins a campaign: options of `worldgen fuzz`, with the help texts of the command.
+// The collapsed part of the form that starts a campaign: options of `worldgen fuzz`, with the
+// command's help texts.
 
 import { choice, el } from "#player/dom.js";
 import { labelled } from "#studio/shared/fields.js";
@@ -6,7 +7,7 @@ import { labelled } from "#studio/shared/fields.js";
 const SHRINK = { usual: "default", yes: "yes", no: "no" };
 
 /**
- * Makes the part; `filled` returns its values.
+ * Makes this part of the form; `filled` returns its values.
  * @param {Offered} offered
  * @param {Limits} limits
  */

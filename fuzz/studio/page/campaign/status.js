@@ -6,7 +6,7 @@ import { refusalWords } from "#studio/shared/refusals.js";
 
 const SPAN = 10_000; // ms over which the current speed is measured
 const ACTIVITIES = { preparing: "Preparing", searching: "Searching", stopped: "Stopped", done: "Done", "gave-up": "Gave up" };
-// What became of a class: only of a kept one is there a picture.
+// What became of a class; only kept ones have a picture.
 const FATES = { kept: "", known: "known", waiting: "to be shrunk", lost: "not kept", unread: "…" };
 
 /**
@@ -78,16 +78,16 @@ function show(status, state) {
   parts.tables.hidden = state.strategies.length === 0;
 }
 
-// Says why a campaign gave up, or that it runs code that has been edited since it began.
+// Shows why a campaign gave up, or that its code has been edited since it started.
 function faultWords({ error, edited, running }) {
   if (error) return refusalWords(error);
   if (!edited) return "";
-  const rest = running ? "this campaign goes on with the code as it was when it began" : "these results are of the code as it was then";
-  return `The controller's file has changed since this campaign began: ${rest}. Begin another one to test the code as it is now.`;
+  const rest = running ? "this campaign continues with the code from when it started" : "these results come from the old code";
+  return `The controller's file has changed since this campaign began: ${rest}. Start another one to test the new code.`;
 }
 
-// Returns the strategies whose counts have grown in the last seconds; if none has, those that grew last, because units
-// may take long.
+// Returns the strategies whose counts have grown in the last seconds; if none has, those that grew
+// last, because a unit may take long.
 function strategiesNow({ state, strategies }) {
   if (!state.running) return new Set();
   const now = performance.now(),
@@ -110,12 +110,12 @@ function showBest({ state, smallest, parts, campaign }) {
     return;
   }
   const longest = longestWay(state.archive);
-  const met = Object.keys(state.met).length > 0; // some are to be shrunk, or known
+  const met = Object.keys(state.met).length > 0; // some are still to be shrunk, or known
   parts.best.replaceChildren(longest && !met ? `No failure yet. Longest path so far: ${longest} times the straight line` : "");
   parts.best.hidden = !longest || met;
 }
 
-// Returns the range of the longest detour of runs that arrived; empty if unknown.
+// Returns the range of the longest detour among runs that arrived; empty if unknown.
 function longestWay(archive) {
   if (!archive || archive.names[0] !== "detour") return "";
   const [edges] = archive.edges;
@@ -153,7 +153,7 @@ function line(status, classes) {
   ];
 }
 
-// Shows what a campaign does, or how it ended. Shrinking also runs next to the search.
+// Shows what a campaign is doing, or how it ended. Shrinking also runs during the search.
 function activityWords({ activity, shrinking }) {
   return activity === "shrinking" ? `Shrinking ${plural(shrinking, "failure")}` : ACTIVITIES[activity];
 }
@@ -162,7 +162,7 @@ function budgetWords({ budget, units, running, elapsed, activity }) {
   if (activity === "preparing") return `loading simulator and controller; ${budget.units ? `${plural(budget.units, "unit")} follow` : `the ${budget.seconds} s begin after that`}`;
   if (budget.units) return `unit ${units} of ${budget.units}`;
   const shown = plural(units, "unit");
-  if (running && elapsed !== null && elapsed > budget.seconds) return `the ${budget.seconds} s are over, finishing current work, ${shown}`;
+  if (running && elapsed !== null && elapsed > budget.seconds) return `the ${budget.seconds} s are over; finishing current work, ${shown}`;
   if (running && elapsed !== null) return `${Math.round(elapsed)} of ${budget.seconds} s, ${shown}`;
   return plural(units, "unit");
 }
@@ -183,7 +183,7 @@ function speed({ state, past }) {
   return state.seconds > 0 ? state.worlds / state.seconds : 0;
 }
 
-/* Returns the classes, those met most often first. Shrinking may have turned a failure into a class that was never met.
+/* Returns the classes, those met most often first. Shrinking may have turned a failure into one of a class that the search never found.
    Of each { name, times, best, fate }: fate is one of FATES. */
 function classesOf({ state, smallest, campaign }) {
   const kept = smallest || new Map();
@@ -221,7 +221,7 @@ function showActions(status) {
   const { state, parts, campaign } = status;
   const stopping = Boolean(state?.running) && campaign.stopping === state.folder,
     beginning = Boolean(state) && !state.running && campaign.beginning.has(state.folder);
-  // Buttons are made again only if something else is offered, so that a typed amount stays.
+  // Rebuilds the buttons only if the choices change, so that a typed amount stays.
   const offered = JSON.stringify(state && [state.running, stopping, beginning, state.running ? "" : state.folder, state.running || beginning ? 0 : state.units]);
   if (status.offered === offered) return;
   status.offered = offered;

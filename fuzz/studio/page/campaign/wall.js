@@ -42,7 +42,7 @@ export function makeWall(campaign) {
       parts.faults.textContent = words;
     },
     wait: (words) => wait(wall, words),
-    /* Shows again why there is no picture. */
+    /* Updates the reason why there is no picture. */
     refreshEmpty: () => {
       const empty = wall.failures.length === 0 && wall.isRead ? parts.list.querySelector(".empty") : null;
       if (empty) empty.textContent = emptyWords(campaign);
@@ -61,7 +61,7 @@ export function makeWall(campaign) {
   };
 }
 
-// Shows a text in place of the pictures until another folder has been read.
+// Shows a message in place of the pictures until another folder has been read.
 function wait(wall, words) {
   const { parts } = wall;
   for (const { fail } of wall.queue) fail(new Ended("Another folder was chosen."));
@@ -160,14 +160,14 @@ function showCards(wall) {
 }
 
 function emptyWords({ folder, states, folders }) {
-  if (folder === null || folder === "" || (states.size === 0 && folders.length <= 1)) return "There is no failure in the opened folder yet. Begin a campaign on the right; it searches for worlds in which the controller fails.";
+  if (folder === null || folder === "" || (states.size === 0 && folders.length <= 1)) return "There are no failures in the opened folder yet. Start a campaign on the right; it searches for worlds in which the controller fails.";
   const state = states.get(folder);
   if (state?.activity === "preparing") return "Preparing: the simulator and the controller are being loaded. Nothing has been tried yet.";
   if (state?.running && state.worlds === 0) return "Nothing has been tried yet.";
   if (state?.running) return "Failures appear here as soon as they are proved and shrunk.";
   if (state?.worlds === 0) return "Nothing was tried: the campaign ended before its first run. Continue it for longer.";
-  if (state) return `No failure was found in ${plural(state.worlds, "world")}. Continue the campaign for longer, or begin another on the right.`;
-  return "There is no failure in this folder. Choose another above, or begin a campaign on the right.";
+  if (state) return `No failure was found in ${plural(state.worlds, "world")}. Continue the campaign for longer, or start another on the right.`;
+  return "There are no failures in this folder. Choose another folder above, or start a campaign on the right.";
 }
 
 function moreButton(wall, left) {
@@ -179,7 +179,7 @@ function moreButton(wall, left) {
 }
 
 /**
- * Return a card; it is made again only if its failure has changed, so that its picture stays.
+ * Return a card; it is rebuilt only if its failure has changed, so that its picture stays.
  * @returns {[string, HTMLElement]}
  */
 function cardOf(wall, failure) {

@@ -64,7 +64,7 @@ async function follow(compare, { robots, motion, worlds }) {
 async function begin(compare) {
   refresh(compare);
   if (!compare.offered) return;
-  showRobots(compare); // with those added on Play meanwhile
+  showRobots(compare); // with those added on Play in the meantime
   await list(compare);
   showWorlds(compare);
 }
@@ -123,7 +123,7 @@ function offeredTo({ offered, state }) {
   return offered.controllers.filter(({ named, fault, thesis, lattice }) => (named || !fault) && (motion?.thesis ? thesis : lattice));
 }
 
-// Lists the robots of the motion model, and chosen ones that have options of their own.
+// Lists the robots of the motion model, and chosen ones that have their own options.
 function showRobots(compare) {
   const { parts, state } = compare;
   const names = offeredTo(compare).map(({ name }) => name);
@@ -163,7 +163,7 @@ function tell({ parts }, words, isBad = false) {
   parts.said.textContent = words;
 }
 
-// Compares what is chosen; cells appear as they are finished.
+// Compares the chosen robots and worlds; cells appear as they are finished.
 async function run(compare) {
   const { studio, state, parts, table } = compare;
   if (!isGood(parts.seeds)) {
@@ -231,7 +231,7 @@ async function open(compare, row, column) {
   studio.go("play");
 }
 
-// Says that results are of the code as it was before an edit.
+// Reports that results come from the code before an edit.
 function edited(compare, files) {
   const own = files.filter(({ controllers }) => (compare.asked?.controllers ?? []).some((robot) => runsOneOf(robot, controllers)));
   if (own.length > 0) tell(compare, `${fileWords(own)} changed: press Compare again.`);

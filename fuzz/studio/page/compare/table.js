@@ -20,7 +20,7 @@ export function makeTable(open) {
   };
 }
 
-// Shows the worlds and the robots, with every cell still to come.
+// Shows the worlds and the robots, with every cell still empty.
 function begin(table, robots, worlds) {
   const head = el("tr", {}, el("th", { scope: "col" }, "World"), robots.map((name) => el("th", { scope: "col", title: name }, breakable(shortName(name)))));
   table.robots = robots;

@@ -25,7 +25,7 @@ export function makeBoard(canvas, model, show) {
     view: null, // null: the whole world
     proof: null, // the server's, for this version of the world
     signal: null, // the robot's reading in each cell
-    time: 0, // s: the moment that is shown of a world that changes
+    time: 0, // s: the moment to show of a world that changes
     ghost: null, // { pattern, at }: a preview of what would be put down
     marks: [], // boxes of cells that would change
     selection: null, // a rectangle of cells
@@ -93,9 +93,10 @@ function cameraOf(board) {
 }
 
 /** @type {{model: object | null, version: number, open: OpenWorld | null}} */
-const changing = { model: null, version: -1, open: null }; // the world that changes, as it was unpacked last
+const changing = { model: null, version: -1, open: null }; // the last unpacked world that changes
 
-// Returns the unpacked world of a drawing that changes; the same one until the drawing differs.
+// Returns the unpacked world of a drawing with changes; the same object until the drawing is
+// edited.
 function openChanging(model) {
   if (changing.model !== model || changing.version !== model.version)
     Object.assign(changing, { model, version: model.version, open: drawnOf(model.world).open });

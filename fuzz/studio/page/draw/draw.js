@@ -1,11 +1,11 @@
-// The page for drawing worlds: tools, board, panels, and below them the facts about the world.
+// The page for drawing worlds: tools, board and panels, and facts about the world below them.
 
 import { choice, el, grouped, keyButton, svg } from "#player/dom.js";
 import { makeBoard } from "#studio/draw/board.js";
 import { showTabs } from "#studio/shared/fields.js";
 import { makeFiles } from "#studio/draw/files.js";
 import { makeMaker } from "#studio/draw/maker.js";
-import { markAt } from "#studio/draw/model.js";
+import { markAt, robotsIn } from "#studio/draw/model.js";
 import { askSignal, proofWords } from "#studio/draw/proof.js";
 import { SELECTION, withSelection } from "#studio/draw/selection.js";
 import { STAMPS } from "#studio/draw/shapes.js";
@@ -293,11 +293,13 @@ function showPlace(draw, parts, point) {
   const { world } = draw.studio.model,
     side = world.cell_size;
   const changes = world.events ? `, ${grouped(world.events.times.length)} changes` : "";
+  const robots = robotsIn(world),
+    fleet = robots > 1 ? ` · robot 1 of ${robots}; Play shows all` : "";
   const mark = markAt(world, point);
   draw.canvas.title = mark && `${mark}: drag it with the tool of this name`;
   const place = point
     ? `${mark && `${mark} · `}cell ${Math.floor(point[0])}, ${Math.floor(point[1])} · ${(point[0] * side).toFixed(3)}, ${(point[1] * side).toFixed(3)} m`
-    : `${world.width} x ${world.height} cells, ${grouped(draw.studio.model.solid)} solid${changes} · ${(world.width * side).toFixed(2)} x ${(world.height * side).toFixed(2)} m`;
+    : `${world.width} x ${world.height} cells, ${grouped(draw.studio.model.solid)} solid${changes} · ${(world.width * side).toFixed(2)} x ${(world.height * side).toFixed(2)} m${fleet}`;
   const { head, words, kind } = proofWords(draw.board.proof);
   parts.where.textContent = place;
   if (parts.proof.textContent === head + words) return; // so that a screen reader reads it only once

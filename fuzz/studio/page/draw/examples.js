@@ -1,14 +1,14 @@
-// Three worlds to begin with, for those who have none yet.
+// Three worlds to start with, for users who have none yet.
 
 import { el } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
 
-/** By name: the family and seed of an example, and what it is good for. */
+/** By name: the family and seed of an example, and what it shows. */
 export const EXAMPLES = {
   trap: ["trap", "7", "A trap: robots that only turn away from walls circle in it"],
   maze: ["maze", "3", "A maze: the path is long, and most turns are wrong"],
-  fire: ["fire", "3", "A fire: the way is clear now, and not for long"],
+  fire: ["fire", "3", "A fire: the way is clear now, but not for long"],
 };
 
 /**
@@ -21,7 +21,7 @@ export function exampleButtons(studio, told) {
   const open = async (name, family, seed, about) => {
     try {
       told("Generating …");
-      studio.go("draw"); // now, because the answer may find the user on another page
+      studio.go("draw"); // now, because the user may be on another page when the answer comes
       const answer = await studio.connection.ask("generate", { family, seed, parameters: {} });
       studio.show(answer, "", `the example ${name}`);
       told(`${about}. Press 2 to watch a robot in it.`);

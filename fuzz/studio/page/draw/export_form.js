@@ -1,4 +1,4 @@
-// Exports the drawing: the format, its options, and where the file goes.
+// Exports the drawing: format, options, and destination of the file.
 
 import { bytesOf } from "#player/decode.js";
 import { choice, el } from "#player/dom.js";

@@ -1,4 +1,4 @@
-// The families as small pictures: what each of them makes.
+// The families as small pictures of the worlds that they make.
 
 import { el } from "#player/dom.js";
 import { drawSmall } from "#player/picture/map.js";
@@ -6,7 +6,7 @@ import { Ended } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 /**
- * Makes the pictures, which are asked for when they first become visible.
+ * Makes the pictures, which are requested when they first become visible.
  * @param {Studio} studio
  * @param {(name: string) => void} choose
  * @returns {{element: HTMLElement, offer: () => void, redraw: () => void, choose: (name: string) => void}}

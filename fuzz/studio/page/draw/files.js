@@ -57,7 +57,8 @@ export function makeFiles(studio) {
   };
 }
 
-// Sets the name for saving: the world's own, until the user types another, which stays until another world is drawn.
+// Sets the name for saving: the world's own name until the user types another, which stays until
+// another world is drawn.
 function followName({ name, sheet }, files) {
   if (files.named === name && files.sheet === sheet) return;
   Object.assign(files, { named: name, sheet });
@@ -167,7 +168,7 @@ function showList(studio, files) {
   if (own.length === 0 && found.length > 0) parts.found.open = true;
   if (files.files.length === 0) {
     const told = el("p", { role: "status" });
-    parts.list.append(el("li", { class: "quiet" }, "No world is in this folder yet. Save the drawing, drop a map on the page, or begin with an example:", el("div", { class: "actions" }, exampleButtons(studio, (words) => (told.textContent = words))), told));
+    parts.list.append(el("li", { class: "quiet" }, "There are no worlds in this folder yet. Save the drawing, drop a map on the page, or start with an example:", el("div", { class: "actions" }, exampleButtons(studio, (words) => (told.textContent = words))), told));
   }
   if (shown.length === 0 && files.files.length > 0)
     parts.list.append(el("li", { class: "quiet" }, `None of ${plural(files.files.length, "file")} matches.`));
@@ -185,7 +186,8 @@ function fileButton(studio, { parts }, file) {
 }
 
 /**
- * Opens a world of the folder, or imports another file, unless `wanted` returns false by the time it has arrived.
+ * Opens a world from the folder or imports another file, unless `wanted` returns false by the time
+ * it arrives.
  * @param {Studio} studio
  * @param {{name: string, world: boolean}} file
  * @param {() => boolean} [wanted]
@@ -194,6 +196,6 @@ function fileButton(studio, { parts }, file) {
 export async function openFile(studio, file, wanted = () => true) {
   const answer = await studio.connection.ask(file.world ? "open" : "bring", { name: file.name });
   if (!wanted()) return "";
-  studio.show(answer, file.world && answer.file ? file.name : "", file.name); // archives cannot be saved to
+  studio.show(answer, file.world && answer.file ? file.name : "", file.name); // archives cannot be written
   return [`${file.world ? "Opened" : "Imported"} ${file.name}.`, ...(answer.notes || [])].join(" ");
 }

@@ -1,4 +1,5 @@
-// Imports maps of other programs: files of this computer or of the folder, and the options for reading them.
+// Imports maps from other programs: files on this computer or in the folder, and the options for
+// reading them.
 
 import { choice, el } from "#player/dom.js";
 import { checkOptions, isField, isGood, labelled, number, optionFields } from "#studio/shared/fields.js";
@@ -42,7 +43,7 @@ function morePart(form, parts) {
   parts.radius.placeholder = "default";
   parts.seed = el("input", { type: "text", inputmode: "numeric", pattern: "[0-9]{1,20}", placeholder: "default", title: "The seed must be a whole number." });
   parts.row = number("", () => {}, { low: 1, step: 1 });
-  parts.rows = labelled("Row of the scenario", parts.row, { help: "The problem whose start and target to use. If empty, they are placed automatically." });
+  parts.rows = labelled("Row of the scenario", parts.row, { help: "The problem from which to take start and target. If empty, they are placed automatically." });
   parts.rows.hidden = true;
   parts.again = el("button", { type: "button", disabled: true, onclick: () => again(form, parts) }, "Import again");
   const more = el(
@@ -77,7 +78,7 @@ function refresh(form, parts) {
   showFound(form, parts);
 }
 
-// Shows how the last map was read, once the list of formats exists.
+// Shows how the last map was read, once the list of formats is loaded.
 function showFound(form, parts) {
   if (parts.format) parts.format.options[0].textContent = form.found ? `as recognised: ${form.found}` : "as recognised";
 }
@@ -117,7 +118,7 @@ async function textOf(file) {
   return btoa(text);
 }
 
-/* Reads another map, in the format that is recognised unless one is chosen.
+/* Reads another map, in the chosen format or else the one recognised.
      brought    { files }, or { name } of a file in the folder */
 function bring(form, parts, brought) {
   form.brought = brought;

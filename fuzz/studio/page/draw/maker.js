@@ -63,7 +63,7 @@ function seedPart(studio, state, parts) {
   );
 }
 
-// The part for worlds that are searched for.
+// The part of the form for searching for a world.
 function constraintPart(parts) {
   parts.difficulty = el("input", { type: "number", min: 0, max: 1, step: 0.05, placeholder: "any" });
   parts.where = el("input", { type: "text", placeholder: "detour > 3 and bottleneck < 1.2r", spellcheck: "false" });

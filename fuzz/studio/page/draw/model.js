@@ -2,7 +2,7 @@
 
 import { KEEP } from "#studio/draw/shapes.js";
 
-const MOST_BOXES = 64; // most recent boxes of painted cells that are remembered
+const MOST_BOXES = 64; // number of recent boxes of painted cells to remember
 
 /**
  * Returns an empty world: a border of walls if there is space for one, and start and target
@@ -31,6 +31,15 @@ export function emptyWorld(width, height, { cell_size: cell, robot_radius, robot
     file: null, // the digest of that file when it was opened or saved
     sheet: Symbol("sheet"), // the same for all versions of one drawing
   };
+}
+
+/**
+ * Returns how many robots the world's file has; the page edits the first.
+ * @param {EditedWorld} world
+ * @returns {number}
+ */
+export function robotsIn(world) {
+  return Math.max(1, world.source?.match(/^\[\[robot\]\]/gm)?.length ?? 1);
 }
 
 /**
@@ -171,7 +180,7 @@ export class Model {
     if (runs.length > 0) this.note({ label, runs });
   }
 
-  /** Changes anything but single cells; consecutive changes of one kind, such as by a slider, become one step. */
+  /** Changes anything but single cells; consecutive changes of one kind, as from a slider, become one step. */
   change(label, parts, together = false) {
     this.lift("stroke");
     const last = this.past.at(-1);
@@ -248,7 +257,7 @@ export class Model {
     return last;
   }
 
-  /** Records that the state at a mark is now in a file; earlier versions of the drawing get the file's name too. */
+  /** Records that the state at a mark is saved in a file; earlier versions of the drawing get the file's name too. */
   markSaved(name, source, file, mark) {
     const { sheet } = this.world,
       entries = [...this.past, ...this.future];
@@ -260,7 +269,8 @@ export class Model {
 }
 
 /**
- * Returns where two maps differ: first and end of each run of cells, in order. This is compact enough to keep all history.
+ * Returns where two maps differ: start and end of each run of cells, in order. This is compact
+ * enough to keep the entire history.
  * @param {Uint8Array} cells
  * @param {Uint8Array} before
  * @returns {Int32Array}
@@ -311,7 +321,8 @@ function rowsOf(numbers, width) {
 }
 
 /**
- * Returns the same world in another size. Cells beyond it are cut off, new ones are free; start and target stay inside.
+ * Returns the same world at another size. Cells outside are cut off, new ones are free, and start
+ * and target stay inside.
  * @param {EditedWorld} world
  * @param {number} width
  * @param {number} height
@@ -361,7 +372,7 @@ function eventsIn({ events }, [right, up], width, height) {
 }
 
 /**
- * Returns whether the start or the target is at a point, in cells; empty if neither is.
+ * Returns which of start and target is at a point, in cells; empty if neither is.
  * @param {EditedWorld} world
  * @param {CellPlace | null} point
  * @returns {string}

@@ -140,7 +140,8 @@ function leave(draw, state) {
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
 
-// Moves the cursor by arrow keys and uses the tool with Space. Tools that span two cells need Space at both.
+// Moves the cursor with the arrow keys and uses the tool with Space. Tools that span two cells need
+// Space at each.
 function keyDown(draw, state, event) {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const { board } = draw,

@@ -1,4 +1,5 @@
-// Asks the server while the user draws whether the target can be reached; only the newest world counts.
+// Asks the server, while the user draws, whether the target can be reached; only the newest world
+// counts.
 
 import { numbersOf } from "#player/decode.js";
 import { Ended } from "#studio/shared/connection.js";
@@ -21,14 +22,14 @@ export const isWidestByHand = ({ cells, events }) => cells.length > LARGEST_WIDE
 const ring = (cells) => `a ring of ${cells} wall cells, with gaps too narrow for this robot, separates the start from the target`;
 
 /**
- * Describes the proof; `head` comes first in bold, and `kind` tells good news from bad.
+ * Describes the proof; `head` comes first, in bold, and `kind` tells good news from bad.
  * @param {Proof | null} proof
  * @returns {{head: string, words: string, kind: string}}
  */
 export function proofWords(proof) {
   if (!proof) return { head: "", words: "…", kind: "waiting" };
   if (proof === DECIDING) return { head: "deciding …", words: "", kind: "waiting" };
-  if (proof === DECIDING_LONG) return { head: "deciding …:", words: " a large world takes some seconds; you can draw meanwhile", kind: "waiting" };
+  if (proof === DECIDING_LONG) return { head: "deciding …:", words: " a large world takes a few seconds; you can keep drawing", kind: "waiting" };
   if (proof.error) return { head: "", words: proof.error, kind: "bad" };
   if (proof.result === "reachable") {
     const { length, duration, clearance } = proof;

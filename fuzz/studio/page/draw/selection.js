@@ -15,7 +15,7 @@ export const SELECTION = {
 };
 
 /**
- * Applies an action to the selection; with the stamp tool, turns and mirrors the stamp.
+ * Applies an action to the selection; with the stamp tool, turns and mirrors apply to the stamp.
  * @param {any} kit
  * @param {string} what
  * @param {boolean} stamping

@@ -35,7 +35,7 @@ export function lineCells([x0, y0], [x1, y1]) {
 }
 
 /**
- * Returns the rectangle with two opposite corners.
+ * Returns the rectangle that has these opposite corners.
  * @param {CellPlace} from
  * @param {CellPlace} to
  * @returns {Box}

@@ -1,4 +1,4 @@
-// The size of the world: a new world, the same one larger or smaller, or one without walls.
+// The size of the world: make a new one, resize this one, or remove its walls.
 
 import { el, grouped, plural } from "#player/dom.js";
 import { labelled, number } from "#studio/shared/fields.js";
@@ -82,7 +82,7 @@ function sizeFault(width, height, limits) {
   return `Columns and rows must be 1 to ${grouped(longest)} each, with at most ${grouped(cells)} cells in total.`;
 }
 
-// Makes the choice of the part of the drawing that stays in place when the size changes.
+// Makes the field that chooses which part of the drawing stays in place when the size changes.
 function anchorPart(anchor) {
   const radio = ([row, up], [column, across]) =>
     el("input", {
@@ -125,7 +125,7 @@ function clear(model, say) {
 
 const changesOf = ({ world }) => (world.events ? world.events.times.length : 0);
 
-// Reports lost events, because nothing else on the page shows that.
+// Reports lost events, because nothing else on the page does.
 function lost(before, after) {
   if (before === after) return "";
   const words = after === 0 ? "The world no longer changes" : `${plural(before - after, "change")} ${before - after === 1 ? "was" : "were"} outside`;

@@ -1,4 +1,4 @@
-// Time on the board: which moment of a world that changes is shown, and what the hatching means.
+// Time on the board: the moment to show of a world that changes, and the meaning of the hatching.
 
 import { BURNING, FREE, SOLID } from "#player/decode.js";
 import { el } from "#player/dom.js";

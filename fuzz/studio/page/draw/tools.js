@@ -76,7 +76,7 @@ export function makeTools(board, setting, said) {
 }
 
 /**
- * Returns the cell nearest to another one that is straight across, straight up or at 45 degrees from the first.
+ * Returns the cell nearest to another one that is horizontal, vertical or diagonal from the first.
  * @param {CellPlace} from
  * @param {CellPlace} to
  * @returns {CellPlace}

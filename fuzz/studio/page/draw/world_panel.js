@@ -84,7 +84,7 @@ function speedPart(studio, parts) {
 }
 
 /**
- * The contents of the fields: a number of the world, and the drawing to which it belongs.
+ * The contents of a field: a number of the world, and the drawing that it belongs to.
  * @type {WeakMap<HTMLInputElement, {value: number, sheet: symbol}>}
  */
 const shown = new WeakMap();
@@ -100,7 +100,8 @@ function bounded(change, bounds) {
   return input;
 }
 
-// Makes a field for a length, m, or a speed, m/s; it changes nothing until the server has sent the bounds.
+// Makes a field for a length, m, or a speed, m/s; it has no effect until the server has sent the
+// bounds.
 function lengthField(studio, parts, change) {
   const input = bounded((value) => studio.limits && change(value), {});
   parts.lengths.push(input);
@@ -127,7 +128,8 @@ function show(input, value, { sheet }) {
   isGood(input);
 }
 
-// Returns the same drawing with other cells: places stay in their cells, and the robot keeps its size in cells.
+// Returns the same drawing with another cell size: places stay in their cells, and the robot keeps
+// its size in cells.
 function scaled(world, cell) {
   const share = cell / world.cell_size;
   const [x, y, heading] = world.start;
@@ -166,7 +168,8 @@ function placePart(studio, parts) {
   );
 }
 
-// Makes the part that measures the world's difficulty, only on request because that may take a while.
+// Makes the section that measures the world's difficulty, on request only, because that may take a
+// while.
 function hardPart(studio) {
   const found = el("div", { role: "status" });
   let measured = studio.model.version;
@@ -182,7 +185,7 @@ function hardPart(studio) {
           el("th", { scope: "row" }, words(name)),
           el("td", {}, `${Number(value.toPrecision(4))} ${unit}`),
         );
-      if (measured !== studio.model.version) throw new Ended("The world has changed meanwhile; measure again.");
+      if (measured !== studio.model.version) throw new Ended("The world has changed since then; measure again.");
       found.replaceChildren(el("table", { class: "numbers" }, el("tbody", {}, metrics.map(row))));
     } catch (error) {
       if (!(error instanceof Refused || error instanceof Ended)) throw error;
@@ -250,5 +253,5 @@ function widestWords(widest, world) {
   if (widest === LOOKING) return "Searching for the widest robot that passes …";
   if (widest === null) return isWidestByHand(world) ? "In a large world this takes up to a minute." : "…";
   if (widest === 0) return "No robot can pass, however small.";
-  return `Robots pass up to a radius of ${widest.toPrecision(4)} m.`;
+  return `Robots with a radius of up to ${widest.toPrecision(4)} m can pass.`;
 }

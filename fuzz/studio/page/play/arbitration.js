@@ -1,4 +1,5 @@
-// The flow chart of a robot's behaviours next to its run, with the behaviour that acts at the shown step.
+// The flow chart of a robot's behaviours next to its run, with the active behaviour at the shown
+// step.
 
 import { behaviourAt, rowAt, stepWithin } from "#player/decode.js";
 import { el, shortName, svg } from "#player/dom.js";
@@ -14,7 +15,7 @@ const SMALLEST = 0.7; // scale of a tall chart's text; a taller one scrolls
  */
 export function makeArbitration(studio) {
   const element = el("section", { class: "arbitration", id: "arbitration", tabindex: "0", "aria-label": "How its behaviours take turns", hidden: true });
-  const button = el("button", { type: "button", id: "show-arbitration", class: "small", hidden: true, "aria-controls": "arbitration", "aria-keyshortcuts": "b", title: "How its behaviours take turns, and which acts (b)", onclick: toggle }, "Flow chart");
+  const button = el("button", { type: "button", id: "show-arbitration", class: "small", hidden: true, "aria-controls": "arbitration", "aria-keyshortcuts": "b", title: "How its behaviours take turns, and which one is active (b)", onclick: toggle }, "Flow chart");
   /** @type {{chart: FlowChart | null, acting: string | null, now: HTMLElement | null}} */
   const state = { chart: null, acting: null, now: null };
   let wanted = false;
@@ -32,7 +33,7 @@ export function makeArbitration(studio) {
     button.setAttribute("aria-pressed", String(wanted));
   }
 
-  /* Takes the robot in front; the chart stays as it is if that has the same one. */
+  /* Takes the robot in front; keeps the chart if it is the same. */
   function offer(robot) {
     const chart = robot?.arbitration ?? null;
     wanted = keptOf(studio.folder, SHOWN) ?? false;

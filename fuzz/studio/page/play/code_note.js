@@ -1,4 +1,5 @@
-// The note about edited code: which file has changed, and whether the results are of the code as it is now.
+// The note about edited code: which file has changed, and whether the results are up to date with
+// it.
 
 import { el } from "#player/dom.js";
 import { fileWords } from "#studio/shared/edits.js";
@@ -22,12 +23,12 @@ export function makeCodeNote(studio, run) {
   return {
     element,
     setting,
-    /* Shows the setting if there is code of the user's. */
+    /* Shows the setting if the user has code of their own. */
     offer: () => {
       setting.hidden = !studio.offered?.controllers.some(({ named }) => named);
       box.checked = keptOf(studio.folder, BY_ITSELF) ?? true;
     },
-    /* Shows that files have changed; returns whether the robots are to run again now. */
+    /* Shows that files have changed; returns whether to run the robots again now. */
     edited: (files) => {
       what = `${fileWords(files)} changed at ${new Date().toTimeString().slice(0, 8)}`;
       const now = box.checked && studio.page() === "play";
@@ -40,7 +41,7 @@ export function makeCodeNote(studio, run) {
     /* Shows that a run has begun after the edit. */
     ran: () => {
       if (element.hidden) return;
-      words.textContent = `${what}. The results are of the code as it is now.`;
+      words.textContent = `${what}. The results come from the current code.`;
       element.className = "code-note quiet";
       again.hidden = true;
     },

@@ -24,7 +24,7 @@ export function commandOf(held) {
 }
 
 /**
- * Adds steps of a command to the end of a list, in which equal ones that follow each other are one.
+ * Appends steps of a command to a list, merging it with an equal command before it.
  * @param {[number, number, number][]} commands
  * @param {number} steps
  * @param {[number, number]} command

@@ -10,7 +10,7 @@ const PACE = 0.25; // share of real time: a robot crosses a small world in two s
 const HELP = "Drive with the arrow keys or W A S D, at a quarter of real speed. Press Escape to stop.";
 
 /**
- * Makes the button, and what happens while the user drives.
+ * Makes the button Drive, and handles the user's driving.
  * @param {object} uses
  * @param {() => Promise<object | null>} uses.begin - Runs the chosen robots; returns the settings of the run, or null
  * @param {(message: object) => Promise<any>} uses.ask - Asks the server for the run so far
@@ -18,7 +18,7 @@ const HELP = "Drive with the arrow keys or W A S D, at a quarter of real speed. 
  * @param {(words: string, isBad?: boolean) => void} uses.tell
  */
 export function makeDriving(uses) {
-  const button = el("button", { type: "button", id: "drive", title: "Drive a robot by hand, with the keys", onclick: () => (state.drive ? end() : begin()) }, "Drive");
+  const button = el("button", { type: "button", id: "drive", title: "Drive a robot by hand, with the keyboard", onclick: () => (state.drive ? end() : begin()) }, "Drive");
   /** @type {{drive: any}} */
   const state = { drive: null };
 
@@ -47,7 +47,7 @@ export function makeDriving(uses) {
     uses.tell(words);
   }
 
-  // While driving, the keys of the page and of its fields do not act.
+  // While the user drives, the page's shortcuts and its fields ignore the keys.
   function press(event) {
     const direction = directionOf(event.key);
     if (event.ctrlKey || event.metaKey || event.altKey || !(direction || event.key === "Escape")) return;
@@ -70,7 +70,7 @@ export function makeDriving(uses) {
     // With a long time step, each tick is a step.
     drive.due += Math.max((EVERY * PACE) / 1000 / drive.message.time_step, drive.message.time_step > 1 ? 1 : 0);
     const steps = Math.floor(drive.due);
-    // The clock begins with the first key, and waits for no answer.
+    // The clock starts with the first key and does not wait for answers.
     if (drive.commands.length === 0 && drive.held.size === 0) drive.due = 0;
     else if (steps > 0) {
       drive.due -= steps;

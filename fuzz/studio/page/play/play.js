@@ -19,8 +19,8 @@ import { runsOneOf } from "#studio/shared/edits.js";
 
 const SLOW = 1500; // ms after which a run can be stopped
 const PREPARING = "Preparing: the studio starts a process, loads the controllers and proves the world.";
-const NONE_RAN = "No robot ran, so the world is shown alone.";
-const PARTED = "No robot of this size can reach the target: the drawn cut separates it from the start.";
+const NONE_RAN = "No robot ran, so only the world is shown.";
+const PARTED = "No robot of this size can reach the target: the cut in the picture separates it from the start.";
 
 /**
  * Makes the page.
@@ -94,13 +94,13 @@ function wheel(play, event) {
   play.player.zoom(event.deltaY < 0 ? 1.15 : 1 / 1.15);
 }
 
-// Returns the robot in front and how it ran; null before the first run.
+// Returns the robot in front and its run; null before the first run.
 function played({ message, runs, looked }) {
   const front = runs[looked];
   return front && front.run && !front.isDriven ? { controller: front.name, motion: message.motion, time_step: message.time_step } : null;
 }
 
-// Opens the page: changes since the last run are run immediately.
+// Opens the page, and runs the robots immediately if anything has changed since the last run.
 function begin(play) {
   play.robots.refresh();
   const { version } = play.studio.model;
@@ -109,20 +109,21 @@ function begin(play) {
   else if (play.player) play.player.draw();
 }
 
-// Returns what a link to the shown run names; nothing before the first run.
+// Returns what a link to the shown run contains; nothing before the first run.
 function linkOf({ message }) {
   if (!message) return {};
   const { controllers, motion, seed } = message;
   return { robots: joinNames(controllers), motion, seed: seed || null };
 }
 
-// Takes the robots that a link or a comparison names, and their step; `more` has settings that a link leaves as they are.
+// Takes the robots that a link or a comparison names, and their time step; `more` has settings that
+// a link does not change.
 function follow(play, { robots, motion, seed, step, ...more }) {
   play.wantedStep = step === undefined ? null : Number(step);
   if (robots) play.robots.follow({ robots: splitNames(robots), motion, seed: Number(seed ?? 0) }, more);
 }
 
-// Takes note of edited files: results of the code as it was are marked as outdated, and run again.
+// Handles edited files: marks results of the old code as outdated, and runs them again.
 function edited(play, files) {
   const robots = [...play.robots.message().controllers, ...play.runs.map(({ name }) => name)];
   const own = files.filter(({ controllers }) => robots.some((robot) => runsOneOf(robot, controllers)));
@@ -178,7 +179,8 @@ function tell({ parts }, words, isBad) {
   parts.said.textContent = words;
 }
 
-// Runs the chosen robots if needed, and returns the settings of their run for the one that the user drives.
+// Runs the chosen robots if needed, and returns the settings of their run for the robot that the
+// user drives.
 async function beginDriving(play) {
   if (play.version !== play.studio.model.version || play.isEdited || !play.message) await run(play, true);
   if (play.version !== play.studio.model.version || play.studio.page() !== "play") return null;
@@ -205,7 +207,7 @@ function finish(play) {
   if (Number.isFinite(play.wantedStep) && player) player.go(play.wantedStep);
   play.wantedStep = null;
   if (runs.some((one) => one.run)) return;
-  // An earlier picture would show code that does not run any more.
+  // An earlier picture would show code that no longer runs.
   player?.play(false);
   play.player = null;
   parts.instruments.replaceChildren();
@@ -213,7 +215,7 @@ function finish(play) {
   showBare(play, play.world, NONE_RAN);
 }
 
-// Runs nothing, and marks results of another world, shown or in progress, as outdated.
+// Marks results of another world, shown or in progress, as outdated; runs nothing.
 function showWrong(play, version) {
   const { parts } = play;
   if (play.under !== version) {
@@ -323,7 +325,8 @@ function showTable(play) {
   showRobots(play.parts.list, play.runs, play.looked, (number) => look(play, number), play.world.cut ? PARTED : "");
 }
 
-// Asks whether the campaign has the original of the failure that was opened, if it has not changed since.
+// Asks whether the campaign has the original of the opened failure, if the failure has not changed
+// since.
 async function askBefore(play) {
   const { model, connection } = play.studio;
   const version = model.version;
@@ -353,7 +356,7 @@ function besideOf(play) {
   return besideIn(play.parts.stage, play.both ? play.before : null, ["As found", "Shrunk"]);
 }
 
-// Returns what the server can make of the same runs: files of pictures and pages.
+// Returns the files that the server can make of the same runs: pictures and pages.
 /** @returns {NonNullable<Drawn["saves"]>} */
 function savesOf(play) {
   const message = { ...play.message, looked: play.looked }; // of these runs, even if others start meanwhile

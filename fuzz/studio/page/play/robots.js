@@ -3,12 +3,13 @@
 import { breakable, el, plainName, plural, shortName } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";
 import { isField, isGood, labelled, motionField, number } from "#studio/shared/fields.js";
-import { messageOf } from "#studio/draw/model.js";
+import { messageOf, robotsIn } from "#studio/draw/model.js";
 import { keep, keptOf } from "#studio/shared/kept.js";
 import { Refused } from "#studio/shared/refusals.js";
 import { makeSettings } from "#studio/play/settings.js";
 
 const SETUP = "play"; // key for the set-up of the last run, in the browser's storage
+const FLEET = { motion: "swept", controller: "naive" }; // of each robot of a fleet, if nothing that fits was chosen
 const WIDE = 15; // letters of a name that fill half a line
 
 /**
@@ -79,7 +80,8 @@ export function makeRobots(studio, run, drive, more) {
   };
 }
 
-// Returns whether all numbers are valid; if `leads` is true, moves the focus to the first that is not.
+// Returns whether all numbers are valid; if `leads` is true, moves the focus to the first invalid
+// one.
 function isAllGood({ element, parts }, leads) {
   const wrong = [...element.querySelectorAll("input[type=number]")].filter((input) => !isGood(input));
   if (wrong.length === 0) return true;
@@ -90,7 +92,7 @@ function isAllGood({ element, parts }, leads) {
   return false;
 }
 
-// Makes the checkbox for a world that changes during runs; a world without events gets some.
+// Makes the checkbox for a world that changes during runs; it adds events to a world without any.
 function changesField(change) {
   const box = el("input", { type: "checkbox", id: "changes", onchange: change });
   const words = el("span");
@@ -129,7 +131,7 @@ async function letChange(robots) {
   }
 }
 
-// Makes the form for a robot with its own options, in the notation of the command line.
+// Makes the form for a robot with its own options, written as on the command line.
 //   check    asks whether it may run, and fails with the reason
 function anotherForm(check, add) {
   const input = el("input", { type: "text", id: "another", autocomplete: "off", spellcheck: false });
@@ -196,10 +198,23 @@ function runButton(run) {
 }
 
 function refresh(robots) {
-  const { studio, state, parts } = robots;
+  const { studio } = robots;
   if (!studio.offered) return;
   showChanges(robots);
-  if (robots.offered === studio.offered) return;
+  if (robots.offered !== studio.offered) takeOffered(robots);
+  suitFleet(robots);
+}
+
+// The thesis's model runs one robot. In a world with several, another model is chosen, and robots that go for their targets.
+function suitFleet(robots) {
+  const { studio, state } = robots;
+  if (robotsIn(studio.model.world) < 2 || !motionOf(robots).thesis) return;
+  state.chosen = [FLEET.controller];
+  setMotion(robots, FLEET.motion);
+}
+
+function takeOffered(robots) {
+  const { studio, state, parts } = robots;
   const before = robots.offered;
   const again = before !== null; // the studio was restarted and offers something else, or code was edited
   robots.offered = studio.offered;
@@ -243,7 +258,8 @@ function offeredTo(robots) {
   return robots.studio.offered.controllers.filter((one) => isRunnable(one) && (thesis ? one.thesis : one.lattice));
 }
 
-// One of the user's own that cannot be loaded stays in the list, because its run shows where the code fails.
+// A user's controller that cannot be loaded stays in the list, because its run shows where the code
+// fails.
 const isRunnable = ({ named, fault }) => named || !fault;
 
 function setMotion(robots, name) {
@@ -265,7 +281,7 @@ function showMotion(robots) {
   showOptions(robots);
 }
 
-// Lists a robot that has two names only once under the thesis's own model, unless both are chosen.
+// Under the thesis's own model, lists a robot that has two names only once, unless both are chosen.
 function listed(robots) {
   const { state } = robots,
     all = offeredTo(robots);
@@ -393,7 +409,8 @@ function prefer(robots, failure) {
   showChanges(robots);
 }
 
-// Takes the robots, the motion model and the seed that a link names, as far as they are offered, and other settings.
+// Takes the robots, the motion model, the seed and other settings from a link; ignores any that are
+// not offered.
 function follow(robots, { robots: names, motion, seed }, more) {
   const { state, studio } = robots;
   refresh(robots);

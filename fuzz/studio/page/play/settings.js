@@ -6,7 +6,7 @@ import { isGood, labelled, parameterField, words } from "#studio/shared/fields.j
 const DEGREES = { rad: "°", "rad/s": "°/s" }; // the page shows angles in degrees
 
 /**
- * Makes the settings; `change` is called whenever one has changed.
+ * Makes the settings; `change` is called whenever one of them changes.
  * @param {() => void} change
  * @returns {any}
  */
@@ -15,14 +15,14 @@ export function makeSettings(change) {
   const element = el("div", { class: "settings" });
   return {
     element,
-    /* Shows options; `values` contains the changed ones by name, and is updated. */
+    /* Shows options; `values` contains the changed ones by name and is kept up to date. */
     offer: (options, values) => offer(Object.assign(settings, { options, values }), element),
     open: (heading) => open(settings, heading || firstHeading(settings)),
     headingOf: (input) => Object.keys(settings.groups).find((heading) => settings.groups[heading].contains(input)),
   };
 }
 
-// The behaviours' heading if these robots have one, which Ctrl+B promises.
+// The behaviours' heading, to which Ctrl+B leads, if these robots have behaviours.
 function firstHeading(settings) {
   return settings.groups.Behaviours ? "Behaviours" : Object.keys(settings.groups)[0];
 }
@@ -86,7 +86,7 @@ function open(settings, heading) {
   settings.groups[heading].querySelector("input, select").focus();
 }
 
-// Shows which heading is open, and how many options under each differ from their default.
+// Shows which heading is open, and how many options under each differ from their defaults.
 function show(settings) {
   for (const [heading, one] of Object.entries(settings.buttons)) {
     const changed = settings.options.filter(({ name, group }) => group === heading && name in settings.values).length;

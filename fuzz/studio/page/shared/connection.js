@@ -19,11 +19,12 @@ export function shareToken() {
   try {
     if (token) localStorage.setItem(TOKEN, token);
   } catch {
-    // no storage: the page loses the token when it is reloaded
+    // no storage: a reload loses the token
   }
 }
 
-// Returns the newest token: another page may have been opened since, with the token of a restarted server.
+// Returns the newest token: another page may have been opened since with a restarted server's
+// token.
 function newestToken() {
   try {
     return localStorage.getItem(TOKEN) || token;
@@ -86,7 +87,7 @@ export function makeConnection(given, begun, lost, ready) {
 function hear(state, said, begun, given) {
   if (!("id" in said)) {
     if (said.protocol !== given.protocol) {
-      location.reload(); // load the page of the server that runs now; the drawing is kept
+      location.reload(); // load the page of the current server; the drawing is kept
       return;
     }
     state.opened = true;
@@ -136,13 +137,13 @@ function refused(error) {
 
 // A larger message would end the connection, together with all waiting requests.
 function tooLarge({ largest }) {
-  return `This is more than ${largest / 2 ** 20} MiB, the most that can be sent to the studio in one message; put the file into the studio's folder, or draw a smaller world.`;
+  return `This is more than ${largest / 2 ** 20} MiB, the limit for one message to the studio; put the file into the studio's folder, or draw a smaller world.`;
 }
 
 async function isForbidden() {
   try {
     await fetch("/studio/start.js", { method: "HEAD" });
-    return true; // it runs, but does not accept this page
+    return true; // the server runs, but does not accept this page
   } catch {
     return false;
   }

@@ -1,4 +1,4 @@
-// Keeps unsaved drawings in the browser, one for each tab, in case the page or the server ends.
+// Keeps unsaved drawings in the browser, one per tab, in case the page or the server ends.
 
 import { messageOf, worldOf } from "#studio/draw/model.js";
 
@@ -6,8 +6,8 @@ const DRAFT = "worldgen-studio-draft-"; // followed by the tab's name
 const TAB = "worldgen-studio-tab";
 const OPENED = "worldgen-studio-opened";
 const TAKEN = "taken"; // replaces a draft that another tab has taken over
-const LARGEST = 4e6; // characters: the least that browsers keep
-const PATIENCE = 5; // attempts to get a lock, because the previous page may be just ending
+const LARGEST = 4e6; // characters that every browser can store
+const PATIENCE = 5; // attempts to get a lock, because the previous page may not have ended yet
 const WAIT = 60; // ms
 
 /* The drafts of this browser, as seen from this tab.
@@ -34,7 +34,7 @@ export async function findDraft() {
     state.taken = own ? "" : state.left[0]?.key || "";
     return own || read(state.taken);
   } catch {
-    return null; // the browser keeps nothing
+    return null; // the browser stores nothing
   }
 }
 
@@ -77,7 +77,8 @@ export function lendDraft(model) {
 }
 
 /**
- * Takes the draft back when the server answers again; returns whether another tab has continued the drawing meanwhile.
+ * Takes the draft back when the server answers again; returns whether another tab has continued the
+ * drawing in the meantime.
  * @param {import("#studio/draw/model.js").Model} model
  * @returns {Promise<boolean>}
  */
@@ -88,7 +89,7 @@ export async function reclaimDraft(model) {
     state.key = await claim();
     return taken;
   } catch {
-    return false; // the browser keeps nothing
+    return false; // the browser stores nothing
   }
 }
 
@@ -113,7 +114,7 @@ function read(key) {
   }
 }
 
-// Returns whether a draft is complete: another version of the page may have written it.
+// Returns whether a draft is complete, because another version of the page may have written it.
 function isWhole({ width, height, start, target, cell_size: cell, robot_speed: speed, robot_radius: radius }) {
   const triple = (place) => Array.isArray(place) && place.length === 3 && place.every(Number.isFinite);
   const lengths = [cell, speed].every((value) => Number.isFinite(value) && value > 0) && Number.isFinite(radius);
@@ -148,12 +149,12 @@ export function keepDraft(model) {
     }
     return true;
   } catch {
-    return !model.unsaved; // the browser keeps nothing, or not that much: the page asks before it is left
+    return !model.unsaved; // the browser stores nothing, or not that much: the page asks before the user leaves it
   }
 }
 
-// Without enough space, removes drafts of closed tabs, the oldest first. A tab that was only without a server has
-// written its draft again since.
+// If space runs out, removes drafts of closed tabs, oldest first. A tab that only lost its server
+// has written its draft again since.
 function store(text) {
   for (;;) {
     try {
@@ -168,7 +169,7 @@ function store(text) {
 }
 
 /**
- * Makes the draft that was found this tab's own.
+ * Adopts the draft that was found as this tab's own.
  * @param {import("#studio/draw/model.js").Model} model
  */
 export function takeOver(model) {

@@ -5,7 +5,7 @@ import { Ended } from "#studio/shared/connection.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 /**
- * Returns the files that have changed since the last report, and remembers what they are now.
+ * Returns the files that have changed since the last report, and remembers their new state.
  * @param {Map<string, string>} known - Digest of each file; updated
  * @param {CodeFile[]} files
  * @returns {CodeFile[]}
@@ -37,8 +37,8 @@ export function fileWords(files) {
 }
 
 /**
- * Returns what the server offers. A controller that was offered before and can't be loaded since an edit stays, so that
- * a run shows where its code fails.
+ * Returns what the server offers. Keeps a controller that can no longer be loaded after an edit, so
+ * that a run shows where its code fails.
  * @param {Offered | null} before
  * @param {Offered} now
  * @returns {Offered}

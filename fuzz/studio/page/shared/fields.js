@@ -108,7 +108,8 @@ export function parameterField(parameter, value, change) {
 }
 
 /**
- * Returns what is wrong with a parameter's value; its bounds are more than a browser's field can express.
+ * Returns what is wrong with a parameter's value; a browser's field cannot express all of its
+ * bounds.
  * @param {Parameter} parameter
  * @param {number} value
  * @returns {string}
@@ -181,7 +182,7 @@ export function words(name) {
 }
 
 /**
- * Return whether something is a field of a form that is typed into or ticked.
+ * Return whether something is a form field that the user types into or ticks.
  * @param {EventTarget | null} target
  * @returns {target is HTMLInputElement}
  */
@@ -225,7 +226,7 @@ export function faultOf({ validity, min, max, step, title, validationMessage }) 
 }
 
 /**
- * Marks the chosen one of several tabs. The Tab key stops there, arrow keys lead to the others.
+ * Marks the chosen one of several tabs. The Tab key stops there; arrow keys lead to the others.
  * @param {HTMLElement[]} tabs
  * @param {string} chosen
  */

@@ -1,4 +1,5 @@
-// Stores choices made in an opened folder in this browser, which may keep nothing, or be full of a drawing.
+// Stores choices made in an opened folder in this browser, which may store nothing, or have no room
+// left.
 
 const KEPT = "worldgen-studio-kept-"; // followed by the choice's name and the folder
 

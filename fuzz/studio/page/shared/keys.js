@@ -10,7 +10,7 @@ const EVERYWHERE = [
   ["1, 2, 3, 4", "Draw, play, campaign, compare"],
   ["Ctrl+S", "Save the drawn world"],
   ["Ctrl+Enter", "Run the robots in the drawn world; restart a run"],
-  ["Ctrl+M, Ctrl+I", "Go to the board; to the run in the drawn world"],
+  ["Ctrl+M, Ctrl+I", "Go to the board; go to the run in the drawn world"],
   ["Ctrl+O, Ctrl+L", "Open a file"],
   ["Ctrl+B", "Go to the settings of the robots' behaviours"],
   ["Arrows", "Move among tools, and among tabs"],
@@ -18,7 +18,7 @@ const EVERYWHERE = [
 const DRAWING = [
   ...Object.values(TOOLS).map(([words, key]) => [key, words]),
   ["Ctrl+Z, Ctrl+Y", "Undo, redo"],
-  ["[ ]", "Brush or stamp smaller, larger"],
+  ["[ ]", "Make brush or stamp smaller, larger"],
   ["Shift", "While dragging: straight lines, across, up or slanted"],
   ["Arrows, Space", "On the board: move the cursor, use the tool; Shift+Space erases"],
   ["x y .", "Mirror, flip, turn the selection or the stamp"],
@@ -37,7 +37,7 @@ const PLAYING = [
   ["> < |", "Plots: less of the run, more of it, all of it"],
   ["r", "Follow the robot"],
   ["b", "Show or hide the flow chart of the robot's behaviours"],
-  ["h", "Drive a robot by hand, with the arrow keys; Escape ends"],
+  ["h", "Drive a robot by hand, with the arrow keys; Escape stops"],
   ["t u s i m w c", "Trail, touched walls, sensors, signal, the robot's memory, witness, changes to come"],
   ["+ − 0", "Zoom; show the whole world"],
 ];
@@ -96,7 +96,7 @@ function toFiles(studio) {
 
 function toSettings(studio) {
   studio.go("play");
-  setTimeout(() => studio.play.settings()); // after the page has become visible
+  setTimeout(() => studio.play.settings()); // after the page becomes visible
 }
 
 // Moves among the buttons of a toolbar or a row of tabs with arrow keys; a tab opens immediately.
@@ -112,7 +112,7 @@ function moveAmong(event) {
   return true;
 }
 
-// Makes a field take the typed value before an action, by leaving it for a moment.
+// Makes a field accept the typed value before an action, by moving the focus away for a moment.
 function settled(target, act) {
   if (target.matches("input")) {
     target.blur();

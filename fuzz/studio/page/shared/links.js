@@ -1,7 +1,8 @@
-// Links to what a page shows: a world, a run in it, a folder of failures, one failure. They need this browser's access.
+// Links to what a page shows: a world, a run in it, a folder of failures, one failure. They only
+// work in a browser that has access.
 
 /**
- * Returns the page of a link and what is to be shown on it.
+ * Returns the page of a link and what to show on it.
  * @param {string} hash - Of the address, such as "#play?world=trap.grid&robots=bug1"
  * @returns {{page: string, shows: Record<string, string>}}
  */
@@ -11,7 +12,7 @@ export function readLink(hash) {
 }
 
 /**
- * Returns names as one text of a link; the name of a composition contains commas itself.
+ * Returns names joined into one text for a link; a composition's name itself contains commas.
  * @param {string[]} names
  * @returns {string}
  */
@@ -29,7 +30,7 @@ export function splitNames(text) {
 }
 
 /**
- * Returns a link; what is empty or unknown is left out.
+ * Returns a link, without values that are empty or unknown.
  * @param {string} page
  * @param {Record<string, string | number | null | undefined>} shows
  * @returns {string}

@@ -14,7 +14,7 @@ export function refusalWords(refusal) {
   return place ? `${place}: ${whole}` : whole;
 }
 
-// Returns where and how code of the user's has failed; empty if the refusal is about something else.
+// Returns where and how the user's code failed; empty if the refusal is about something else.
 function codeWords({ code, facts, frames }) {
   const place = frames?.at(-1);
   return code === "code-failed" && place ? `${place.file}:${place.line}: ${facts.kind}: ${facts.reason}` : "";

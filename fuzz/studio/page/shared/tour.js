@@ -1,15 +1,16 @@
-// A tour of a minute: what the pages are for, one sentence and one place at a time. It can be left at any step.
+// A one-minute tour: what the pages are for, one sentence and one place at a time. The user can
+// leave it at any step.
 
 import { el } from "#player/dom.js";
 
 const STOPS = [
   ["draw", "#board", "Draw walls on the board with the mouse, a finger or the arrow keys and Space. The right button erases."],
-  ["draw", "#proof", "Here you read whether your robot can get through. The dashed line is a path for its disc; a ring is the cut that blocks it."],
+  ["draw", "#proof", "Here you see whether your robot can get through. The dashed line is a path for its disc; a ring is the cut that blocks it."],
   ["draw", "#tab-maker", "Generate makes mazes, caves, fires and other worlds, each with a proof that the target can be reached."],
   ["play", "#run", "Play runs robots in your drawing. Choose one or more controllers, and press Run or Ctrl+Enter."],
-  ["play", ".results", "A result says how each run ended. Space plays it, the slider moves through time."],
-  ["campaign", "#campaign-form", "A campaign searches for worlds in which a controller fails, and makes each as small as it can."],
-  ["compare", "#compare-form", "Compare puts several robots into several worlds, in one table. A click on a result plays it."],
+  ["play", ".results", "The result shows how each run ended. Space plays it; the slider moves through time."],
+  ["campaign", "#campaign-form", "A campaign searches for worlds in which a controller fails, and makes each as small as possible."],
+  ["compare", "#compare-form", "Compare runs several robots in several worlds and shows the results in one table. A click on a result plays it."],
   ["campaign", "#campaign-form", "Start the studio with --controller ./mine.py:Robot to do all this with your own robot. It runs again whenever you save its file."],
 ];
 

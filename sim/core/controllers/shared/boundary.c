@@ -18,7 +18,7 @@ static const double SAME_FLAT = 5.0 * DEGREE;  // a wall that turns by less is f
 static const double AHEAD = 45.0 * DEGREE;  // turn of one wall into the path
 static const double BEHIND = 120.0 * DEGREE;  // turn of one wall out of the path
 static const double STANDS = 0.02;  // a move ahead of less than this share of a step counts as none
-// share of a step by which the target must come nearer, otherwise a slide counts as a stop
+// share of a step by which the target must come nearer, or else a slide counts as a stop
 static const double PROGRESS = 0.5;
 static const double PRESSES = 3.0;  // presses without finding the wall before it is searched for
 

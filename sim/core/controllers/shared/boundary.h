@@ -2,7 +2,7 @@
 //
 // The robot knows its position and the direction to the wall that it touched last. It *advances*
 // along that wall, turned a little towards it, so that it slides on a flat wall and stays in touch
-// around a corner. If it meets something else, it *presses* against its own wall again before it
+// around a corner. If it hits something else, it *presses* against its own wall again before it
 // continues: the obstacle may be the far side of a passage hardly wider than the robot. Only if it
 // then cannot move ahead at all does it turn to the other wall. If it loses its wall, it turns
 // towards it step by step. So it follows the edge of the region that its centre can reach, and does not skip
@@ -31,11 +31,11 @@ void wg_drive(const WgObservation *seen, WgWallBody *body, WgCommand *command, d
 // long as possible.
 void wg_head_for_target(const WgObservation *seen, WgWallBody *body, WgCommand *command);
 
-// Returns true if a wall stopped, rather than bent, the last step to the target, which was no
+// Returns true if a wall stopped, rather than deflected, the last step to the target, which was no
 // longer than a stride.
 //
-// A wall that is no longer ahead has only bent it, however far that step got: the disc has slid
-// around it.
+// A wall that is no longer ahead has only deflected it, however far that step went: the disc has
+// slid around it.
 //
 // far: distance to the target before the step, m.
 bool wg_is_stopped(const WgObservation *seen, const WgWallBody *body, double far);

@@ -75,6 +75,24 @@ static inline double wg_bearing_of(int64_t beam, int64_t beams)
     return WG_WHOLE_TURN * (double)beam / (double)beams;
 }
 
+// The ends of the beams, m, in a frame at the robot.
+typedef struct WgPoints {
+    double x[WG_MOST_BEAMS];
+    double y[WG_MOST_BEAMS];
+    int64_t count;
+} WgPoints;
+
+// Finds the ends of the beams in a frame that the robot's heading is relative to, rad.
+static inline void wg_beam_ends(const WgObservation *seen, double heading, WgPoints *points)
+{
+    points->count = wg_least(seen->beam_count, WG_MOST_BEAMS);
+    for (int64_t beam = 0; beam < points->count; beam++) {
+        double angle = heading + wg_bearing_of(beam, seen->beam_count);
+        points->x[beam] = seen->beams[beam] * wg_cos(angle);
+        points->y[beam] = seen->beams[beam] * wg_sin(angle);
+    }
+}
+
 // Direction of the target from the heading, rad in [-pi, pi).
 static inline double wg_target_bearing(const WgObservation *seen)
 {

@@ -1,12 +1,12 @@
 """Following a wall by touch: what wall followers and bug algorithms share.
 
 The robot knows its position and, of the wall that it touched last, the direction to it. It
-*advances* along that wall, turned a little towards it, so that it slides on a flat wall and keeps
-in touch around a corner. Where it meets something else, it *presses* against its own wall again
-before it goes on: what stopped it may be the far side of a passage
-hardly wider than itself. Only if it then cannot move ahead at all does it turn to the other wall.
-Where it loses its wall it turns towards it step by step. So it follows the edge of what its centre
-can reach, and skips no opening.
+*advances* along that wall, turned a little towards it, so that it slides on a flat wall and stays
+in touch around a corner. If it hits something else, it *presses* against its own wall again before
+it continues, because the obstacle may be the far side of a passage hardly wider than itself. Only
+if it then cannot move ahead at all does it turn to the other wall. If it loses its wall, it turns
+towards it step by step. So it follows the edge of the area that its centre can reach, and skips no
+opening.
 
 A step is never longer than :func:`stride`, which is less than the robot's diameter.
 
@@ -49,20 +49,20 @@ _DEGREE = math.pi / 180.0
 # lean on a flat wall, and around a corner
 _FLAT = 20.0 * _DEGREE
 _ROUND = 40.0 * _DEGREE
-_FLAT_AFTER = 2.0  # touches in a row by which a wall counts as flat
+_FLAT_AFTER = 2.0  # touches in a row after which a wall counts as flat
 _SEARCH = 30.0 * _DEGREE  # turn towards a wall that is lost, in each step
 _WHOLE_TURN, _WHOLE_TURNS = (
     12.0,
     24.0,
-)  # steps of a search that turn it once, and after which the count goes back
+)  # steps of a search that turn it once, and after which the count starts over
 _GIVE_WAY = 40.0 * _DEGREE  # turn away from a wall at which it is stuck
 _SAME_FLAT = 5.0 * _DEGREE  # a wall that turns by less is flat
-# turns of one wall: into the way, and out of it
+# turns of one wall: into the path, and out of it
 _AHEAD = 45.0 * _DEGREE
 _BEHIND = 120.0 * _DEGREE
 _STANDS = 0.02  # a move ahead of less than this share of a step is none
-_PROGRESS = 0.5  # share of a step by which the target must come nearer; a slide that does goes on
-_PRESSES = 3.0  # presses without finding the wall before it is searched for
+_PROGRESS = 0.5  # share of a step by which the target must come nearer; such a slide continues
+_PRESSES = 3.0  # presses that miss the wall before the robot searches for it
 
 
 def stride(observation: Floats) -> float:
@@ -87,7 +87,7 @@ def drive(
 def head_for_target(observation: Floats, memory: Floats, command: Floats) -> None:
     """Commands a step straight to the target.
 
-    A short one if the last touched a wall, else as long as can be.
+    A short one if the last step touched a wall, else as long as possible.
     """
     length = observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]
     if observation[layout.OBS_BUMP] != 0.0:
@@ -97,10 +97,10 @@ def head_for_target(observation: Floats, memory: Floats, command: Floats) -> Non
 
 
 def is_stopped(observation: Floats, memory: Floats, far: float) -> bool:
-    """Whether a wall stopped the last step to the target, of a length not above a stride, rather than bent it.
+    """Return whether a wall stopped the last step to the target, of at most a stride, rather than deflecting it.
 
-    A wall that does not lie ahead any more has only bent it, however far that step came: the disc
-        has slid around it.
+    A wall that is no longer ahead has only deflected it, however far that step went: the disc has
+    slid around it.
 
     Args:
         observation: What is sensed.
@@ -115,12 +115,12 @@ def is_stopped(observation: Floats, memory: Floats, far: float) -> bool:
 
 
 def touched(observation: Floats) -> float:
-    """Direction of the world, rad, of what the last step touched."""
+    """Direction in the world, rad, of the obstacle that the last step touched."""
     return wrap(observation[layout.OBS_HEADING] + observation[layout.OBS_BUMP_BEARING])
 
 
 def begin_following(memory: Floats, wall: float) -> None:
-    """Takes up a wall in a direction, rad; it is pressed against first."""
+    """Starts to follow a wall in a direction, rad; the robot presses against it first."""
     memory[WALL], memory[PHASE], memory[STUCK], memory[LOST], memory[SMOOTH] = (
         wall,
         PRESS,
@@ -131,7 +131,7 @@ def begin_following(memory: Floats, wall: float) -> None:
 
 
 def _ahead(observation: Floats, memory: Floats) -> float:
-    """How far the last step came in its direction, m.
+    """Return how far the last step went in its direction, m.
 
     Walls may have pushed the robot back, or aside.
     """
@@ -142,10 +142,10 @@ def _ahead(observation: Floats, memory: Floats) -> float:
 
 
 def feel(observation: Floats, memory: Floats) -> bool:
-    """Takes in what the last step touched.
+    """Processes the contact of the last step.
 
     Returns:
-        Whether that was the wall that is followed, so that ``WALL`` was measured here.
+        Return whether that was the followed wall, so that ``WALL`` was measured here.
     """
     stands = _ahead(observation, memory) < _STANDS * memory[STEP]
     if observation[layout.OBS_BUMP] == 0.0:
@@ -172,7 +172,7 @@ def feel(observation: Floats, memory: Floats) -> bool:
 
 
 def has_lost_it(memory: Floats) -> bool:
-    """Whether the wall is nowhere around the robot any more.
+    """Return whether the wall is no longer anywhere around the robot.
 
     Only a world that changes can take it away.
     """

@@ -1,6 +1,7 @@
 """Directions and distances in the plane, where a beam and the target are, and how to command a turn.
 
-From ``+ - * /``, ``sqrt`` and fdlibm's functions alone: the same bits on every machine.
+Only ``+ - * /``, ``sqrt`` and fdlibm's functions are used, so the bits are the same on every
+machine.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ def distance(x: float, y: float, to_x: float, to_y: float) -> float:
 def distance_to_way(
     x: float, y: float, from_x: float, from_y: float, to_x: float, to_y: float
 ) -> float:
-    """Distance of a point from a straight way."""
+    """Distance of a point from a straight segment."""
     dx, dy = to_x - from_x, to_y - from_y
     length_sq = dx * dx + dy * dy
     share = 0.0
@@ -55,7 +56,7 @@ def distance_to_way(
 
 
 def bearing_of(beam: int, beams: int) -> float:
-    """Direction of a range beam from the heading, rad, for beams all round, the first ahead."""
+    """Direction of a range beam from the heading, rad, for beams all around, the first one ahead."""
     return WHOLE_TURN * beam / beams
 
 

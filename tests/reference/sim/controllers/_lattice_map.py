@@ -3,8 +3,8 @@
 A node has eight neighbours, and four bits: its edges to the east, north-east, north and north-west;
     the others are its
 neighbours'. Twelve nodes are packed into one number of a controller's memory. The window moves with
-the robot, and what leaves it is forgotten. The way is planned with A* as if all that is not known
-to be blocked were free.
+the robot, and nodes outside it are forgotten. The path is planned with A*, treating every edge as
+free that is not known to be blocked.
 
 Sources: P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination
     of minimum cost
@@ -25,32 +25,32 @@ from tests.reference.sim.controllers._directions import distance_to_way
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-# What stands where in the memory; places are in nodes from the start.
+# Layout of the memory; places are in nodes from the start.
 SIDE, WINDOW_X, WINDOW_Y = 0, 1, 2  # nodes of the window along a side; its lowest node
 TARGET_X, TARGET_Y = 3, 4  # of the target, not rounded
-DOORS = 5  # bits of the nodes next to the target from which the way to it was found blocked
-PLAN_AT, PLAN_LENGTH = 6, 7  # moves that are done, and all moves of the plan
+DOORS = 5  # bits of the nodes next to the target from which the path to it was found blocked
+PLAN_AT, PLAN_LENGTH = 6, 7  # finished moves, and all moves of the plan
 PLAN = 8
 OWN = PLAN + 64  # numbers of the controller's own
 OWN_SIZE = 12
-NODES = OWN + OWN_SIZE  # the bits of the nodes from here on
+NODES = OWN + OWN_SIZE  # the bits of the nodes begin here
 
 _MOVES_A_WORD, _NODES_A_WORD = 16, 12  # of 3 and 4 bits: 48 bits, which a float64 holds exactly
 SHOWN = (DOORS, *range(PLAN_LENGTH, OWN))
-"""Numbers, beside those of the nodes, that blocked edges and plan hang on."""
+"""Numbers, besides those of the nodes, on which blocked edges and plan depend."""
 _MOST_MOVES = _MOVES_A_WORD * (OWN - PLAN)
 _STRAIGHT, _DIAGONAL = 5, 7  # costs of a move, nearly in the ratio of 1 to the root of 2
-_REACH = 2  # nodes at most so far from the target, along each axis, are next to it
+_REACH = 2  # nodes at most this far from the target, along each axis, are next to it
 _UNKNOWN = 1 << 40
 
 
 def memory_size(side: int) -> int:
-    """Numbers of memory that a map with so many nodes along a side takes."""
+    """Size of the memory, in numbers, of a map with this many nodes along a side."""
     return NODES + -(-side * side // _NODES_A_WORD)
 
 
 def neighbour(x: int, y: int, move: int) -> tuple[int, int]:
-    """The node that a move leads to: 0 is east, and then counter-clockwise by eighths of a turn."""
+    """The node that a move leads to: 0 is east, continuing counter-clockwise by eighths of a turn."""
     dx = 1 if move in (0, 1, 7) else (-1 if move in (3, 4, 5) else 0)
     dy = 1 if move in (1, 2, 3) else (-1 if move in (5, 6, 7) else 0)
     return x + dx, y + dy
@@ -79,7 +79,7 @@ def block(memory: Floats, x: int, y: int, move: int) -> None:
 
 
 def block_near(memory: Floats, x: float, y: float, radius: float) -> None:
-    """Notes that all edges that pass a point nearer than a radius are blocked; both in nodes."""
+    """Notes that all edges that come nearer to a point than a radius are blocked; both in nodes."""
     reach = math.floor(radius) + 2
     low_x = int(memory[WINDOW_X])
     low_y = int(memory[WINDOW_Y])
@@ -107,13 +107,13 @@ def _door(memory: Floats, x: int, y: int) -> int:
 
 
 def has_door(memory: Floats, x: int, y: int) -> bool:
-    """Whether a node is next to the target, and the way from it to the target not known to be blocked."""
+    """Return whether a node is next to the target, on a path that is not known to be blocked."""
     number = _door(memory, x, y)
     return number >= 0 and (int(memory[DOORS]) >> number) & 1 == 0
 
 
 def door(memory: Floats, x: int, y: int) -> None:
-    """Notes that the way from a node to the target is blocked."""
+    """Notes that the path from a node to the target is blocked."""
     memory[DOORS] = float(int(memory[DOORS]) | (1 << max(_door(memory, x, y), 0)))
     memory[PLAN_LENGTH] = 0.0
 
@@ -138,7 +138,7 @@ def _forget_line(memory: Floats, place: int, column: bool) -> None:
 def move_window(memory: Floats, x: int, y: int) -> None:
     """Moves the window so that a node has a quarter of it on each side.
 
-    What leaves it is forgotten.
+    Nodes outside it are forgotten.
     """
     side = int(memory[SIDE])
     for axis in range(2):
@@ -154,7 +154,7 @@ def move_window(memory: Floats, x: int, y: int) -> None:
 
 
 def next_move(memory: Floats) -> int:
-    """The next move of the plan, which is then done; -1 if there is none."""
+    """Takes the next move of the plan; -1 if there is none."""
     at = int(memory[PLAN_AT])
     if at >= int(memory[PLAN_LENGTH]):
         return -1
@@ -163,7 +163,7 @@ def next_move(memory: Floats) -> int:
 
 
 def _push(heap: Ints, count: int, item: int) -> int:
-    """Adds an item to a binary heap; the number of items then."""
+    """Adds an item to a binary heap; returns the new number of items."""
     at = count
     while at > 0 and heap[(at - 1) // 2] > item:
         heap[at] = heap[(at - 1) // 2]
@@ -173,7 +173,9 @@ def _push(heap: Ints, count: int, item: int) -> int:
 
 
 def _pop(heap: Ints, count: int) -> int:
-    """Takes the smallest item, which is the first, off a binary heap; the number of items then."""
+    """Removes the smallest item, the first one, from a binary heap; returns the new number of
+    items.
+    """
     count -= 1
     item, at = heap[count], 0
     while 2 * at + 1 < count:
@@ -189,17 +191,17 @@ def _pop(heap: Ints, count: int) -> int:
 
 
 def _at_least(memory: Floats, x: int, y: int) -> int:
-    """Cost that the way from a node to the target has at least."""
+    """Lower bound on the cost of the path from a node to the target."""
     dx = abs(x - float(memory[TARGET_X]))
     dy = abs(y - float(memory[TARGET_Y]))
     return math.floor(_STRAIGHT * max(dx, dy) + (_DIAGONAL - _STRAIGHT) * min(dx, dy))
 
 
 def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap: Ints) -> int:
-    """A* from a node; the number in the window of the node where the plan ends, -1 if there is no way.
+    """A* from a node; returns the number in the window of the plan's last node, -1 if there is no path.
 
-    A plan ends next to the target, or where it leaves the window, which is as good as the way left
-    from there plus a charge that makes it the last resort.
+    A plan ends next to the target, or where it leaves the window, at the cost of the remaining path
+    plus a penalty that makes it the last resort.
     """
     side = int(memory[SIDE])
     low_x = int(memory[WINDOW_X])
@@ -217,7 +219,7 @@ def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap
         x = low_x + node % side
         y = low_y + node // side
         if bound > cost[node] + _at_least(memory, x, y):
-            continue  # a better way to it was found since
+            continue  # a better path to it has been found since
         if has_door(memory, x, y):
             return node
         if (node % side in (0, side - 1) or node // side in (0, side - 1)) and node != first:
@@ -237,12 +239,12 @@ def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap
 
 
 def plan(memory: Floats, x: int, y: int) -> bool:
-    """Plans the way from a node.
+    """Plans the path from a node.
 
-    It the window must have around it, to one next to the target or out of the window.
+    The window must contain it; the path leads to a node next to the target or out of the window.
 
     Returns:
-        Whether there is a way; it may have no moves.
+        Whether there is a path, which may have no moves.
     """
     side = int(memory[SIDE])
     cost = np.full(side * side, _UNKNOWN)
@@ -253,7 +255,7 @@ def plan(memory: Floats, x: int, y: int) -> bool:
     if last < 0:
         return False
     count = 0
-    while came[last] >= 0:  # backwards; the heap is free by now and takes the moves
+    while came[last] >= 0:  # backwards; the heap is no longer needed and takes the moves
         heap[count] = came[last]
         step_x, step_y = neighbour(0, 0, came[last])
         last -= step_y * side + step_x

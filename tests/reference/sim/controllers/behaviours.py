@@ -1,7 +1,8 @@
 """Compositions of the library's behaviours in plain Python: parts, arbiters, behaviours.
 
-The memory is that of ``WgComposition``: what all parts share (5 numbers), who acted, the arbiter,
-how many parts; then 8 numbers for each part; then what some arbiters keep; then the parts' states.
+The memory is that of ``WgComposition``: the shared state (5 numbers), the part that acted, the
+arbiter, the number of parts; then 8 numbers for each part; then the state of some arbiters; then
+the parts' states.
 
 Sources: the thesis on behaviour-based search and rescue robots that this program descends from
     (2005-2006), sections 3, 4 and 6; Rodney A. Brooks, "A robust layered control system for a
@@ -43,7 +44,7 @@ def _units(radians: float) -> int:
 
 
 class Behaviour:
-    """What all behaviours have; ``state`` is a view of the memory."""
+    """The base of all behaviours; ``state`` is a view of the memory."""
 
     size = 0
     keeps_time = False
@@ -303,7 +304,7 @@ def _by_priority(parts: list[_Part], seen: Floats, shared: Floats, command: Floa
     chosen = active
     begins = False
     if active < 0 or parts[active].interruptible:
-        # The first with the highest priority among those that apply, and the one in charge.
+        # Return the first with the highest priority among those that apply and the one in charge.
         order = sorted(range(len(parts)), key=lambda k: -parts[k].priority)
         chosen = -1
         for k in order:
@@ -400,7 +401,9 @@ def _correlation(with_it: float, acted: float, acted_with: float) -> float:
 def _learned(
     parts: list[_Part], counts: Floats, memory: Floats, seen: Floats, command: Floats
 ) -> int:
-    """``counts``: condition, lately, signal; then four numbers of all and of each part."""
+    """``counts``: condition, recent condition, signal; then four numbers for all parts and for each
+    part.
+    """
     bump = seen[layout.OBS_BUMP] != 0.0
     good = seen[layout.OBS_SIGNAL] > counts[2] and not bump
     counts[1] = 32.0 if bump else max(0.0, counts[1] - 1.0)

@@ -1,16 +1,14 @@
-"""Bug1: goes around each obstacle once, and leaves it where it was nearest to the target.
+"""Bug1 goes around each obstacle once, and leaves it at the point nearest to the target.
 
-It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with
-its left hand all the way around, and notes where it was nearest to the target: the leave point. From
-    the hit point it goes there, the
-shorter way, and drives straight to the target again. Leave points come nearer and nearer, so it
-arrives if anybody can, on a way of at most the distance and one and a half times the perimeters of
-the obstacles that it meets.
+It drives straight to the target. If a wall stops it, at the hit point, it follows the wall with its
+left hand all the way around, and notes where it was nearest to the target: the leave point. From
+the hit point it goes there by the shorter way, and drives straight to the target again. Leave
+points come nearer and nearer, so it arrives if the target can be reached, on a path of at most the
+distance plus one and a half times the perimeters of the obstacles that it meets.
 
-That holds where the world stands still. A place of the wall is taken for the hit point or the leave
-point if it is nearer than ``_SAME_PLACE`` of a step and the wall lies in a similar direction: the
-    two sides of a narrow passage are
-near to each other, too, but look opposite ways.
+That holds in worlds that do not change. A place counts as the hit point or the leave point if it is
+nearer than ``_SAME_PLACE`` of a step and the wall is in a similar direction: the two sides of a
+narrow passage are also near each other, but face opposite ways.
 
 Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
     moving amidst unknown
@@ -31,8 +29,8 @@ from tests.reference.sim.controllers._directions import distance, distance_to_wa
 Floats = npt.NDArray[np.float64]
 
 # Memory after the body's: what it does, its distance to the target before the step; the hit point
-# with the direction of the wall there; the leave point likewise, and its distance to the target;
-# way since the hit, and to the leave point; whether it has been away from the hit point.
+# and the direction of the wall there; the same for the leave point, and its distance to the target;
+# path length since the hit, and to the leave point; whether it has been away from the hit point.
 MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
 HIT = body.BODY_SIZE + 2
 LEAVE = body.BODY_SIZE + 5
@@ -45,17 +43,17 @@ SIZE = body.BODY_SIZE + 12
 START, GOAL, MEET, ROUND, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
 
 _SAME_PLACE = 0.5  # of a step
-_ELSEWHERE = 1.5  # of a step: further from the hit point it has been away
+_ELSEWHERE = 1.5  # of a step: farther than this from the hit point, it has been away
 _SAME_WALL = math.radians(
     100.0
 )  # rad by which the direction of the wall may differ at the same place
-# Of a step: a hit on the same wall must be so much nearer than the last leave point, or that is
-# gone to.
+# Of a step: a hit on the same wall must be this much nearer than the last leave point, or else the
+# robot goes there.
 _NEARER = 0.1
 
 
 def _passes(observation: Floats, memory: Floats, place: int) -> bool:
-    """Whether the last step passed a place of the memory, along the same wall."""
+    """Return whether the last step passed a stored place, along the same wall."""
     x = observation[layout.OBS_X]
     y = observation[layout.OBS_Y]
     apart = distance_to_way(memory[place], memory[place + 1], memory[body.X], memory[body.Y], x, y)
@@ -70,7 +68,9 @@ def _note(observation: Floats, memory: Floats, place: int) -> None:
 
 
 def _go_round(observation: Floats, memory: Floats, touches: bool) -> None:
-    """One step of the way around: the nearest place, and whether the hit point is reached again."""
+    """Process one step of the circuit: the nearest place, and whether the hit point is reached
+    again.
+    """
     far = observation[layout.OBS_TARGET_DISTANCE]
     x = observation[layout.OBS_X]
     y = observation[layout.OBS_Y]
@@ -93,7 +93,7 @@ def _go_round(observation: Floats, memory: Floats, touches: bool) -> None:
 
 
 def _meet(observation: Floats, memory: Floats) -> None:
-    """Decides what a wall on the way to the target is: a new obstacle, or the last one again."""
+    """Decides whether a wall on the path to the target is a new obstacle or the last one again."""
     if not body.is_stopped(observation, memory, memory[FAR]):
         return
     body.begin_following(memory, body.touched(observation))
@@ -102,7 +102,9 @@ def _meet(observation: Floats, memory: Floats) -> None:
         memory[LEAVE_FAR] < math.inf
         and abs(wrap(memory[body.WALL] - memory[LEAVE + 2])) > _SAME_WALL
     ):
-        margin = 0.0  # a wall across a gap hardly wider than the robot is another, however near
+        margin = (
+            0.0  # a wall across a gap hardly wider than the robot is another wall, however near
+        )
     memory[MODE] = (
         MEET if observation[layout.OBS_TARGET_DISTANCE] < memory[LEAVE_FAR] - margin else BACK
     )

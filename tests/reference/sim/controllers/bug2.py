@@ -1,15 +1,15 @@
-"""Bug2: goes around an obstacle until it is back on the straight line to the target, nearer to it.
+"""Bug2 goes around an obstacle until it is back on the straight line to the target, at a nearer point.
 
-It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with
-its left hand until it crosses the line from the hit point to the target at a place nearer to the
-target than the hit point; it goes back to that place and drives on. The line enters the obstacle at
-the hit point and ends outside, so somewhere on the same wall it leaves: there is such a place, and
-    each is nearer than the last. So it arrives if anybody can. Often it is
-quicker than Bug1, for it need not see the whole obstacle; in mazes it may pass the same places many
-times.
+It drives straight to the target. If a wall stops it, at the hit point, it follows the wall with its
+left hand until it crosses the line from the hit point to the target at a place nearer to the target
+than the hit point; it returns to that place and drives to the target again. The line enters the
+obstacle at the hit point and ends outside, so it leaves it somewhere on the same wall: there is
+such a place, and each is nearer than the last. So it arrives if the target can be reached. It is
+often quicker than Bug1, because it need not go around the whole obstacle; in mazes it may pass the
+same places many times.
 
-In the paper the line is that from the start to the target. Here each hit point gives a line of its
-own, which differs by what the robot slid along a wall before that stopped it.
+In the paper, the line goes from the start to the target. Here each hit point has its own line,
+which differs by how far the robot slid along a wall before it was stopped.
 
 Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
     moving amidst unknown
@@ -31,7 +31,7 @@ from tests.reference.sim.fdlibm import cos, sin
 Floats = npt.NDArray[np.float64]
 
 # Memory after the body's: what it does, its distance to the target before the step; the hit point,
-# its distance to the target and direction of the line (a unit vector); the place to leave at.
+# its distance to the target and the direction of the line (a unit vector); the place to leave at.
 MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
 HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y = (body.BODY_SIZE + k for k in range(2, 7))
 LEAVE_X = body.BODY_SIZE + 7
@@ -41,13 +41,13 @@ SIZE = body.BODY_SIZE + 9
 START, GOAL, ROUND, BACK = 0.0, 1.0, 2.0, 3.0
 
 _NEARER = (
-    0.05  # of a step: a place to leave at must be that much nearer to the target than the hit point
+    0.05  # of a step: a place to leave at must be this much nearer to the target than the hit point
 )
-_THERE = 0.02  # of a step: nearer to the place to leave at it is there
+_THERE = 0.02  # of a step: within this distance, it is at the place to leave at
 
 
 def _hit(observation: Floats, memory: Floats) -> None:
-    """Takes up a wall; with a line of its own if it is nearer to the target than the last."""
+    """Starts to follow a wall, with a new line if it is nearer to the target than the last one."""
     body.begin_following(memory, body.touched(observation))
     memory[MODE] = ROUND
     far = observation[layout.OBS_TARGET_DISTANCE]
@@ -61,7 +61,7 @@ def _hit(observation: Floats, memory: Floats) -> None:
 
 
 def _crosses(observation: Floats, memory: Floats) -> bool:
-    """Whether the last step crossed the line at a place to leave at, which is then noted."""
+    """Return whether the last step crossed the line at a place to leave at, and note that place."""
     from_x = memory[body.X] - memory[HIT_X]
     from_y = memory[body.Y] - memory[HIT_Y]
     to_x = observation[layout.OBS_X] - memory[HIT_X]

@@ -1,10 +1,10 @@
-"""Dynamic window: of the speeds and turn rates that the robot can have next, the best that lets it stop in time.
+"""Dynamic window: choose the best speed and turn rate in reach that let the robot stop in time.
 
 Each pair of speed and turn rate is an arc. Arcs on which the robot could not brake before the first
-obstacle fall away; the rest are judged by where they face, how far they are free, and how fast they
-are. It drives fast and never knowingly into anything. It looks one arc ahead, so it stops or swings
-forever in cups and before long walls, and a turn into a narrow door is often later than its arcs
-can see.
+obstacle are dropped; the rest are judged by their direction, their free length and their speed. It
+drives fast and never knowingly into anything. It looks one arc ahead, so it stops or oscillates
+forever in cups and in front of long walls, and often sees a narrow door only when it is too late to
+turn into it.
 
 Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to collision
     avoidance", IEEE
@@ -33,8 +33,8 @@ from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
-SPEED, TURN_RATE = 0, 1  # memory: m/s and rad/s commanded last
-# Commands are whole 1/1024 m/s and rad/s, so that states can come back and loops be proved.
+SPEED, TURN_RATE = 0, 1  # memory: last commanded m/s and rad/s
+# Commands are multiples of 1/1024 m/s and rad/s, so that states can recur and loops can be proved.
 _GRAIN = 1024.0
 
 
@@ -42,18 +42,19 @@ class DynamicWindow(NamedTuple):
     """Tuned numbers.
 
     Args:
-        margin: What the robot is taken to be larger by than it is, m.
+        margin: Margin added to the robot's radius, m.
         gain: Greatest change of speed, m/s2, up or down.
         turn_gain: Greatest change of turn rate, rad/s2.
         fastest_turn: rad/s.
-        speeds: Speeds that are tried, from the slowest to the fastest within the window.
-        turns: Turn rates that are tried, likewise; an odd number keeps the one of now.
+        speeds: Number of speeds to try, from the slowest to the fastest within the window.
+        turns: Number of turn rates to try, spaced in the same way; an odd number keeps the current
+            one.
         ahead: Time, s, after which an arc's heading is compared with the target's direction.
-        least: Free way, m, that an arc must have; without any such arc the robot brakes, and turns
+        least: Free length, m, that an arc must have; if there is none, the robot brakes and turns
             on the spot.
-        far: Free way, m, beyond which more is no better.
+        far: Free length, m, beyond which more makes no difference.
         to_target: Weight of the heading.
-        to_free: Weight of the free way.
+        to_free: Weight of the free length.
         to_speed: Weight of the speed.
     """
 
@@ -72,14 +73,14 @@ class DynamicWindow(NamedTuple):
 
 
 def arc_to_contact(x: float, y: float, speed: float, turn_rate: float, radius: float) -> float:
-    """Way along an arc until a disc meets a point, m; inf if it never does.
+    """Length of an arc until a disc meets a point, m; inf if it never does.
 
     Args:
         x: Of the point, m, ahead of the robot.
         y: Of the point, m, to its left.
         speed: m/s, positive.
         turn_rate: rad/s.
-        radius: Of the disc, m. A point inside it counts if it is ahead, as met at once.
+        radius: Radius of the disc, m. A point inside it counts as met immediately if it is ahead.
     """
     if x * x + y * y < radius * radius:
         return 0.0 if x > 0.0 else math.inf
@@ -109,7 +110,7 @@ def _fill(observation: Floats, points: Floats) -> None:
 
 
 def _free_way(points: Floats, speed: float, turn_rate: float, radius: float, far: float) -> float:
-    """Way along an arc until a disc meets the first beam's end, m; at most ``far``."""
+    """Length of an arc until a disc meets the first beam's end, m; at most ``far``."""
     free = far
     for beam in range(points.shape[0]):
         x = points[beam, 0]
@@ -123,7 +124,7 @@ def _free_way(points: Floats, speed: float, turn_rate: float, radius: float, far
 def _facing(observation: Floats, speed: float, turn_rate: float, tuned: DynamicWindow) -> float:
     """How well an arc faces the target after a while: 1 straight at it, 0 away from it."""
     turned = turn_rate * tuned.ahead
-    # On an arc the way so far lies half the turn off the heading.
+    # On an arc, the chord so far is half the turn away from the heading.
     way = speed * tuned.ahead
     half = 0.5 * turned
     towards = target_bearing(observation)
@@ -142,9 +143,9 @@ def drive(
 
     Args:
         observation: ``OBS_``.
-        memory: Speed and turn rate commanded last.
+        memory: Last commanded speed and turn rate.
         command: ``CMD_``.
-        points: (beams, 2), to work in.
+        points: (beams, 2), workspace.
         tuned: Numbers.
     """
     _fill(observation, points)

@@ -1,4 +1,6 @@
-"""GESTALT in plain Python: a grid of goodness around the robot, arcs scored by it, the best one driven."""
+"""GESTALT in plain Python: a grid of goodness around the robot, arcs scored by it, the best one
+driven.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +21,9 @@ from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
-# Memory: cells along a side of the window and a cell's side, m; the window's lowest column and row; the arc's
-# direction, curvature and what is left of it, m; then twelve degrees of 4 bits in each number.
+# Memory: cells along a side of the window and a cell's side, m; the window's lowest column and row;
+# the arc's direction, curvature and remaining length, m; then twelve degrees of 4 bits in each
+# number.
 SIDE, PITCH, WINDOW_X, WINDOW_Y, HEADING, BEND, LEFT, CELLS = range(8)
 
 _A_WORD = 12
@@ -111,7 +114,7 @@ def _look(seen: Floats, memory: Floats, grid: _Grid) -> None:
 def _score(
     seen: Floats, memory: Floats, grid: _Grid, heading: float, bend: float, length: float
 ) -> tuple[float, float]:
-    """How good an arc is, and how much of it: up to the first bad cell."""
+    """Return how good an arc is, and how much of it is usable: up to the first bad cell."""
     x, y = seen[layout.OBS_X], seen[layout.OBS_Y]
     far, towards = seen[layout.OBS_TARGET_DISTANCE], seen[layout.OBS_TARGET_HEADING]
     target_x, target_y = x + far * cos(towards), y + far * sin(towards)
@@ -153,7 +156,7 @@ def _choose(seen: Floats, memory: Floats, grid: _Grid) -> None:
 
 
 def act(seen: Floats, memory: Floats, command: Floats) -> None:
-    """One step: looks and chooses where the arc has ended, and drives the next piece of it."""
+    """One step: looks and chooses an arc if the last has ended, and drives the next piece of it."""
     grid = _Grid(memory)
     _move_window(seen, memory, grid)
     touches = seen[layout.OBS_BUMP] != 0.0

@@ -1,19 +1,19 @@
-"""Mapping: keeps a small coarse map of where it could not pass, and drives the shortest way that the map leaves open.
+"""Mapping: keeps a small coarse map of where it could not pass, and drives the shortest path that the map leaves open.
 
-The map is a grid of nodes about the start. The robot drives from node to node; where a wall stops
-it, it notes that edge as blocked, feels where the wall is, which blocks all edges on which it would
-overlap that place, goes back, and plans again. If no way is left it must have been mistaken: then
-    it empties the map, and feels for walls no more. What
-it does not know it takes for free. Each plan that fails blocks an edge more, so it arrives if there
-is a way along the edges of the grid, and the map holds all that it saw: with walls on a grid of
-    their own that is so if ``pitch`` is half
-a cell. With less memory the map is a window that moves with the robot, and what has left it is
-forgotten: then it may
-go round in circles larger than its memory. ``mapping`` makes a controller with a map of any size.
+The map is a grid of nodes around the start. The robot drives from node to node. If a wall stops it,
+it marks that edge as blocked and feels where the wall is, which blocks all edges on which it would
+overlap that place; then it goes back and plans again. If no path is left, it must have been
+mistaken: it then clears the map, and stops feeling for walls. It treats unknown edges as free. Each
+plan that fails blocks another edge, so it arrives if there is a path along the edges of the grid
+and the map holds everything that it has found; for walls on a grid, such a path exists if ``pitch``
+is half a cell. With less memory, the map is a window that moves with the robot, and nodes outside
+it are forgotten, so the robot may drive in circles larger than its memory. ``mapping`` makes a
+controller with a map of any size.
 
 Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and
     Automation 8 (1992);
-that it arrives, and how long that may take: S. Koenig, C. Tovey and Y. Smirnov, "Performance bounds
+for a proof that it arrives, and how long that may take: S. Koenig, C. Tovey and Y. Smirnov,
+"Performance bounds
     for planning in
 unknown terrain", Artificial Intelligence 147 (2003).
 """
@@ -34,30 +34,30 @@ from tests.reference.sim.fdlibm import cos, sin
 Floats = npt.NDArray[np.float64]
 
 PITCH = 0.05  # m: half a cell of the families' worlds
-CERTAIN = 0.97  # of the radius: nearer than this to a wall there is no room, in spite of rounding
+CERTAIN = 0.97  # of the radius: nearer than this to a wall there is no room, despite rounding
 FULL_SIDE, SMALL_SIDE = 128, 12  # nodes
 LEAST_SIDE, MOST_SIDE = 8, 1024
 
 # Memory next to the map: what it does; the node that it came from, the move; where it starts;
-# distance of two nodes; position before the step; length of the step; failed returns; share of the
-# robot's radius nearer than which to a place that it felt there is no room, 0 if it does not feel
-# for walls.
+# distance of two nodes; position before the step; length of the step; failed returns; the distance
+# from a wall that it felt within which there is no room, as a share of the robot's radius, 0 if it
+# does not feel for walls.
 MODE, FROM_X, FROM_Y, MOVE, START_X, START_Y, GRID, X, Y, STEP, TRIES, NO_ROOM = (
     lattice.OWN + k for k in range(12)
 )
 
 START, GO, DOOR, TOUCH, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
 
-_THERE = 0.01  # of the pitch: nearer to a node it is there
-_STANDS = 0.02  # of the pitch: a free step of less cannot come nearer
-_ALONG = 0.9  # share of a step by which a node must come nearer if a wall bent the way
+_THERE = 0.01  # of the pitch: within this distance of a node, it is there
+_STANDS = 0.02  # of the pitch: a shorter free step cannot come nearer
+_ALONG = 0.9  # share of a step by which a node must come nearer if a wall deflected the step
 _PROBE = 0.2  # of the pitch: step by which it feels for a wall
-# Steps on the way back that a wall may bend before the nearest node is taken for the one it is at.
+# Steps on the way back that a wall may deflect before the nearest node counts as the one it is at.
 _MOST_TRIES = 12.0
 
 
 def _begin(observation: Floats, memory: Floats) -> None:
-    """Lays the grid through the start, and the window half-way to the target."""
+    """Lays the grid through the start, and the window halfway to the target."""
     memory[START_X] = observation[layout.OBS_X]
     memory[START_Y] = observation[layout.OBS_Y]
     far = observation[layout.OBS_TARGET_DISTANCE] / memory[GRID]
@@ -81,7 +81,7 @@ def _drive_to(observation: Floats, memory: Floats, command: Floats, x: float, y:
 
 
 def _arrived(observation: Floats, memory: Floats, x: float, y: float) -> bool:
-    """Whether the robot is at a point, m, or as near as its steps get it."""
+    """Return whether the robot is at a point, m, or as near as its steps allow."""
     left = distance(observation[layout.OBS_X], observation[layout.OBS_Y], x, y)
     moved = distance(observation[layout.OBS_X], observation[layout.OBS_Y], memory[X], memory[Y])
     near = _STANDS * memory[GRID]
@@ -90,7 +90,7 @@ def _arrived(observation: Floats, memory: Floats, x: float, y: float) -> bool:
 
 
 def _is_barred(observation: Floats, memory: Floats, x: float, y: float) -> bool:
-    """Whether a wall stopped or bent the last step to a point, m."""
+    """Return whether a wall stopped or deflected the last step to a point, m."""
     before = distance(memory[X], memory[Y], x, y)
     after = distance(observation[layout.OBS_X], observation[layout.OBS_Y], x, y)
     return bool(observation[layout.OBS_BUMP] != 0.0 and before - after < _ALONG * memory[STEP])
@@ -103,7 +103,7 @@ def _choose(observation: Floats, memory: Floats) -> None:
     lattice.move_window(memory, x, y)
     move = lattice.next_move(memory)
     if move < 0 and not lattice.plan(memory, x, y):
-        lattice.forget(memory)  # what it noted cannot all be true
+        lattice.forget(memory)  # its notes cannot all be true
         memory[NO_ROOM] = 0.0
         lattice.plan(memory, x, y)
     if move < 0:
@@ -113,7 +113,7 @@ def _choose(observation: Floats, memory: Floats) -> None:
 
 
 def _point(observation: Floats, memory: Floats) -> tuple[float, float]:
-    """Where the robot is driving to, m."""
+    """Return where the robot is driving to, m."""
     if memory[MODE] == DOOR:
         far = observation[layout.OBS_TARGET_DISTANCE]
         heading = observation[layout.OBS_TARGET_HEADING]
@@ -134,7 +134,7 @@ def _point(observation: Floats, memory: Floats) -> tuple[float, float]:
 
 
 def _feel(observation: Floats, memory: Floats) -> None:
-    """Notes where the wall is that the robot felt for: there, if it did not slide."""
+    """Notes the place of the wall that the robot felt for, unless the robot slid."""
     here_x = observation[layout.OBS_X]
     here_y = observation[layout.OBS_Y]
     if (
@@ -150,7 +150,7 @@ def _feel(observation: Floats, memory: Floats) -> None:
 
 
 def _look(observation: Floats, memory: Floats) -> bool:
-    """Takes in how the last step went; whether the robot is now at a node and needs a move."""
+    """Processes the last step; returns whether the robot is now at a node and needs a move."""
     x, y = _point(observation, memory)
     barred = _is_barred(observation, memory, x, y)
     if memory[MODE] == TOUCH:

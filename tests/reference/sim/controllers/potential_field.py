@@ -1,8 +1,8 @@
 """Potential field: the target pulls, walls push, and the robot drives down the slope.
 
-It finds its way round single obstacles without any memory. It stops forever where push and pull
-cancel: in front of a wall across its way, in any cup, and at doors whose posts push harder than the
-target pulls.
+It finds its way around single obstacles without any memory. It stops forever where push and pull
+cancel: in front of a wall across its path, in any cup, and at doors whose posts push harder than
+the target pulls.
 
 Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The
     International Journal
@@ -25,7 +25,7 @@ from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
-_NEAREST = 0.004  # m: no push is larger than at this gap, so that none is infinite
+_NEAREST = 0.004  # m: smallest gap for which the push is computed, so that it stays finite
 
 
 class PotentialField(NamedTuple):
@@ -33,11 +33,12 @@ class PotentialField(NamedTuple):
 
     Args:
         pull: Force per metre of distance from the target.
-        far: Distance, m, beyond which the pull grows no more, which limits the speed.
-        push: Gain of the walls' push; a larger one keeps further from walls, and out of narrow
-            doors.
+        far: Distance, m, beyond which the pull stops growing, which limits the speed.
+        push: Gain of the walls' push; a larger one keeps the robot farther from walls, and out of
+            narrow doors.
         influence: Gap, m, beyond which a wall does not push.
-        full_force: Force at which the robot drives at its top speed; below, in proportion.
+        full_force: Force at which the robot drives at its top speed; below that, the speed is
+            proportional.
     """
 
     pull: float = 1.0
@@ -76,7 +77,8 @@ def drive(observation: Floats, memory: Floats, command: Floats, tuned: Potential
             force_y -= push * sin(angle)
     force = math.sqrt(force_x * force_x + force_y * force_y)
     top = observation[layout.OBS_TOP_SPEED]
-    # Half the gap in a step at most: the slope of the push changes within millimetres there.
+    # At most half the gap in a step, because the slope of the push changes within millimetres
+    # there.
     careful = max(nearest - radius, _NEAREST) / (2.0 * observation[layout.OBS_TIME_STEP])
     steer(
         observation,

@@ -1,7 +1,7 @@
 """A Q-learning robot that learns while it drives, in plain Python.
 
 Memory: steps to wait, the last turn; situation, choice and distance in mm of the last decision;
-thousandths of decisions that are drawn; then three values of 16 bits in each number.
+share of random decisions, in thousandths; then three values of 16 bits in each number.
 
 Sources: Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992).
 """

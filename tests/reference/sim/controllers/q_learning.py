@@ -1,13 +1,13 @@
-"""Q-learning: a table of what each turn is worth in each situation, learnt by driving in the simulator.
+"""Q-learning: a table of the value of each turn in each situation, learned by driving in the simulator.
 
-Every fourth step the robot looks where the target is (an eighth of a turn), which of five
-directions are blocked, and which way it turned last; that makes 768 situations. For each the table
-has the worth of six turns, and the robot takes the best. Nobody has told it how to follow a wall.
-What it cannot tell apart it must treat alike: in worlds where the table, right on average, is
-wrong, it drives round forever.
+Every fourth step the robot senses where the target is (to an eighth of a turn), which of five
+directions are blocked, and which way it turned last; that makes 768 situations. For each, the table
+has the value of six turns, and the robot takes the best. It was never told how to follow a wall.
+It must treat situations alike that it cannot tell apart: in worlds where the table, right on
+average, is wrong, it drives in circles forever.
 
-The table is in ``_q_table.py``, which ``python -m benchmarks.train_q_learning`` has written and
-writes again, bit for bit.
+The table is in ``_q_table.py``, which ``python -m benchmarks.train_q_learning`` wrote and can write
+again, bit for bit.
 
 Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College,
     Cambridge (1989);
@@ -29,10 +29,10 @@ from tests.reference.sim.controllers._directions import WHOLE_TURN, steer, targe
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-TURNS = (0, 1, 7, 2, 6, 4)  # eighths of a turn, counter-clockwise; of equals the first is taken
-_LOOKS = (0, 1, 2, 6, 7)  # the beams, eighths of a turn apart, that the robot looks along
+TURNS = (0, 1, 7, 2, 6, 4)  # eighths of a turn, counter-clockwise; ties go to the first
+_LOOKS = (0, 1, 2, 6, 7)  # the beams that the robot uses, eighths of a turn apart
 SITUATIONS = 3 * 8 * 32
-_IN_THE_WAY = 0.09  # m: a gap of less than this is blocked
+_IN_THE_WAY = 0.09  # m: a smaller gap counts as blocked
 DRIVEN = 4  # steps between two decisions, if no bump comes first
 
 WAIT, TURNED = (
@@ -53,7 +53,7 @@ def situation(observation: Floats, memory: Floats) -> int:
 
 
 def drive(observation: Floats, memory: Floats, command: Floats, best: Ints) -> None:
-    """One step: decides if it is time to, and drives on.
+    """One step: decides if it is time to, and keeps driving.
 
     Args:
         observation: ``OBS_``.
@@ -79,7 +79,7 @@ def drive(observation: Floats, memory: Floats, command: Floats, best: Ints) -> N
 def shipped() -> Ints:
     """Return (SITUATIONS,) the best turn of the shipped table in each situation.
 
-    The first of equals.
+    Ties go to the first.
     """
     text = TABLE.read_text(encoding="utf-8")
     worths = np.array(re.findall(r"-?\d+", text[text.index("{") :]), np.int64).reshape(

@@ -1,7 +1,7 @@
 """Random walk: legs of equal length in random directions; a wall ends a leg early.
 
-What any other controller should be quicker than, and a measure of how hard a world is by chance
-alone. It arrives in the end, with probability one, but nobody can say when.
+Any other controller should be quicker; it also shows how hard a world is by chance alone. It
+arrives in the end, with probability one, but without any time limit.
 
 Source: Karl Pearson, "The problem of the random walk", Nature 72 (1905), p. 294.
 """
@@ -20,7 +20,7 @@ Floats = npt.NDArray[np.float64]
 LEG = (
     0.5  # m: length of a leg; shorter ones stay near the start for longer, longer ones follow walls
 )
-LEFT = 0  # what stands where in the memory: the way that is left of the leg, m
+LEFT = 0  # layout of the memory: the remaining length of the leg, m
 
 
 def _walk(observation: Floats, memory: Floats, command: Floats) -> None:

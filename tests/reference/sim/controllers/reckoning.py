@@ -1,8 +1,8 @@
 """Controllers that estimate where they are, or where the target is, in plain Python.
 
-Memory: known; x, y; the target's x, y; the odometry of the step before (or the place of a measured
-distance); that distance; the length at which the signal halves; directions searched. Then that of
-the controller that drives.
+Memory: whether the position is known; x, y; the target's x, y; the previous odometry (or the place
+of a measured distance); that distance; the length at which the signal halves; directions searched.
+The memory of the controller that drives follows.
 
 Source: Johann Borenstein, H. R. Everett and Liqiang Feng, "Where am I?" (1996), chapters 1 and 6.
 """
@@ -23,7 +23,7 @@ Floats = npt.NDArray[np.float64]
 
 KNOWN, X, Y, TARGET_X, TARGET_Y, BEFORE_X, BEFORE_Y, FAR, CELL, SEARCH, TURNED = range(11)
 SIZE = 11
-# In the memory of three-layer.
+# Index in the memory of three-layer.
 _LAID, _CORNER_X, _CORNER_Y, _PITCH, _CELL_X, _CELL_Y = 0, 1, 2, 3, 12, 13
 
 

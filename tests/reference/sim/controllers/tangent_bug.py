@@ -1,17 +1,17 @@
-"""TangentBug: looks ahead with range beams, and goes around what is in the way along its tangents.
+"""TangentBug looks ahead with range beams, and goes around obstacles along their tangents.
 
-It drives to the target as long as it sees no wall before it, and else to that end of the wall, as
-far as it sees, by which the way to the target would be shortest. When that way stops getting
-shorter it drives up to the wall and follows it by touch, on the side to which it was drawn, until
-it sees a free place that is nearer to the target than any place of the wall was, and goes there.
+It drives to the target as long as it sees no wall in front of it. Otherwise it drives to the
+visible end of the wall that gives the shortest path to the target. When that path stops getting
+shorter, it drives up to the wall and follows it by touch, on the side that it had chosen, until it
+sees a free place that is nearer to the target than any place of the wall so far, and goes there.
 
-With a perfect scan and a robot that is a point it arrives if anybody can. Here the robot is a disc,
-which takes the points that its beams meet for the walls, each as wide as itself, and between two
-beams it sees nothing: a long shot
-past a thin wall can look free and not be so. The fuzzer shows what that costs.
+With a perfect scan, a point robot arrives if the target can be reached. Here the robot is a disc
+that treats the points hit by its beams as the walls, each as wide as itself, and it sees nothing
+between two beams: a long path past a thin wall can look free without being free. The fuzzer shows
+what that costs.
 
-It needs ``beams`` all round with a ``beam_range`` of ``RANGE``, which it gets unless the run says
-otherwise.
+It needs ``beams`` all around with a ``beam_range`` of ``RANGE``, which it gets unless the run sets
+other values.
 
 Source: I. Kamon, E. Rimon and E. Rivlin, "TangentBug: a range-sensor-based navigation algorithm",
     The International
@@ -39,25 +39,22 @@ from tests.reference.sim.fdlibm import cos, sin
 Floats = npt.NDArray[np.float64]
 
 BEAMS = 72
-RANGE = 1.0  # m: further points are not looked at
-_APART = (
-    1.4  # of the radius: points further apart than this from beam to beam are not looked at, either
-)
-# Of the radius: a wall that is touched is not nearer than this, so it does not bar the way along it.
+RANGE = 1.0  # m: points farther away are ignored
+_APART = 1.4  # of the radius: points farther apart than this from beam to beam are ignored, too
+# Of the radius: a touched wall counts as no nearer than this, so that it does not block the path
+# along itself.
 _TOUCHING = 0.97
 _JUMP = (
     0.08 / 0.07
-)  # of the radius: an end of a wall is where the free way is longer by this in the next direction
-_LONGER = (
-    0.05  # m: by so much the way by an end may be longer than it was before a wall is followed
-)
+)  # of the radius: a wall ends where the free distance is longer by this in the next direction
+_LONGER = 0.05  # m: how much longer the path by an end may become before the robot follows the wall
 _HANGS_TOGETHER = (
-    0.5  # share of its distance by which a wall may be nearer or further in the next direction
+    0.5  # share of its distance by which a wall may be nearer or farther in the next direction
 )
-_NEARER = 0.03  # m: a place to leave a wall for is nearer to the target by this than all of it
-_PATIENCE = 60.0  # steps in which the way must have become shorter
+_NEARER = 0.03  # m: a place to leave a wall for must be nearer to the target by this than every place of the wall
+_PATIENCE = 60.0  # steps in which the path must have become shorter
 
-# Memory after the body's: what it does; shortest way so far, and steps since; the wall's least
+# Memory after the body's: what it does; shortest path so far, and steps since; the wall's least
 # distance to the target; distance to the target before the step; the place to leave for.
 MODE, BEST, SINCE, WALL_FAR, FAR = (body.BODY_SIZE + k for k in range(5))
 LEAVE_X = body.BODY_SIZE + 5
@@ -68,16 +65,18 @@ GOAL, APPROACH, WALL, LEAVE = 0.0, 1.0, 2.0, 3.0
 
 
 def _sight(observation: Floats) -> float:
-    """Distance, m, up to which points are looked at.
+    """Distance, m, up to which points count.
 
-    A disc has a free way of that less its radius at most.
+    A disc has a free path of at most that minus its radius.
     """
     beams = observation.size - layout.OBS_SIZE
     return min(RANGE, float(_APART * observation[layout.OBS_RADIUS] * beams / WHOLE_TURN))
 
 
 def _free_way(observation: Floats, bearing: float) -> float:
-    """How far the disc can go in a direction from the heading, rad, past all points that beams met; m."""
+    """Return how far, m, the disc can go in a direction from the heading, rad, past all points that
+    beams hit.
+    """
     beams = observation.size - layout.OBS_SIZE
     sight = _sight(observation)
     free = float(sight - observation[layout.OBS_RADIUS])
@@ -95,18 +94,18 @@ def _free_way(observation: Floats, bearing: float) -> float:
 
 
 def _rest(observation: Floats, bearing: float, length: float) -> float:
-    """Distance to the target from the place that lies so far in a direction from the heading."""
+    """Distance to the target from the place at this distance in a direction from the heading."""
     far = observation[layout.OBS_TARGET_DISTANCE]
     angle = observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING] - bearing
     return math.sqrt(max(far * far + length * length - 2.0 * far * length * cos(wrap(angle)), 0.0))
 
 
 def _best_end(observation: Floats) -> tuple[float, float, float]:
-    """The end of a wall by which the way to the target is shortest.
+    """Find the end of a wall that gives the shortest path to the target.
 
     Returns:
-        The length of that way, m (inf: there is no end); the end's direction from the heading, rad;
-        its distance.
+        The length of that path, m (inf if there is no end); the end's direction from the heading,
+        rad; its distance.
     """
     beams = observation.size - layout.OBS_SIZE
     radius = observation[layout.OBS_RADIUS]
@@ -127,9 +126,9 @@ def _best_end(observation: Floats) -> tuple[float, float, float]:
 
 
 def _nearest_seen(observation: Floats) -> tuple[float, float, float]:
-    """The free place in sight that is nearest to the target.
+    """Find the visible free place that is nearest to the target.
 
-    Its distance to it, its direction and distance.
+    Return its distance to the target, its direction and its distance.
     """
     beams = observation.size - layout.OBS_SIZE
     offset = observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING]
@@ -152,9 +151,9 @@ def _take_up(memory: Floats, far: float) -> None:
 
 
 def _go(observation: Floats, memory: Floats, command: Floats) -> None:
-    """Towards the target, or to the best end of the wall before it.
+    """Drive towards the target, or to the best end of the wall in front of it.
 
-    A wall that both fail at is taken up.
+    If both fail, start to follow the wall.
     """
     far = observation[layout.OBS_TARGET_DISTANCE]
     heading = observation[layout.OBS_HEADING]
@@ -180,9 +179,9 @@ def _go(observation: Floats, memory: Floats, command: Floats) -> None:
 
 
 def _see_wall(observation: Floats, memory: Floats, side: int) -> None:
-    """Takes in how near to the target the wall comes that is followed.
+    """Records how near the followed wall comes to the target.
 
-    As far as it is seen to one side, 1 or -1.
+    As far as the wall is visible to one side, 1 or -1.
     """
     beams = observation.size - layout.OBS_SIZE
     radius = observation[layout.OBS_RADIUS]
@@ -200,7 +199,9 @@ def _see_wall(observation: Floats, memory: Floats, side: int) -> None:
 
 
 def _see_whether_to_leave(observation: Floats, memory: Floats) -> None:
-    """Notes a place in sight to leave the wall for, if one is nearer to the target than all of the wall was."""
+    """Notes a visible place to leave the wall for, if one is nearer to the target than the whole
+    wall so far.
+    """
     _see_wall(observation, memory, 1)
     _see_wall(observation, memory, -1)
     memory[WALL_FAR] = min(memory[WALL_FAR], observation[layout.OBS_TARGET_DISTANCE])

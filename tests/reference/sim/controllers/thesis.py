@@ -1,17 +1,17 @@
 """The thesis's robot: seek the signal, drive, and after a collision turn by a fixed or a random angle.
 
-Three behaviours (drive, seek, collide) under an arbiter; whoever took control keeps it until it is
-done. Under ``stepped`` the thesis's own program runs, to the last bit
-(:mod:`tests.reference.sim.thesis_episode`). Here is the same idea on the pose lattice, for the
+Three behaviours (drive, seek, collide) under an arbiter; the one that takes control keeps it until
+it is done. Under ``stepped`` the thesis's own program runs, to the last bit
+(:mod:`tests.reference.sim.thesis_episode`). This is the same idea on the pose lattice, for the
 other motion models, with the same arbiter.
 
 Names are from the robot's own view: ``turn-right`` is the thesis's algorithm 1, which adds pi/2 to
 a heading that grows clockwise on a screen whose y points down. Its legend calls that "left", the
-screen's side where the robot then passes, and its text contradicts itself.
+side of the screen on which the robot then passes, and its text contradicts itself.
 
 Source: the thesis on behaviour-based search and rescue robots that this program descends from
     (2005-2006),
-sections 3 and 4 and its listing; the arbiter is rebuilt from the prose.
+sections 3 and 4 and its listing; the arbiter is reconstructed from the prose.
 """
 
 from __future__ import annotations
@@ -27,7 +27,9 @@ from tests.reference.sim.thesis_arbiter import A0, run_behaviour, select_behavio
 Floats = npt.NDArray[np.float64]
 
 TURN_STEP = round(0.08 / (2 * math.pi) * layout.TURN)  # heading units turned in a step: 0.08 rad
-SNAP = round(0.2 / (2 * math.pi) * layout.TURN)  # a rest of at most 0.2 rad is turned at once
+SNAP = round(
+    0.2 / (2 * math.pi) * layout.TURN
+)  # a remainder of at most 0.2 rad is turned in one step
 COLLIDE_TICKS, DRIVE_TICKS = 5, 2  # as in the thesis: 6 steps of escape, 3 of drive
 
 # Memory: behaviour in charge, its counter, target heading (units; -1 none), speed and the speed
@@ -35,7 +37,7 @@ COLLIDE_TICKS, DRIVE_TICKS = 5, 2  # as in the thesis: 6 steps of escape, 3 of d
 BEHAVIOUR, COUNTER, TARGET, SPEED, OLD_SPEED = 0, 1, 2, 3, 4
 AT_RESET = (float(thesis_arbiter.IDLE), 0.0, -1.0, 1.0, 1.0)
 
-RIGHT, LEFT, RANDOM = 1, 2, 3  # the thesis's numbers of its rules
+RIGHT, LEFT, RANDOM = 1, 2, 3  # the thesis's numbers for its rules
 _UNITS = layout.TURN / (2 * math.pi)
 
 

@@ -1,23 +1,22 @@
-"""Three layers: one that reacts, one that sees to it that things get done, one that thinks ahead.
+"""Three layers: one reacts, one makes sure of progress, one plans ahead.
 
 The *controller* steers to a waypoint in the nearest direction that is free for the whole disc. The
 *sequencer* watches it: a waypoint is reached when the robot is in its cell; if that takes too long,
-the sequencer says so to the deliberator and starts again from where the robot is. The *deliberator*
-holds a coarse map of where the sequencer got nowhere, and plans a way through the rest of it to the
-target; the next cell of the plan is the next waypoint.
+the sequencer reports it to the deliberator and starts again from the robot's place. The
+*deliberator* keeps a coarse map of where the sequencer failed, and plans a path through the rest of
+it to the target; the next cell of the plan is the next waypoint.
 
-It gets out of cups and through most mazes, by trying. Its map is a square of 48 x 48 cells about
-the middle between start and target, a bit for each way between two cells: what lies outside, and
-    passages that cells of the map cannot
-tell apart, it does not find. When the map leaves no way, all is forgotten and it tries again, now
-with more patience.
+It gets out of cups and through most mazes by trial and error. Its map is a square of 48 x 48 cells
+around the midpoint between start and target, with a bit for each passage between two cells; it does
+not find paths outside the map, or passages that the map's cells cannot tell apart. When the map
+leaves no path, it forgets everything and tries again with more patience.
 
 Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots
     (1998); R. Peter
 Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack,
 "Experiences with an architecture for intelligent, reactive agents", Journal of Experimental &
-Theoretical Artificial Intelligence 9 (1997). The map, the plan and the steering are our own, as
-simple as they can be.
+Theoretical Artificial Intelligence 9 (1997). The map, the plan and the steering are our own, and as
+simple as possible.
 """
 
 from __future__ import annotations
@@ -43,12 +42,12 @@ Ints = npt.NDArray[np.int64]
 
 SIDE = 48  # cells of the map a side; a row's bits must fit a float64's 53
 _ALL = (1 << SIDE) - 1
-_MOST_FORGOTTEN = 7.0  # a number that grew forever would let no state come back
+_MOST_FORGOTTEN = 7.0  # a number that grows forever would keep any state from recurring
 
 # Memory: whether the map has been laid; where its corner is, m, and its cells' side, m; the
 # waypoint's cell (-1: none); steps since it was set; how often the map was forgotten; the robot's
-# cell, the one before, and the target's; then a bit for each closed way from a cell to its right
-# neighbour, a number for each row, and to its upper neighbour.
+# cell, the previous one, and the target's; then a bit for each closed passage from a cell to its
+# right neighbour, one number per row, and the same for its upper neighbour.
 LAID, CORNER_X, CORNER_Y, PITCH, TO_X, TO_Y, WAITED, FORGOTTEN = 0, 1, 2, 3, 4, 5, 6, 7
 HERE_X, HERE_Y, FROM_X, FROM_Y, TARGET_X, TARGET_Y = 8, 9, 10, 11, 12, 13
 RIGHT = 14
@@ -61,13 +60,13 @@ class ThreeLayer(NamedTuple):
     """Tuned numbers.
 
     Args:
-        margin: What the robot is taken to be larger by than it is, m.
-        pitch: Side of a cell of the map, in radii of the robot; more where the map would not reach
-            the target.
-        reach: Least side of the map, times the distance from start to target.
-        look: Free way, m, that the controller wants in the direction it takes.
-        patience: Steps after which a waypoint is given up, times one more than the map has been
-            forgotten.
+        margin: Margin added to the robot's radius, m.
+        pitch: Side of a map cell, in robot radii; more if the map would otherwise not reach the
+            target.
+        reach: Least side of the map, as a multiple of the distance from start to target.
+        look: Free distance, m, that the controller requires in its direction.
+        patience: Steps after which a waypoint is given up, multiplied by one more than the number
+            of times the map was forgotten.
     """
 
     margin: float = 0.002
@@ -78,7 +77,9 @@ class ThreeLayer(NamedTuple):
 
 
 def _lay(observation: Floats, memory: Floats, tuned: ThreeLayer) -> None:
-    """Lays the map about the middle between start and target, the target in the middle of its cell."""
+    """Lays the map around the midpoint between start and target, with the target in the middle of
+    its cell.
+    """
     towards = observation[layout.OBS_TARGET_HEADING]
     far = observation[layout.OBS_TARGET_DISTANCE]
     pitch = max(tuned.pitch * observation[layout.OBS_RADIUS], tuned.reach * far / SIDE)
@@ -94,7 +95,7 @@ def _lay(observation: Floats, memory: Floats, tuned: ThreeLayer) -> None:
 
 
 def _cell(memory: Floats, x: float, y: float) -> tuple[int, int]:
-    """Column and row of the map's cell at a place; the nearest for one outside."""
+    """Column and row of the map's cell at a place, or the nearest cell for a place outside."""
     column = math.floor((x - memory[CORNER_X]) / memory[PITCH])
     row = math.floor((y - memory[CORNER_Y]) / memory[PITCH])
     return min(max(column, 0), SIDE - 1), min(max(row, 0), SIDE - 1)
@@ -103,7 +104,7 @@ def _cell(memory: Floats, x: float, y: float) -> tuple[int, int]:
 def _spread(memory: Floats, near: Ints, wave: Ints) -> bool:
     """One round of the flood: cells next to ``near`` go into ``wave``.
 
-    Whether there was a new one.
+    Returns whether there was a new one.
     """
     grown = False
     for row in range(SIDE):
@@ -122,7 +123,7 @@ def _spread(memory: Floats, near: Ints, wave: Ints) -> bool:
 def next_cell(
     memory: Floats, here: tuple[int, int], target: tuple[int, int], near: Ints, wave: Ints
 ) -> tuple[int, int]:
-    """The deliberator's plan: the cell after this one on a shortest way to the target's.
+    """The deliberator's plan: the next cell on a shortest path to the target's.
 
     (-1, -1) if there is none. Floods the map from the target, a whole row of cells at a time, until
     the robot's cell is next to the flood.
@@ -131,7 +132,7 @@ def next_cell(
         memory: The map.
         here: Column and row of the robot.
         target: Of the target.
-        near: (SIDE,) zeros, to work in.
+        near: (SIDE,) zeros, workspace.
         wave: Same as above.
     """
     column, row = here
@@ -174,7 +175,7 @@ def _steps_between(here: tuple[int, int], there: tuple[int, int]) -> int:
 
 
 def _close(memory: Floats, here: tuple[int, int], there: tuple[int, int]) -> None:
-    """Marks the way between two cells as closed, if they are neighbours."""
+    """Marks the passage between two cells as closed, if they are neighbours."""
     if _steps_between(here, there) != 1:
         return
     column = min(here[0], there[0])
@@ -193,7 +194,9 @@ def _forget(memory: Floats) -> None:
 def _sequence(
     observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned: ThreeLayer
 ) -> None:
-    """The sequencer: sees whether the waypoint is reached or given up, and asks the deliberator for the next."""
+    """The sequencer: checks whether the waypoint is reached or given up, and asks the deliberator
+    for the next one.
+    """
     here = _cell(memory, observation[layout.OBS_X], observation[layout.OBS_Y])
     target = (int(memory[TARGET_X]), int(memory[TARGET_Y]))
     before = (int(memory[HERE_X]), int(memory[HERE_Y]))
@@ -205,10 +208,10 @@ def _sequence(
     memory[WAITED] += 1.0
     late = memory[WAITED] > tuned.patience * (1.0 + memory[FORGOTTEN])
     if there[0] < 0 and here == target and not late:
-        return  # on the last bit of the way
+        return  # on the last stretch
     if there[0] >= 0 and _steps_between(here, there) == 1 and not late:
         return
-    if there[0] >= 0 and there != here:  # given up, or driven off
+    if there[0] >= 0 and there != here:  # given up, or out of reach
         _close(memory, here if late else before, there)
     elif there[0] < 0 and late:  # the target's cell was entered on the wrong side of a wall
         _close(memory, here, (int(memory[FROM_X]), int(memory[FROM_Y])))
@@ -223,7 +226,9 @@ def _sequence(
 
 
 def _is_free(observation: Floats, turn: float, look: float, tuned: ThreeLayer) -> bool:
-    """Whether the disc can drive straight on so far, m, in a direction from the heading, by what the beams see."""
+    """Return whether the disc can drive this far, m, in a direction from the heading, according to
+    the beams.
+    """
     beams = observation.size - layout.OBS_SIZE
     radius = observation[layout.OBS_RADIUS] + tuned.margin
     for beam in range(beams):
@@ -240,7 +245,9 @@ def _is_free(observation: Floats, turn: float, look: float, tuned: ThreeLayer) -
 
 
 def _react(observation: Floats, memory: Floats, command: Floats, tuned: ThreeLayer) -> None:
-    """The controller: drives in the free direction nearest to the waypoint's, or to the target's in the last cell."""
+    """The controller: drives in the free direction nearest to the waypoint's, or to the target's in
+    the last cell.
+    """
     wanted = target_bearing(observation)
     beams = observation.size - layout.OBS_SIZE
     look = min(tuned.look, observation[layout.OBS_TARGET_DISTANCE])
@@ -266,7 +273,7 @@ def drive(
         observation: ``OBS_``.
         memory: See the top of the file.
         command: ``CMD_``.
-        near: (SIDE,) zeros, to work in.
+        near: (SIDE,) zeros, workspace.
         wave: Same as above.
         tuned: Numbers.
     """

@@ -1,4 +1,6 @@
-"""A topological map in plain Python: places as objects, read from the memory and written back to it."""
+"""A topological map in plain Python: places as objects, read from the memory and written back to
+it.
+"""
 
 from __future__ import annotations
 
@@ -21,8 +23,8 @@ from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
-# Memory: most places; what it does; how fine the map is; places, and the next to be forgotten; the
-# place that it left, and the one that it travels to; the step's direction, where it began and its
+# Memory: limit of places; what it does; the map's resolution; number of places, and the next to be
+# forgotten; the place that it left, and the one that it travels to; the step's direction, start and
 # length; the exit, and those that were open before; then four numbers for each place.
 MOST, MODE, LEVEL, COUNT, NEXT, HERE, TO, HEADING, X, Y, STEP, EXIT, OPEN, PLACES = range(14)
 START, EXPLORE, TRAVEL = 0.0, 1.0, 2.0
@@ -61,7 +63,7 @@ class _Place:
         self.numbers[3] = float(sum((to + 1) << (10 * slot) for slot, to in enumerate(links)))
 
     def replace(self, old: int, new: int) -> bool:
-        """Puts a link in the first slot with another; whether there is one."""
+        """Puts a link in the first slot that holds another; returns whether there is one."""
         links = self.links
         if old not in links:
             return False
@@ -130,7 +132,7 @@ class _Robot:
         return False
 
     def ways(self) -> tuple[list[float], list[int]]:
-        """The lengths of the shortest ways from here, and the first place on each."""
+        """Return the lengths of the shortest paths from here, and the first place on each."""
         lengths, first = [math.inf] * self.count, [-1] * self.count
         lengths[self.here] = 0.0
         left = set(range(self.count))
@@ -336,7 +338,7 @@ class _Robot:
 
 
 def act(seen: Floats, memory: Floats, command: Floats) -> None:
-    """One step: goes on with a leg, or decides at a place, and drives."""
+    """One step: continues a leg, or decides at a place, and drives."""
     robot = _Robot(seen, memory)
     if memory[MODE] == START:
         open_ = robot.open_exits()

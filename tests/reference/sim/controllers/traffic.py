@@ -1,4 +1,4 @@
-"""The controllers for several robots in plain Python, as classes: bit for bit those in the core."""
+"""The controllers for several robots as plain Python classes, bit for bit the same as in the core."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class RightHand:
 
 
 def _plane(own, relative, place, radii, time_step):
-    """Return the normal and the least product with it that an allowed velocity has."""
+    """Return the normal, and the least product with it of an allowed velocity."""
     far = math.sqrt(place[0] * place[0] + place[1] * place[1])
     horizon = HORIZON if far > radii else time_step
     inverse = 1.0 / horizon

@@ -1,10 +1,10 @@
-"""VFH+: the robot drives through the opening between obstacles that costs it the fewest turns.
+"""VFH+: the robot drives through the opening that requires the least turning.
 
-Obstacles around the robot fill a polar histogram, each widened by the robot's radius. What is left
-free are openings; of the directions through them the cheapest is taken: near to the target's, to
-the heading, and to the choice before. It drives fast and smoothly past clutter. It sees no further
-than its beams, and has no map: in a cup deeper than that, or behind a long wall, it drives to and
-fro forever.
+Obstacles around the robot fill a polar histogram, each widened by the robot's radius. The remaining
+free sectors are openings; of the directions through them, the robot takes the cheapest: near the
+target's, the heading and the previous choice. It drives fast and smoothly past clutter. It sees
+only as far as its beams and has no map: in a deeper cup, or behind a long wall, it drives back and
+forth forever.
 
 Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile
     robots", IEEE
@@ -37,7 +37,8 @@ Floats = npt.NDArray[np.float64]
 
 SECTORS = 72  # of 5 degrees, in the world's frame
 _WIDTH = WHOLE_TURN / SECTORS
-# memory: 1 for each blocked sector, then the heading chosen last, sectors; below 0: none yet.
+# memory: 1 for each blocked sector, then the last chosen heading, sectors; negative if there is
+# none yet.
 LAST = SECTORS
 AT_RESET = (0.0,) * SECTORS + (-1.0,)
 
@@ -46,18 +47,19 @@ class VfhPlus(NamedTuple):
     """Tuned numbers.
 
     Args:
-        safety: What obstacles are widened by next to the robot's radius, in radii.
+        safety: Margin by which obstacles are widened besides the robot's radius, in radii.
         window: Distance, in radii of the robot, beyond which obstacles do not count.
         low: Density, 0 (at the window's edge) to 1 (at the robot), below which a blocked sector
             becomes free.
         high: Density above which a free sector becomes blocked.
-        wide: Sectors of an opening that is passed along its side instead of through its middle.
+        wide: Width, in sectors, of an opening that is passed along its side instead of through its
+            middle.
         to_target: Cost of a sector between a direction and the target's; larger than the two others
             together.
         to_heading: Cost of a sector between it and the heading.
-        to_last: Cost of a sector between it and the direction chosen last.
-        turning_radius: m, of a robot that cannot turn on the spot; 0 masks no directions.
-        slowest: Share of the top speed that is left in the densest direction.
+        to_last: Cost of a sector between it and the last chosen direction.
+        turning_radius: m, for a robot that cannot turn on the spot; 0 masks no directions.
+        slowest: Share of the top speed in the densest direction.
     """
 
     safety: float = 1.0 / 7.0
@@ -107,7 +109,9 @@ def _block(density: Floats, memory: Floats, tuned: VfhPlus) -> None:
 
 
 def _reachable_side(observation: Floats, tuned: VfhPlus) -> tuple[float, float]:
-    """Stage 3: how far to the right and to the left the robot can turn before its circle meets an obstacle, rad."""
+    """Stage 3: how far to the right and to the left the robot can turn before its circle meets an
+    obstacle, rad.
+    """
     beams, turn = observation.size - layout.OBS_SIZE, tuned.turning_radius
     near = turn + observation[layout.OBS_RADIUS] * (1.0 + tuned.safety)
     right, left = -math.pi, math.pi
@@ -128,7 +132,7 @@ def _reachable_side(observation: Floats, tuned: VfhPlus) -> tuple[float, float]:
 
 
 def _apart(one: float, other: float) -> float:
-    """Sectors between two directions in sectors, the short way round."""
+    """Sectors between two directions, the shorter way around."""
     away = abs(one - other) % SECTORS
     return min(away, SECTORS - away)
 
@@ -140,7 +144,7 @@ def _cost(way: float, target: float, heading: float, last: float, tuned: VfhPlus
 
 
 def _is_free(sector: int, heading: float, sides: tuple[float, float], memory: Floats) -> bool:
-    """Whether the masked histogram leaves a sector open."""
+    """Return whether the masked histogram leaves a sector open."""
     turn = wrap((sector % SECTORS - heading) * _WIDTH)
     return bool(memory[sector % SECTORS] == 0.0) and sides[0] <= turn <= sides[1]
 
@@ -180,13 +184,13 @@ def _choose(
 def drive(
     observation: Floats, memory: Floats, command: Floats, density: Floats, tuned: VfhPlus
 ) -> None:
-    """One step of the four stages; stands still where every direction is blocked.
+    """One step of the four stages; stops if every direction is blocked.
 
     Args:
         observation: ``OBS_``.
         memory: The binary histogram and the last choice.
         command: ``CMD_``.
-        density: (SECTORS,) zeros, to work in.
+        density: (SECTORS,) zeros, workspace.
         tuned: Numbers.
     """
     heading = (observation[layout.OBS_HEADING] / _WIDTH) % SECTORS

@@ -1,14 +1,14 @@
 """Wall following: drives to the target until it touches a wall, and then keeps its hand on that
 wall forever.
 
-It finds the way out of any maze whose walls all hang together, and goes around an island, or round
-the room it is in, without end: the simplest example of a rule that works until it does not.
+It finds the way out of any maze whose walls are all connected, but goes around an island, or around
+the room it is in, forever: the simplest example of a rule that works until it does not.
 
 Source: the hand-on-wall rule, W. H. Matthews, "Mazes and Labyrinths: A General Account of Their
     History and
 Developments" (1922), on the solution of mazes; for robots V. J. Lumelsky and A. A. Stepanov,
 "Path-planning strategies for a point mobile automaton moving amidst unknown obstacles of arbitrary
-shape", Algorithmica 2 (1987), for the step from a wall at hand to the next one.
+shape", Algorithmica 2 (1987), for the step from one wall to the next.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The board that every maze grows on, and what a kernel keeps between two calls."""
+"""The board that every maze grows on, and the state that a kernel keeps between two calls."""
 
 import numpy as np
 
@@ -11,10 +11,11 @@ FREE = 8  # Wilson's walk adds the direction that it left by
 EAST = 1
 NORTH = 2
 
-# state: what a kernel keeps between two calls. From AT on, each kernel has its own.
+# state: the state that a kernel keeps between two calls. From AT on, each kernel uses it in its own
+# way.
 LEFT = 0  # chambers still to be joined; 0: done
-USED = 1  # draws, or words, used of those at hand
-AT = 2  # where it stands on the board
+USED = 1  # number of draws, or words, used so far
+AT = 2  # its place on the board
 STATE_SIZE = 8
 
 

@@ -1,13 +1,13 @@
 """Mazes by choosing edges or chambers: Kruskal's and Prim's algorithms, and the growing tree.
 
 ``kruskal`` and ``prim`` find the tree of least total weight, where each edge of the lattice has a
-random weight of 32 bits: the low half of a chamber's word weighs its way east, the high half its
-    way north. Equal weights, one
-pair in four thousand million, go by the edge's number. So with the same words both find the same
-tree; they only grow it in another order.
+random weight of 32 bits: the low half of a chamber's word is the weight of its edge to the east,
+the high half that of its edge to the north. Equal weights, one pair in four thousand million, are
+ordered by the edge's number. So with the same words both find the same tree; they only grow it in a
+different order.
 
-A key is a weight, then the number of an edge, in one number of 63 bits; an edge's number is twice
-the place of its lower or left chamber, and one more if it leads north.
+A key is a weight followed by the number of an edge, in one number of 63 bits; an edge's number is
+twice the place of its lower or left chamber, plus one if it leads north.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ LOW_HALF = (1 << WEIGHT_BITS) - 1
 # state of the growing tree
 NEWEST, OLDEST = 3, 4  # shares of the picks, of SHARE
 TAIL, HEAD = 5, 6  # the list of active chambers is scratch[HEAD:TAIL]
-ALIVE = 7  # entries of it that still are active
+ALIVE = 7  # entries that are still active
 SHARE = 1 << 16
 
 
@@ -45,7 +45,7 @@ def edge_keys(words, board, stride):
 
 
 def kruskal(keys, board, state, stride, scratch):
-    """Takes the edges from the lightest on, and keeps those that join what is not yet joined.
+    """Takes the edges in order of weight, and keeps those that join separate parts.
 
     Args:
         keys: (m,) sorted keys of edges.
@@ -85,14 +85,14 @@ def kruskal(keys, board, state, stride, scratch):
 
 
 def prim(words, board, state, stride, scratch):
-    """Grows from one chamber by the lightest edge that leads out of the maze so far.
+    """Grows from one chamber along the lightest edge that leads out of the maze so far.
 
     Args:
         words: (n,) random 64 bits, one word for each place on the board.
         board: (n,) the board; in the end each chamber names its parent.
-        state: LEFT, and AT, the chamber to begin with.
+        state: LEFT, and AT, the chamber to start with.
         stride: From a chamber to the one above it.
-        scratch: (2 n,) a heap of the keys of edges at the rim, four below each.
+        scratch: (2 n,) a heap of the keys of edges at the rim; each has four children.
 
     Sources: Robert C. Prim, "Shortest connection networks and some generalizations", Bell System
         Technical
@@ -143,14 +143,15 @@ def prim(words, board, state, stride, scratch):
 def growing_tree(words, board, state, stride, scratch):
     """Digs from the newest, the oldest or any chamber of a list.
 
-    One that has no free neighbour leaves the list. Each word is one try: 16 bits choose the rule,
+    A chamber without a free neighbour leaves the list. Each word is one try: 16 bits choose the
+    rule,
         16 the neighbour, 32 the entry. A number that would favour some
     choice, and an entry that has left the list, are drawn again with the next word.
 
     Args:
         words: (n,) random 64 bits as int64.
         board: The board; in the end each chamber names its parent.
-        state: LEFT, USED (words), NEWEST, OLDEST, TAIL, HEAD, ALIVE; AT is 1 while any entry is to
+        state: LEFT, USED (words), NEWEST, OLDEST, TAIL, HEAD, ALIVE; AT is 1 while an entry has to
             be drawn again.
         stride: From a chamber to the one above it.
         scratch: (chambers,) the list in order of age; -1 where an entry has left it.
@@ -205,7 +206,7 @@ def growing_tree(words, board, state, stride, scratch):
             head += 1
         if (
             2 * alive < tail - head
-        ):  # so a draw at random meets an active one at least every second time
+        ):  # so a random draw hits an active one at least every second time
             kept = head
             for entry in range(head, tail):
                 if scratch[entry] >= 0:

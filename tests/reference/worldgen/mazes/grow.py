@@ -1,6 +1,6 @@
 """Grow a maze in plain Python.
 
-What worldgen/core/making does in C, on lists and the same random words.
+Does the same as worldgen/core/making in C, on lists and with the same random words.
 """
 
 import numpy as np
@@ -34,7 +34,7 @@ KERNELS = {
 
 
 def grow(rng, mask, algorithm, *, newest=0.5, oldest=0.0):
-    """Return the links of a random maze; as :func:`worldgen.families.parts.mazes.grow`."""
+    """Return the links of a random maze, like :func:`worldgen.families.parts.mazes.grow`."""
     method = METHODS[algorithm]
     rows, columns = mask.shape
     stream = rng if algorithm in ("wilson", "backtracker") else rng.child(algorithm)
@@ -62,7 +62,7 @@ def grow(rng, mask, algorithm, *, newest=0.5, oldest=0.0):
 
 
 def _begin(algorithm, board, stride, state, scratch, root):
-    """Put down what a kernel finds at its first call."""
+    """Write the state that a kernel finds at its first call."""
     first = stride + 1
     if not METHODS[algorithm].parents:
         state[AT] = first
@@ -80,7 +80,7 @@ def _begin(algorithm, board, stride, state, scratch, root):
 
 
 def _place(mask, number):
-    """Return where a chamber, counted in rows, lies on the board."""
+    """Return the place on the board of a chamber, counted in rows."""
     columns = mask.shape[1]
     row, column = divmod(int(np.flatnonzero(mask)[number]), columns)
     return (row + 1) * (columns + 2) + column + 1

@@ -1,43 +1,39 @@
 """Mazes of whole rectangles: Eller's algorithm, sidewinder, binary tree, recursive division.
 
-They go through the rows in order and look at no neighbour above, or split rectangles, so no chamber
-may be missing. Each writes links onto the board at once.
+They go through the rows in order without looking at the neighbours above, or split rectangles, so
+no chamber may be missing. Each writes links to the board directly.
 
 Args of each:
     words: (n,) random 64 bits as int64.
     board: A board; its chambers become links.
-    state: LEFT, and what else the kernel names.
+    state: LEFT, and any others that the kernel names.
     stride: From a chamber to the one above it, two more than there are columns.
-    scratch: Room for work, as each kernel says.
+    scratch: Workspace, as described by each kernel.
 """
 
 from tests.reference.worldgen.mazes.board import AT, EAST, LEFT, NORTH, USED
 
 COLUMN = 3  # state of the sidewinder: how far it is in its row, which begins at AT
-STACKED = 3  # state of the recursive division: how many rectangles wait
+STACKED = 3  # state of the recursive division: how many rectangles are waiting
 
 
 def eller(words, board, state, stride, scratch):
-    """Joins neighbours of a row at random unless they are joined already, then goes up once or more from each set.
+    """Joins neighbours in a row at random unless they are already joined, then goes up at least once from each set.
 
     Two bits a chamber: whether to join it to the next, and whether to go up. The sets of a row
-        never cross, so
-    each is a ring in the order of columns, and the next column is of the same set if it is next in
-    the ring.
+    never cross, so each is a ring in the order of columns, and the next column is in the same set
+    if it is next in the ring.
 
     ``scratch`` is (2 columns + 2,): the next and the previous chamber of each in its set.
 
-    Sources: Marlin Eller's algorithm of 1982, as told in Jamis Buck, "Mazes for Programmers", 2015;
-        the rings are
-    John Tromp's, in Don Libes, "Obfuscated C and Other Mysteries", 1993.
+    Sources: Marlin Eller's algorithm of 1982, as described in Jamis Buck, "Mazes for Programmers",
+        2015; the rings are John Tromp's, in Don Libes, "Obfuscated C and Other Mysteries", 1993.
     """
     columns, rows = stride - 2, len(board) // stride - 2
     before = (
         columns + 1
     )  # scratch[column]: the next one in the ring; scratch[before + column]: the previous one
-    for column in range(
-        columns + 1
-    ):  # the last one is not a chamber; it is only ever written as it was
+    for column in range(columns + 1):  # the last one is not a chamber; it is only written unchanged
         scratch[column] = scratch[before + column] = column
     words_a_row = (columns + 31) >> 5
     for row in range(rows - 1):
@@ -48,8 +44,8 @@ def eller(words, board, state, stride, scratch):
             joined = bits & 1 if after != column + 1 else 0
             if column + 1 == columns:
                 joined = 0
-            # All four are written either way: a branch on a random bit is guessed wrong every
-            # second time. 1.8 x.
+            # All four are written in both cases, because a branch on a random bit is mispredicted
+            # every second time. 1.8 x.
             if joined != 0:
                 far_next, after_last, here_next, beside_last = after, far, column + 1, column
             else:
@@ -83,9 +79,8 @@ def eller(words, board, state, stride, scratch):
 def sidewinder(words, board, state, stride, scratch):
     """Cuts each row into runs and opens one chamber of each run upwards; the last row is one run.
 
-    Each word is one run: after each chamber a bit says whether the run ends, and the upper half
-        chooses the way up,
-    even to one part in ten million. A run of 32 chambers ends by itself.
+    Each word is one run: after each chamber a bit decides whether the run ends, and the upper half
+    chooses the opening, uniformly to one part in ten million. A run of 32 chambers always ends.
 
     ``state`` holds AT, where the row begins, COLUMN and USED (words). ``scratch`` is not used.
 
@@ -115,7 +110,7 @@ def sidewinder(words, board, state, stride, scratch):
 
 
 def binary_tree(words, board, state, stride, scratch):
-    """Opens each chamber east or up, at even chance; one bit a chamber. ``scratch`` is not used.
+    """Opens each chamber east or up with equal probability; one bit per chamber. ``scratch`` is not used.
 
     Source: Jamis Buck, "Mazes for Programmers", 2015, chapter 1.
     """
@@ -132,15 +127,15 @@ def binary_tree(words, board, state, stride, scratch):
 
 
 def recursive_division(words, board, state, stride, scratch):
-    """Cuts a rectangle in two by a wall with one door, across its longer side, and then each part likewise.
+    """Cuts a rectangle in two by a wall with one door, across its longer side, and then each part in the same way.
 
-    What is one chamber wide is a corridor. Each word is one cut: a bit for the side, where the
-        sides are equal, 31
-    bits for the wall, 32 for the door; numbers that would favour some choice are drawn again.
+    A part that is one chamber wide is a corridor. Each word is one cut: a bit for the side, if the
+    sides are equal, 31 bits for the wall, 32 for the door; numbers that would favour some choice
+    are drawn again.
 
-    ``state`` holds STACKED and USED (words). ``scratch`` has four numbers for each rectangle that
-    waits: place of its first chamber, columns, rows, 0. The smaller part goes first, so no more
-        wait than its size has bits.
+    ``state`` holds STACKED and USED (words). ``scratch`` has four numbers for each waiting
+    rectangle: place of its first chamber, columns, rows, 0. The smaller part goes first, so the
+        number of waiting rectangles is at most the number of bits of its size.
 
     Source: Jamis Buck, "Mazes for Programmers", 2015, "Recursive Division".
     """

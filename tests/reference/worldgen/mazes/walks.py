@@ -1,14 +1,14 @@
 """Mazes by walking: Wilson's, Aldous and Broder's, the recursive backtracker, hunt-and-kill.
 
 Every kernel here draws directions of two bits, the lowest bits of a word first, and stops when its
-words run out; called again with the next words and the state it left, it goes on. A draw that
-cannot be used is drawn again, so the choice stays even. All see only small integers: plain Python
-    and compiled code agree.
+words run out; called again with the next words and the state that it left, it continues. A draw
+that cannot be used is drawn again, so the choice stays uniform. All values are small integers, so
+plain Python and compiled code agree.
 
 Args of each:
     words: (n,) random 64 bits as int64.
     board: The board; in the end each chamber names its parent.
-    state: LEFT, USED (draws) and AT, and what else the kernel names.
+    state: LEFT, USED (draws) and AT, and any others that the kernel names.
     stride: From a chamber to the one above it.
     scratch: Not used here.
 """
@@ -22,7 +22,7 @@ FIRST = 3  # state: before it, every chamber is in the maze (hunt), or every wal
 def wilson(words, board, state, stride, scratch):
     """Loop-erased random walks from each chamber to the maze so far.
 
-    Every spanning tree equally likely. ``state[FIRST]`` is where the present walk began.
+    Every spanning tree equally likely. ``state[FIRST]`` is where the current walk began.
 
     Source: David B. Wilson, "Generating random spanning trees more quickly than the cover time",
         STOC 1996.
@@ -40,7 +40,7 @@ def wilson(words, board, state, stride, scratch):
             beyond = at + (1 - (direction & 2)) * (stride if direction & 1 else 1)
             there = board[beyond]
             if there != OUTSIDE:
-                board[at] = FREE + direction  # the last way out counts, which erases the loops
+                board[at] = FREE + direction  # the last exit counts, which erases the loops
                 at = beyond
                 here = there
         at = begin
@@ -55,7 +55,7 @@ def wilson(words, board, state, stride, scratch):
 
 
 def aldous_broder(words, board, state, stride, scratch):
-    """One random walk; each chamber keeps the way by which it was first entered.
+    """One random walk; each chamber keeps the direction from which it was first entered.
 
     Every tree equally likely.
 
@@ -80,7 +80,7 @@ def aldous_broder(words, board, state, stride, scratch):
 
 
 def backtracker(words, board, state, stride, scratch):
-    """Digs to random free neighbours, and where there is none goes back along its own way.
+    """Digs to random free neighbours; if there is none, goes back along its own path.
 
     The way back is on the board, so there is neither recursion nor a stack.
 
@@ -101,7 +101,7 @@ def backtracker(words, board, state, stride, scratch):
             direction = board[at]
             at += (1 - (direction & 2)) * (stride if direction & 1 else 1)
             continue
-        direction = 4  # no way, until one is drawn
+        direction = 4  # no direction, until one is drawn
         while used < count and (free >> direction) & 1 == 0:
             direction = (words[used >> 5] >> (2 * (used & 31))) & 3
             used += 1
@@ -117,8 +117,8 @@ def hunt_and_kill(words, board, state, stride, scratch):
     """Digs at random until it is stuck, then hunts, row by row, for a free chamber next to the
     maze.
 
-    ``state[FIRST]``: no free chamber comes before it. ``state[LOWEST]``: nor any of the maze before
-    this.
+    ``state[FIRST]``: no free chamber comes before it. ``state[LOWEST]``: no chamber of the maze
+    comes before this.
 
     Source: Jamis Buck, "Mazes for Programmers", 2015, chapter 5.
     """
@@ -145,7 +145,7 @@ def hunt_and_kill(words, board, state, stride, scratch):
                         + (4 if board[spot - 1] < OUTSIDE else 0)
                         + (8 if board[spot - stride] < OUTSIDE else 0)
                     )
-        direction = 4  # no way, until one is drawn
+        direction = 4  # no direction, until one is drawn
         while used < count and (ways >> direction) & 1 == 0:
             direction = (words[used >> 5] >> (2 * (used & 31))) & 3
             used += 1

@@ -2,10 +2,9 @@
 
 Contents:
     board: the meaning of the numbers on a growing board and in its links.
-    grow: run the algorithms, which are in C (worldgen/core/making).
+    grow: run the algorithms, which are in C (worldgen/core/making), and convert links to cells.
     shapes: masks, by name.
     openings: open second exits of dead ends, and rooms.
-    cells: convert links to solid cells.
 """
 
 from worldgen.families.parts.mazes.board import (
@@ -19,13 +18,14 @@ from worldgen.families.parts.mazes.board import (
     open_sides,
     ways_out,
 )
-from worldgen.families.parts.mazes.cells import cells_of, pitch
 from worldgen.families.parts.mazes.grow import (
     FIT_ANY_SHAPE,
     METHODS,
     Algorithm,
+    cells_of,
     grow,
-    spanning_tree,
+    pitch,
+    winding_tree,
 )
 from worldgen.families.parts.mazes.openings import braid_ends, carve_rooms
 from worldgen.families.parts.mazes.shapes import Shape, shape_mask
@@ -49,6 +49,6 @@ __all__ = [
     "open_sides",
     "pitch",
     "shape_mask",
-    "spanning_tree",
     "ways_out",
+    "winding_tree",
 ]

@@ -1,4 +1,7 @@
-"""Grow a maze by a named algorithm: give the C core a board and random words, and get links."""
+"""Let the C core grow a maze, and convert it to cells.
+
+It gets a board and random words, and returns links.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ from worldgen.families.parts.mazes.board import Links, Mask, links_of_parents
 from worldgen.random_streams import RandomStream
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["FIT_ANY_SHAPE", "METHODS", "Algorithm", "grow", "spanning_tree"]
+__all__ = ["FIT_ANY_SHAPE", "METHODS", "Algorithm", "cells_of", "grow", "pitch", "winding_tree"]
 
 Algorithm: TypeAlias = Literal[
     "wilson", "aldous-broder", "backtracker", "hunt-and-kill", "kruskal", "prim", "growing-tree",
@@ -27,7 +30,7 @@ Size: TypeAlias = Callable[[int, int], int]
 # hundredths of a second. The number must not change: a corridor continues to draw from the stream
 # after a tree of up to 999 x 999 chambers, at the end of the last call's words.
 MOST_WORDS = 1 << 17
-# The number that stands for all picks of a growing tree; shares are multiples of 1 / this.
+# The number that represents all picks of a growing tree; shares are multiples of 1 / this.
 SHARE = 1 << 16
 
 
@@ -108,23 +111,54 @@ def grow(
     return links_of_parents(chambers) if METHODS[algorithm].parents else chambers.copy()
 
 
-def spanning_tree(
-    rng: RandomStream, columns: int, rows: int, algorithm: Literal["wilson", "backtracker"]
-) -> npt.NDArray[np.int8]:
-    """Return a random spanning tree of a rectangle of chambers.
+def winding_tree(rng: RandomStream, columns: int, rows: int) -> npt.NDArray[np.int8]:
+    """Return a random spanning tree of a rectangle of chambers, with long winding passages.
 
     Args:
         rng: The only source of randomness; the tree draws directly from it.
         columns: Chambers in x.
         rows: Chambers in y.
-        algorithm: ``wilson`` makes every tree equally likely, ``backtracker`` makes long winding
-            passages.
 
     Returns:
         (rows, columns): from each chamber, the direction of its parent in quarter turns, or
             ``ROOT``.
     """
-    return _grown(rng, np.ones((rows, columns), np.bool_), algorithm, 0.0, 0.0)
+    return _grown(rng, np.ones((rows, columns), np.bool_), "backtracker", 0.0, 0.0)
+
+
+def pitch(widths: list[int], wall: int) -> npt.NDArray[np.int64]:
+    """Return the width of each strip of a plan, in cells.
+
+    The strips are border, chamber, wall, chamber, ..., chamber, border.
+    """
+    strips = np.full(2 * len(widths) + 1, wall, dtype=np.int64)
+    strips[1::2] = widths
+    strips[0] = strips[-1] = 1
+    return strips
+
+
+def cells_of(
+    links: Links, across: npt.NDArray[np.int64], up: npt.NDArray[np.int64]
+) -> npt.NDArray[np.bool_]:
+    """Return chambers, walls and border as cells, True is solid.
+
+    Args:
+        links: (rows, columns) links.
+        across: (2 columns + 1,) widths of the strips in x, cells, from :func:`pitch`.
+        up: (2 rows + 1,) heights of the strips in y, cells, from :func:`pitch`.
+    """
+    ffi = _core.ffi
+    lib = _core.lib
+    rows, columns = links.shape
+    walls = np.empty((int(up.sum()), int(across.sum())), dtype=np.bool_)
+    strips = (pointer(ffi, across, np.int64), pointer(ffi, up, np.int64))
+    chambers = pointer(ffi, np.ascontiguousarray(links), np.int8)
+    check(
+        lib.wg_maze_cells(
+            chambers, rows, columns, *strips, writable(ffi, walls, np.bool_), walls.size
+        )
+    )
+    return walls
 
 
 def _grown(

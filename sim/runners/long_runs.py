@@ -1,4 +1,7 @@
-"""Run a compiled controller portion by portion, holding the states of only one portion."""
+"""Run a compiled controller portion by portion, holding the states of only one portion.
+
+The states of a run that is too long to hold them all are restored this way whenever they are needed.
+"""
 
 from __future__ import annotations
 
@@ -6,22 +9,19 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import lib
 from sim.controllers.base import CompiledController
 from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, copy_of, most_points
+from worldgen.support.arrays import Ints
 
 __all__ = ["MOST_HELD", "Portion", "portions"]
 
-# Bytes of states. A run that needs less is recorded in whole.
 MOST_HELD = 1 << 26
+"""Bytes of states. A run that needs less is recorded in whole."""
 
 # Rows of a portion.
 _MOST_ROWS = 1 << 16
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 
 class Portion(NamedTuple):

@@ -1,4 +1,7 @@
-"""``stalled``: no proof of a loop, but the second half of the budget brought no new cell."""
+"""``stalled`` and ``timeout``: the budget is spent, and no loop is proved.
+
+A robot has timed out if the second half of the budget brought a new cell, else it has stalled.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["check_stalled"]
+__all__ = ["check_stalled", "check_timeout"]
 
 _SAME_PLACE = 1e-7  # cells, a millionth of the thesis's pixels
 _SAME_HEADING = 1e-6  # rad
@@ -45,6 +48,13 @@ def check_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: 
         wrong = f"poses recur every {period} steps, so the run drifts" if period else ""
     wrong = wrong or _check_box(world, trace, half, evidence.box)
     return wrong or check_budget(world, trace, evidence)
+
+
+def check_timeout(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
+    """Check that the second half has a new cell (else it is ``stalled``), and the budget."""
+    if not first_new_cell_of_second_half(world, trace):
+        return "the second half has no new cell"
+    return check_budget(world, trace, evidence)
 
 
 def _check_drift(world: World, trace: Trace, entry: int, period: int) -> str:
@@ -104,5 +114,5 @@ def _check_box(world: World, trace: Trace, half: int, box: tuple[int, int] | Non
         most = np.floor(high + _ROUNDING) - np.floor(low - _ROUNDING) + 1
         least = np.floor(high - _ROUNDING) - np.floor(low + _ROUNDING) + 1
         if not least <= claimed <= most:
-            return f"the second half is in {least:g} to {most:g} cells on an axis, not in {claimed}"
+            return f"the second half spans cells {least:g} to {most:g} on an axis, not {claimed}"
     return ""

@@ -1,7 +1,7 @@
 """Wrap compiled controllers as Python classes.
 
 This shows how a campaign performs with the same controller written in the usual form.
-``fuzz.faults.as_classes:bug2_stale_line`` is the fault ``fuzz.faults:bug2_stale_line`` as a class
+``benchmarks.as_classes:bug2_stale_line`` is the fault ``fuzz.faults:bug2_stale_line`` as a class
 whose ``act`` calls the compiled function.
 """
 
@@ -28,7 +28,7 @@ __all__ = ["AsClass"]
 class AsClass:
     """A compiled controller as a Python class.
 
-    Like every class, it stands still in its first step.
+    Like every class, it does not move in its first step.
 
     Args:
         controller: Name of the compiled controller.

@@ -1,23 +1,93 @@
-"""Sets of worlds spread evenly over a range of difficulty."""
+"""Sets of worlds found by searching for their metrics, or spread over a range of difficulty."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import cast
 
+import msgspec
+
 from worldgen.difficulty import measure
-from worldgen.difficulty.search import TRIES
+from worldgen.difficulty.search import TRIES, Search, constraint_for, found
 from worldgen.difficulty.strata import StrataSearch, edges_of
 from worldgen.family import FAMILIES, Family
 from worldgen.sets.making import Made
 from worldgen.sets.manifest import Manifest
 from worldgen.sets.plan import SearchedPlan, header_of
-from worldgen.world import Provenance, Value
+from worldgen.world import Provenance, Value, World
 
-__all__ = ["StratifiedPlan", "StratumCount", "plan_stratified_set", "strata_of"]
+__all__ = [
+    "StratifiedPlan",
+    "StratumCount",
+    "WantedPlan",
+    "plan_stratified_set",
+    "plan_wanted_set",
+    "strata_of",
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class WantedPlan(SearchedPlan):
+    """A set whose worlds are found one after another by one search.
+
+    Args:
+        tell: Called after each try.
+    """
+
+    tell: Callable[[Search], None] | None = None
+
+    def made(self, first: int, workers: int) -> Iterator[Made]:
+        """Make the worlds from this one on.
+
+        The search repeats what it found before, because later finds depend on it.
+        """
+        header = self.header
+        search = Search(self.family, constraint_for(header.constraint), header.seed, self.given)
+        for k, one in enumerate(found(search, header.count, self.tries, self.tell)):
+            if k >= first:
+                metrics = measure(one.world).as_dict() if header.metrics else {}
+                yield Made.of(one.world, _params_of(one.world), metrics)
+
+
+def plan_wanted_set(
+    family: Family | str,
+    seed: int,
+    count: int,
+    given: Mapping[str, Value],
+    *,
+    where: str | None = None,
+    difficulty: float | None = None,
+    tries: int = TRIES,
+    metrics: bool = True,
+    tell: Callable[[Search], None] | None = None,
+) -> WantedPlan:
+    """Return the plan of ``count`` different worlds whose metrics satisfy a constraint.
+
+    Args:
+        family: The family, or the name of a registered one.
+        seed: Seed of the search.
+        count: Number of worlds.
+        given: Parameters that keep their values; the others vary.
+        where: A constraint, such as ``"detour > 3"``.
+        difficulty: The difficulty to aim for, 0 to 1.
+        tries: Limit on the worlds made per world found.
+        metrics: True to measure every metric of each world.
+        tell: Called after each try.
+
+    Raises:
+        InvalidParameter: If the constraint cannot be parsed, or a parameter is unknown.
+    """
+    made_by = family if isinstance(family, Family) else FAMILIES.get(family)
+    made_by.complete(given)
+    fixed = {**given, **made_by.constants}
+    constraint = constraint_for(where, difficulty).text
+    header = msgspec.structs.replace(
+        header_of(made_by, fixed, seed, count, metrics=metrics), constraint=constraint
+    )
+    return WantedPlan(family=made_by, header=header, tries=tries, tell=tell)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +103,7 @@ class StratifiedPlan(SearchedPlan):
     def made(self, first: int, workers: int) -> Iterator[Made]:
         """Make the worlds from this one on.
 
-        The search repeats what it found before, because later finds depend on it.
+        The search repeats its earlier finds, because later ones depend on them.
         """
         header = self.header
         search = StrataSearch(
@@ -47,14 +117,14 @@ class StratifiedPlan(SearchedPlan):
         )
         for k, one in enumerate(search.found()):
             if k >= first:
-                # generate() gives no world without a provenance.
-                params = cast("Provenance", one.world.provenance).params
                 metrics = (
                     measure(one.world).as_dict()
                     if header.metrics
                     else {"difficulty": one.difficulty}
                 )
-                yield replace(Made.of(one.world, params, metrics), stratum=one.stratum)
+                yield replace(
+                    Made.of(one.world, _params_of(one.world), metrics), stratum=one.stratum
+                )
 
 
 def plan_stratified_set(
@@ -91,7 +161,7 @@ def plan_stratified_set(
     low, high = difficulty
     edges = edges_of(low, high, count)
     constraint = f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
-    header = replace(
+    header = msgspec.structs.replace(
         header_of(made_by, fixed, seed, count, metrics=metrics), constraint=constraint, strata=edges
     )
     return StratifiedPlan(family=made_by, header=header, where=where, tries=tries)
@@ -112,8 +182,13 @@ def strata_of(manifest: Manifest) -> list[StratumCount]:
     edges = manifest.header.strata
     count = manifest.header.count
     strata = len(edges) - 1
-    found = Counter(entry.stratum for entry in manifest.entries)
+    totals = Counter(entry.stratum for entry in manifest.entries)
     return [
-        StratumCount(low, high, found[low, high], count // strata + (k < count % strata))
+        StratumCount(low, high, totals[low, high], count // strata + (k < count % strata))
         for k, (low, high) in enumerate(pairwise(edges))
     ]
+
+
+def _params_of(world: World) -> Mapping[str, Value]:
+    # generate() gives no world without a provenance.
+    return cast("Provenance", world.provenance).params

@@ -1,4 +1,6 @@
-"""Find the cause of an overlap with a wall from a recorded path; the thesis's motion has three.
+"""``tunnel``: the centre entered a solid cell. ``overlap``: the disc cut a wall too deeply.
+
+The thesis's motion has three causes of an overlap, which its evidence names.
 
 In each step of the thesis's motion the disc moves along its heading pixel by pixel, each a tenth
 of a cell. The first pixel move that a wall stops becomes a *slide* (forward on one axis, part of a
@@ -14,12 +16,13 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.evidence_checks._plain import is_solid_at
+from fuzz.evidence_checks._plain import cell_box, is_solid_at, step_path
 from sim.evidence import WallEvidence
+from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["LEAST_OVERLAP", "check_cause"]
+__all__ = ["LEAST_OVERLAP", "check_cause", "check_overlap", "check_tunnel"]
 
 LEAST_OVERLAP = 1e-7  # cells, a millionth of a pixel: less than this is rounding
 _SLACK = 1e-10  # cells by which recorded metres may differ from the simulator's pixels
@@ -27,6 +30,49 @@ _PIXELS = 10  # pixels per cell
 _SAME = 1e-6  # px by which a displacement may differ from what its cause predicts
 
 Floats = npt.NDArray[np.float64]
+
+
+def check_tunnel(world: World, trace: Trace, evidence: WallEvidence, motion: Motion) -> str:
+    """Check that the path of the named step enters the named cell while that is solid.
+
+    If the evidence names the move that let the robot into the wall, check that too.
+    """
+    wrong = _check_solid(world, trace, evidence)
+    if wrong:
+        return wrong
+    inside = cell_box(world, *evidence.cell).buffer(-1e-9 * world.cell_size)
+    if not step_path(trace, evidence.step).intersects(inside):
+        return f"the path of step {evidence.step} does not meet cell {evidence.cell}"
+    return check_cause(world, trace, evidence)
+
+
+def check_overlap(world: World, trace: Trace, evidence: WallEvidence, motion: Motion) -> str:
+    """Check that the disc, on the path of the named step, cuts the named solid cell deeply enough.
+
+    If the evidence names the move that let the robot into the wall, check that too.
+    """
+    wrong = _check_solid(world, trace, evidence)
+    if wrong:
+        return wrong
+    # The deepest cut along the path, measured with shapely.
+    gap = float(step_path(trace, evidence.step).distance(cell_box(world, *evidence.cell)))
+    depth = world.robot_radius - gap
+    allowed = motion.overlap_tolerance * world.cell_size
+    if depth <= allowed - 1e-9:
+        return (
+            f"the disc cuts cell {evidence.cell} by {depth:g} m, but up to {allowed:g} m is allowed"
+        )
+    return check_cause(world, trace, evidence)
+
+
+def _check_solid(world: World, trace: Trace, evidence: WallEvidence) -> str:
+    """Check that the run has the named step, and that the named cell is solid in it."""
+    step = evidence.step
+    if not 1 <= step <= trace.steps:
+        return f"the run has no step {step}"
+    if not is_solid_at(world, *evidence.cell, (step - 1) * trace.time_step, step * trace.time_step):
+        return f"cell {evidence.cell} is not solid in step {step}"
+    return ""
 
 
 def check_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
@@ -47,7 +93,10 @@ def check_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
     if cause is None:
         return ""
     if since is None or not 1 <= since <= step <= trace.steps:
-        return f"an overlap from step {since} to a wall in step {step} is not within the run"
+        return (
+            f"an overlap that begins in step {since} and meets a wall in step {step} is not within "
+            "the run"
+        )
 
     # The disc is clear before step `since`, and in a wall after each step from there on.
     states = np.arange(since - 1, step + 1)

@@ -1,0 +1,102 @@
+"""What a robot repeats is told by its own moves: turns, touches and their sides."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fuzz.triage.repeated_moves import describe_period
+from sim import Command, simulate
+from worldgen import Pose, Target, World
+
+HERE = "tests.fuzz.test_repeated_moves"
+
+
+class Repeats:
+    """Turns by the next of some angles in each step, degrees, and drives on unless told not to."""
+
+    turns = (0.0,)
+    share_of_speed = 0.0
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        number = int(memory[0])
+        turn = math.radians(self.turns[number]) / observation.time_step
+        speed = self.share_of_speed * observation.top_speed
+        return Command(speed, turn), (float((number + 1) % len(self.turns)),)
+
+
+class Stays(Repeats):
+    """Never moves."""
+
+
+class Spins(Repeats):
+    """Turns to the right all the time, in steps of two sizes."""
+
+    turns = (-50.0, -130.0)
+
+
+class Reverses(Repeats):
+    """Turns around in every second step."""
+
+    turns = (180.0, 0.0)
+
+
+class Pushes(Repeats):
+    """Pushes whatever it touches."""
+
+    share_of_speed = 1.0
+
+
+class Wags(Repeats):
+    """Turns left and right, by a little more each time."""
+
+    turns = tuple(angle * sign for angle in (10, 20, 30, 40, 50) for sign in (1, -1))
+
+
+def told(name, heading=0.0):
+    world = World(
+        np.zeros((6, 6), bool),
+        start=Pose(0.3, 0.3, heading),
+        target=Target(0.5, 0.5, 0.03),
+        cell_size=0.1,
+        robot_radius=0.07,
+    )
+    return describe_period(world, simulate(world, f"{HERE}:{name}", record=True))
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("Stays", "repeats 1 step (0.015 s, 0 m): it stays there"),
+        ("Spins", "repeats 4 steps (0.06 s, 0 m): it turns 360 degrees right in 4 steps"),
+        ("Reverses", "it turns around; it stays there; it turns around; it stays there"),
+        ("Pushes", "repeats 1 step (0.015 s, 0 m): with a wall ahead, it stays there"),
+        (
+            "Wags",
+            "repeats 10 steps (0.15 s, 0 m): it turns 150 degrees left and 150 degrees right in "
+            "all, and touches no wall",
+        ),
+    ],
+)
+def test_a_period_is_told_by_its_moves_or_in_total_if_it_is_long(name, words):
+    assert told(name).endswith(words)
+
+
+def test_a_wall_that_stops_the_robot_is_ahead_whatever_its_heading():
+    slid = told("Pushes", heading=math.radians(-50.0))
+    assert "with a wall ahead" in slid
+    assert told("Pushes", heading=math.pi) == told("Pushes")
+
+
+def test_a_run_that_does_not_repeat_has_no_period():
+    world = World(
+        np.zeros((6, 9), bool),
+        start=Pose(0.3, 0.3, 0.0),
+        target=Target(0.8, 0.3, 0.03),
+        cell_size=0.1,
+        robot_radius=0.07,
+    )
+    assert describe_period(world, simulate(world, f"{HERE}:Pushes", record=True)) == ""

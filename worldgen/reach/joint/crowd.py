@@ -1,0 +1,108 @@
+"""Add robots one after another, each with a path around those before it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from worldgen._core import ffi, lib
+from worldgen.reach.joint.apart import stay_apart
+from worldgen.reach.joint.plan import taken_nodes
+from worldgen.reach.joint.question import Ground, RobotEnds, joint_question
+from worldgen.reach.joint.witness import make_joint_witness
+from worldgen.support.ccall import check, pointer
+from worldgen.world import JointWitness, Robot, World
+
+__all__ = ["Crowd"]
+
+_MOST_STATES = 50_000  # of one robot: enough for a path through a hall of 1000 robots
+
+
+class Crowd:
+    """Robots of equal size and speed that have paths around each other.
+
+    A robot that finds no path is left out, and another one can be tried instead. So a crowd takes
+    about as many searches as it has robots, whereas the search for a joint plan of robots that are
+    already placed may never end.
+
+    Args:
+        world: A world of one robot, which is the first.
+        count: Most robots that can be added, including the first.
+        margin: Seconds by which all robots may start late, in a world that changes.
+    """
+
+    def __init__(self, world: World, count: int, margin: float = 0.0) -> None:
+        self.robots: list[Robot] = []
+        self._question = joint_question(world, k=2, radius=None, margin=margin)
+        if self._question is None:
+            return
+        self._ground = Ground(self._question.rasters, 0, self._question.radii[0])
+        self._ends: list[RobotEnds] = []
+        described, held = self._question.described()
+        # The order knows only how many robots there are; each brings its own start and target.
+        zeros = np.zeros(count + 1, np.int64)
+        described.robots = count
+        described.class_of = described.starts = described.crossed_from = pointer(
+            ffi, zeros, np.int64
+        )
+        self._held = (described, held, zeros)
+        made = ffi.new("WgJointOrder **")
+        check(lib.wg_joint_order_new(described, made))
+        self._order = ffi.gc(made[0], lib.wg_joint_order_free)
+        self.add(world.robots[0])
+
+    def add(self, robot: Robot) -> bool:
+        """Add a robot if it finds a path that leaves those of the others as they are."""
+        # Find out how it gets onto the nodes.
+        question = self._question
+        if question is None:
+            return False
+        distances = np.empty(question.distances.shape[1], np.int32)
+        approach = self._ground.approach(robot, question.world.cell_size, distances)
+        if not approach.nodes:
+            return False
+        ends = RobotEnds(approach.start, approach.nodes[0], approach.goal)
+        if not self._leg_fits(ends):
+            return False
+        # Search a path for it, and keep the robot only if there is one.
+        described = ffi.new("WgJointRobot *")
+        described.number = len(self.robots)
+        described.start = ends.node
+        described.distances = pointer(ffi, distances, np.int32)
+        described.crossings = pointer(ffi, approach.crossings, np.int64)
+        described.crossing_count = len(approach.crossings)
+        found = ffi.new("int64_t *")
+        check(lib.wg_joint_order_add(self._order, described, _MOST_STATES, found))
+        if found[0]:
+            self.robots.append(robot)
+            self._ends.append(ends)
+        return bool(found[0])
+
+    def witness(self, world: World) -> JointWitness | None:
+        """Return the proof for a world of these robots; None if their last legs conflict."""
+        made = ffi.new("WgJointPlan **")
+        check(lib.wg_joint_order_plan(self._order, made))
+        assert self._question is not None
+        count = len(self.robots)
+        question = replace(
+            self._question,
+            world=world,
+            radii=self._question.radii * count,
+            ends=self._ends,
+        )
+        return make_joint_witness(question, taken_nodes(made[0], count))
+
+    def _leg_fits(self, ends: RobotEnds) -> bool:
+        """Return True if the first leg of a robot stays clear of those of the others."""
+        question = self._question
+        assert question is not None
+        if self.robots and not question.has_first_leg and ends.start != question.point(ends.node):
+            return False  # the first tick is not for legs
+        apart_sq = question.apart_sq(0, 0)
+        leg = (ends.start, question.point(ends.node))
+        # Most robots stand on a node while the first one takes its leg, and keep their distance.
+        return all(
+            stay_apart(leg, (other.start, question.point(other.node)), apart_sq)
+            for other in (self._ends if question.has_first_leg else ())
+        )

@@ -1,0 +1,113 @@
+"""Check the certificate of a world or, if it has none, decide the world and check that proof."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from worldgen.reach.check.certificate import CheckReport, check_certificate
+from worldgen.reach.check.confinement import check_confinement
+from worldgen.reach.check.margin import witness_margin
+from worldgen.reach.check.swap import check_swap
+from worldgen.reach.decision import (
+    BLOCKED,
+    REACHABLE,
+    UNDECIDED,
+    Decision,
+    check_deadline,
+    check_radius,
+)
+from worldgen.reach.timed.deadline import decide_in_time, latest_start, until
+from worldgen.world import Cut, Witness, World
+
+__all__ = ["verify_world"]
+
+
+def verify_world(
+    world: World, radius: float | None = None, deadline: float | None = None
+) -> dict[str, Any]:
+    """Check a world's certificate, or decide the world and check that.
+
+    Args:
+        world: The world.
+        radius: Radius of the disc, m; the robot's if omitted.
+        deadline: Time, s, by which the robot must be in the target; None for any time.
+
+    Returns:
+        ``result``, ``certificate`` (witness, cut, confinement, swap or None), ``certificate_valid``,
+        ``decided`` (again, or read from the file), ``clearance``, ``radius`` and ``reason``;
+        ``deadline`` if there is one; ``robots``, their number, if there are several, and then
+        ``radius`` is the largest of theirs; of a witness in a world that changes, or under a deadline,
+        also ``margin`` and ``latest_start``: s by which it may begin later, and until which the
+        robot may wait at the start if it may take any path; None for any time.
+
+    Raises:
+        InvalidParameter: If the radius or the deadline isn't a finite number above 0.
+    """
+    asked = max(robot.radius for robot in world.robots) if radius is None else radius
+    check_radius(asked, world.cell_size)
+    check_deadline(deadline)
+    # Use the file's own certificate if it is about this question; otherwise decide.
+    decision = Decision(UNDECIDED, world.certificate, "")
+    decided = not _answers(world, radius, deadline)
+    if decided:
+        decision = decide_in_time(world, deadline, radius=radius)
+    # Check the proof, with code that shares nothing with the prover.
+    certificate = decision.certificate
+    ahead = world if deadline is None else until(world, deadline)
+    proof = None
+    claim = BLOCKED
+    report = CheckReport(False, decision.reason, 0.0)
+    if certificate is not None:
+        proof, claim = ("cut", BLOCKED) if isinstance(certificate, Cut) else ("witness", REACHABLE)
+        about = world if certificate is world.certificate else ahead
+        report = check_certificate(about, certificate, radius=radius)
+    elif decision.confinement is not None:
+        proof = "confinement"
+        report = check_confinement(ahead, decision.confinement, radius=asked)
+    elif decision.swap is not None:
+        proof = "swap"
+        report = check_swap(world, decision.swap, radius=radius)
+    answer: dict[str, Any] = {
+        "result": claim if report.valid else UNDECIDED,
+        "certificate": proof,
+        "certificate_valid": report.valid,
+        "decided": decided,
+        "clearance": None if certificate is None else report.clearance,
+        "radius": asked,
+        "reason": report.reason,
+    }
+    answer |= {} if deadline is None else {"deadline": deadline}
+    answer |= {"robots": len(world.robots)} if world.others else {}
+    # How late the robot may begin is a question only if something changes, or time is short.
+    is_timed = world.is_dynamic or deadline is not None
+    if is_timed and report.valid and isinstance(certificate, Witness):
+        answer |= _lateness(world, certificate, asked, deadline)
+    return answer
+
+
+def _answers(world: World, radius: float | None, deadline: float | None) -> bool:
+    """Return True if the certificate in the file is about the question.
+
+    It may still be invalid.
+    """
+    certificate = world.certificate
+    is_other = radius is not None and any(radius != robot.radius for robot in world.robots)
+    if certificate is None or (is_other and not check_certificate(world, radius=radius).valid):
+        return False
+    return deadline is None or isinstance(certificate, Cut) or certificate.duration <= deadline
+
+
+def _lateness(
+    world: World, witness: Witness, radius: float, deadline: float | None
+) -> dict[str, float | None]:
+    """Return how much later the witness may begin, and any path."""
+    margin = witness_margin(world, witness, radius=radius) if world.is_dynamic else math.inf
+    if deadline is not None:
+        margin = min(margin, deadline - witness.duration)
+    latest = max(latest_start(world, deadline, radius=radius) or 0.0, margin)
+    return {"margin": _finite(margin), "latest_start": _finite(latest)}
+
+
+def _finite(seconds: float) -> float | None:
+    return round(seconds, 9) if math.isfinite(seconds) else None
