@@ -28,6 +28,7 @@ from sim.options.run import (
 )
 from sim.outcome import Episode, Outcome, Runnable, area_of, wall_evidence
 from sim.runners.lattice import LatticeRun
+from sim.runners.renewal import as_loaded
 from sim.thesis.run import ThesisRun
 from sim.trace import state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
@@ -85,7 +86,7 @@ def simulate(
     )
     outcome = run.run(options.steps, find_loop=True, record=at_once)
     if outcome.ending == Verdict.LOOP:
-        return _loop(run, world, outcome, options, record)
+        return _loop(run, world, outcome, options, record, named[0])
     if record and outcome.trace is None:
         check_recordable(outcome.steps)
         outcome = run.run(outcome.steps, find_loop=False, record=True)
@@ -116,7 +117,12 @@ def prepare(
 
 
 def _loop(
-    run: Runnable, world: World, found: Outcome, options: RunOptions, record: bool
+    run: Runnable,
+    world: World,
+    found: Outcome,
+    options: RunOptions,
+    record: bool,
+    named: str | Controller | type,
 ) -> Episode:
     """Prove a loop that the core reported; the run then ends with the loop's first period."""
     entry = found.entry
@@ -125,7 +131,10 @@ def _loop(
         check_recordable(entry + period)
     proof = run.prove(entry, period, record=record)
     if proof is None:
-        # The controller hides memory that it does not declare, so only the budget decides.
+        # The controller hides memory that it does not declare, so only the budget decides. The runs
+        # so far may have changed that memory.
+        if isinstance(named, str):
+            run = prepare(world, as_loaded(named), options)
         return _decided(run, world, run.run(options.steps, find_loop=False, record=record), options)
     outcome, state = proof
     if outcome.overlap_step >= 0:

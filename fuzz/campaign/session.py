@@ -34,6 +34,7 @@ from fuzz.overview.overview import write_overview
 from fuzz.overview.terminal import Headline, overview_lines
 from fuzz.search.names import DATABASE
 from fuzz.triage.hazards import hazard_words, is_hazard
+from sim.controllers.contract import state_survives_reset
 from sim.runners.stopping import stopping_when
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
@@ -438,9 +439,11 @@ class CampaignSession:
             f"{counted(state.steps, 'step')} in {describe_time(state)}; quick "
             f"runs: {verdicts or 'none'}; {state.met.total()} examined"
         )
-        # Add notes about slow or hanging controllers.
+        # Add notes about slow, stateful or hanging controllers.
         if (share := describe_share(self._config, state)) is not None:
             note(share)
+        if state.effort.survivors:
+            note(str(state_survives_reset(scenario.controller, state.effort.survivors)))
         if state.effort.broken:
             steps = counted(state.effort.broken, "step")
             note(

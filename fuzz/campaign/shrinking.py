@@ -12,8 +12,8 @@ from fuzz.campaign.deadline import Deadline
 from fuzz.failure import Failure
 from fuzz.shrink import shrink
 from fuzz.simplicity import FailureOrder
-from sim.controllers.shared.guarded import renew
 from sim.runners.controller_time import Effort
+from sim.runners.renewal import as_loaded
 from sim.runners.stopping import OutOfTime, check_time, stopping_when
 from worldgen.errors import WorldgenError
 
@@ -177,7 +177,7 @@ def shrunk_or_same(
             failure stays unchanged.
     """
     began = Effort.so_far()
-    renew()
+    as_loaded(failure.record.controller)
     return replace(_shrunk_or_same(failure, kept, seconds, end), effort=began.since())
 
 

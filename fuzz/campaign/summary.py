@@ -74,6 +74,7 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: Status) -> 
         units_too_early=state.too_early,
         times={name: round(seconds, 3) for name, seconds in state.times.items()},
         controller_share=UNSET if share is None else round(share, 3),
+        survives_reset=sorted(state.effort.survivors) or UNSET,
     )
 
 

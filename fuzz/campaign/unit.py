@@ -12,8 +12,8 @@ from fuzz.search.plan import planned_strategy
 from fuzz.search.registry import strategy_of
 from fuzz.search.task import Task
 from fuzz.triage.triage import Triage
-from sim.controllers.shared.guarded import renew
 from sim.runners.controller_time import Effort
+from sim.runners.renewal import as_loaded
 from sim.runners.stopping import OutOfTime, check_time, stopping_when
 
 __all__ = ["run_unit"]
@@ -39,8 +39,8 @@ def run_unit(
     known = SearchState() if memory is None else memory
     name = planned_strategy(config, unit, known)
     result = UnitResult(strategy=name)
-    # State that a shared library has kept from other units must not matter here.
-    renew()
+    # State that the controller has kept from other units must not matter here.
+    as_loaded(config.scenario.controller)
     try:
         with stopping_when(deadline.to_begin_is_over):
             check_time()

@@ -28,6 +28,7 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
     """
     from fuzz.failure import Failure
     from fuzz.overview.counterfactual import counterfactuals
+    from sim.runners.renewal import survivors_found
     from worldgen.errors import WorldgenError
     from worldgen.files.worlds import read_worlds
 
@@ -52,6 +53,8 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
             click.echo(f"{shown(path)}: {shown(failure.who)}: {failure.verdict}")
             click.echo(f"  {shown(found.describe())}")
         explained.append({"file": str(path), "verdict": failure.verdict, **found.table()})
+        for sentence in survivors_found([failure.record.controller]):
+            note(f"note: {sentence}")
     # Print the object, and fail if a file could not be explained.
     if as_json:
         emit_json({"explained": len(explained), "failures": explained})

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from fuzz.commands._options import output_options
 from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, shown
 from worldgen.support.progress import working
+
+if TYPE_CHECKING:
+    from fuzz.replay.answer import State
 
 __all__ = ["replay"]
 
@@ -60,10 +64,10 @@ def replay(
     from fuzz.describe import describe
     from fuzz.failure import Failure
     from fuzz.overview.building import explained
-    from fuzz.replay.answer import State as Now
-    from fuzz.replay.answer import answer, describe_summary
+    from fuzz.replay.answer import answer
     from sim.controllers.programs.transcript import transcribed
     from sim.describe import describe_frames
+    from sim.runners.renewal import survivors_found
     from worldgen.files.worlds import read_worlds
     from worldgen.support.plain_text import shown_lines
 
@@ -72,7 +76,8 @@ def replay(
     reports.check()
     results: list[dict[str, object]] = []
     findings: list[CiFinding] = []
-    states: list[Now] = []
+    states: list[State] = []
+    ran: list[str] = []
     without = 0
     # Replay one failure after another; skip files that have none.
     for path, world in read_worlds(paths):
@@ -91,6 +96,7 @@ def replay(
         ):
             work.say(f"{path}, failure {len(results) + 1}")
             now = answer(failure, controller)
+        ran.append(controller or failure.record.controller)
         # Record the result for the terminal, for JSON and for the reports.
         outcome = now.replay
         states.append(now.state)
@@ -113,14 +119,23 @@ def replay(
         if reports:
             state = FindingState.CONFIRMED if outcome.confirmed else FindingState.NOT_CONFIRMED
             findings.append(CiFinding.of(failure, path, state, now.words, controller))
+    for sentence in survivors_found(ran):
+        note(f"note: {sentence}")
     # Write the reports and the summary; the exit code tells whether all are confirmed.
     reports.write(Report("replay", tuple(findings)))
-    confirmed = sum(bool(result["confirmed"]) for result in results)
-    if as_json:
-        emit_json({"replayed": len(results), "confirmed": confirmed, "failures": results})
-    else:
-        click.echo(describe_summary(states))
-    if confirmed < len(results):
+    _summarise(results, states, as_json=as_json)
+    if not all(result["confirmed"] for result in results):
         raise SystemExit(1)
     if without:
         raise SystemExit(2)
+
+
+def _summarise(results: list[dict[str, object]], states: list[State], *, as_json: bool) -> None:
+    """Print how many failures are confirmed."""
+    from fuzz.replay.answer import describe_summary
+
+    if as_json:
+        confirmed = sum(bool(result["confirmed"]) for result in results)
+        emit_json({"replayed": len(results), "confirmed": confirmed, "failures": results})
+    else:
+        click.echo(describe_summary(states))

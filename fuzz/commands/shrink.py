@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import Duration
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, named_also, note
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, named_also, note, shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     type=click.Choice(["verdict", "class"]),
     default="verdict",
     show_default=True,
-    help="What must stay the same: the verdict and its cause, or the whole class.",
+    help="What must stay the same: the verdict, or the whole class.",
 )
 @click.option(
     "--snippet",
@@ -93,6 +93,7 @@ def shrink(
     from fuzz.describe import describe
     from fuzz.failure import Failure
     from fuzz.shrink import snippet
+    from sim.runners.renewal import survivors_found
     from worldgen.files.whole import check_output
 
     if as_snippet and as_json:
@@ -105,12 +106,16 @@ def shrink(
     if target is not None:
         check_output(target, force)
     # Shrink, and write the result.
-    result = _watched(Failure.read(path), seconds, keep)
+    failure = Failure.read(path)
+    result = _watched(failure, seconds, keep)
+    changed = _changed(failure, result.failure)
+    for sentence in survivors_found([failure.record.controller]):
+        note(f"note: {sentence}")
     if target is not None:
         result.failure.write(target, force=force)
     # Print the result in the requested form.
     if as_json and target is not None:
-        emit_json(_summary(result, target))
+        emit_json({**_summary(result, target), "changed": changed})
         return
     if target is None or as_snippet:
         click.echo(snippet(result.failure), nl=False)
@@ -122,6 +127,8 @@ def shrink(
         f"{state}, "
         f"{result.simulations} runs"
     )
+    if changed:
+        note(_describe_changed(changed))
     if result.interrupted:
         note("interrupted; the best so far is kept")
         raise SystemExit(130)
@@ -140,6 +147,28 @@ def _watched(failure: Failure, seconds: float | None, keep: str) -> Shrunk:
             keep_on_interrupt=True,
             keep=keep,
         )
+
+
+def _changed(before: Failure, after: Failure) -> dict[str, tuple[str, str]]:
+    """Return what shrinking changed, of class and cause: its name before and after."""
+    from fuzz.triage.diagnosis import cause_of
+
+    pairs = {
+        "class": (before.bucket, after.bucket),
+        "cause": (str(cause_of(before)), str(cause_of(after))),
+    }
+    return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
+
+
+def _describe_changed(changed: dict[str, tuple[str, str]]) -> str:
+    words = " and ".join(
+        f"the {name} is now {shown(after)} (was {shown(before)})"
+        for name, (before, after) in changed.items()
+    )
+    if "class" not in changed:
+        return f"note: {words}; no option keeps the cause"
+    keeps = "the class, and mostly the cause" if "cause" in changed else "it"
+    return f"note: {words}; --keep class keeps {keeps}"
 
 
 def _size(world: World) -> str:

@@ -8,11 +8,12 @@ from functools import cached_property
 from typing import Any
 
 from fuzz.evidence_checks import check_evidence, check_fleet
-from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController
+from sim.controllers import CompiledController
 from sim.episode import Episode, prepare, simulate
 from sim.evidence import JointLoopEvidence, LoopEvidence
 from sim.fleet import FleetEpisode, fleet_traces
 from sim.options.run import MAX_RECORDED, RunOptions
+from sim.runners.renewal import as_loaded
 from sim.trace import Trace
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.world import Witness, World
@@ -45,19 +46,18 @@ class Trial:
                 recorded.
             InvalidWorld: If the robot cannot stand at the start.
         """
-        return cls(
-            world, controller, options, simulate(world, _begun(controller), options, record=True)
-        )
+        as_loaded(controller)
+        return cls(world, controller, options, simulate(world, controller, options, record=True))
 
     @cached_property
     def episode(self) -> Episode:
         """The run: verdict, steps, path length, evidence."""
         if self.known is not None:
             return self.known
-        found = _begun(self.controller)
+        found = as_loaded(self.controller)
         # A compiled run is cheap to repeat, so it is recorded only if its trace is needed.
         at_once = not isinstance(found, CompiledController) and self.options.steps <= MAX_RECORDED
-        return simulate(self.world, found, self.options, record=at_once)
+        return simulate(self.world, self.controller, self.options, record=at_once)
 
     @cached_property
     def trace(self) -> Trace | None:
@@ -139,14 +139,3 @@ class Trial:
         """
         where = self.world if world is None else world
         return simulate(where, self.controller, replace(self.options, **changes), record=record)
-
-
-def _begun(controller: str) -> Controller:
-    """Return the controller, ready for a new run.
-
-    A program is restarted, so that a run does not depend on memory that no file records.
-    """
-    found = CONTROLLERS.get(controller)
-    if isinstance(found, ProcessController):
-        found.close()
-    return found

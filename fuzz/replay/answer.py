@@ -30,7 +30,7 @@ class State(StrEnum):
     """It no longer fails."""
 
     UNPROVED = "unproved"
-    """It cannot be run, or the file's certificate does not hold."""
+    """It cannot be run, its runs differ, or the file's certificate does not hold."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +88,12 @@ def answer(failure: Failure, controller: str | None = None) -> ReplayAnswer:
     except WorldgenError as error:
         return ReplayAnswer(State.UNPROVED, f"cannot be run: {error}", outcome, None)
     episode = now.seen.episode or outcome.episode
+    # Two runs with the same budget must be equal; if they are not, neither says anything.
+    is_equal_run = now.seen.options == failure.options
+    if is_equal_run and episode.trace_digest != outcome.episode.trace_digest:
+        one, other = (_in_short(run.verdict, run.evidence) for run in (outcome.episode, episode))
+        words = f"its runs differ although the input is the same: {one}, then {other} (was: {was})"
+        return ReplayAnswer(State.UNPROVED, words, outcome, episode)
     if not now.reason:
         return ReplayAnswer(
             State.ARRIVES, f"{_mended(failure, episode)} (was: {was})", outcome, episode
@@ -130,6 +136,9 @@ def _how(failure: Failure, episode: Episode, was: str, wrong: str, outcome: Repl
     if episode.verdict in ARRIVALS:  # the oracle still finds a violation
         return wrong
     now = _in_short(episode.verdict, episode.evidence)
+    if now == was and outcome.verdict != episode.verdict:
+        steps = failure.options.steps
+        return f"{now}, on another path; within the file's {steps} steps, {outcome.verdict}"
     if now == was:
         return f"{now}, on another path; {outcome.reason}"
     if episode.verdict == Verdict.LOOP and isinstance(failure.evidence, LoopEvidence):

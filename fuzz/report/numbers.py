@@ -176,6 +176,8 @@ def _of_the_search(reported: Reported, campaign: Summary | None) -> list[Row]:
         if first is not None:
             until = f"in world {first.worlds:,}, after {first.steps:,} steps, {first.seconds:.3g} s"
             rows.append(("class first met", until))
+        if campaign.survives_reset:
+            rows.append(("state that survives reset()", ", ".join(campaign.survives_reset)))
     if "shrunk_from" in details:
         kept = _KEPT.get(str(details.get("kept")), "")
         rows.append(

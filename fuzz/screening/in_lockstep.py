@@ -14,12 +14,12 @@ import numpy.typing as npt
 
 from fuzz.screening.batch import Batch, Seat, ffi, lib
 from sim.controllers import ProcessController, VectorController
-from sim.controllers.contract import flat_memory
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.vector import Asker
 from sim.kernels.layout import OBS_SIZE
+from sim.runners.hidden_state import hidden_state
 from sim.runners.lockstep import ControllerRaised, its_own_fault
-from sim.runners.python_loop import hidden_state
+from sim.runners.python_loop import begun_anew
 from sim.runners.stopping import OutOfTime, check_time
 from worldgen.support.ccall import writable
 
@@ -97,10 +97,6 @@ def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
         False if the controller raised, or changed something outside its memory; then no run can be
         trusted, and each must be run alone.
     """
-    # If state outside the memory can't be compared, it might differ between robots.
-    before = hidden_state(controller)
-    if before is None:
-        return False
 
     def asker(places: _Seats) -> Ask:
         ask = its_own_fault()(
@@ -111,8 +107,12 @@ def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
     with contextlib.redirect_stdout(sys.stderr):
         try:
             with its_own_fault():
-                memory = np.array(flat_memory(controller.reset()), np.float64)
-            _run(asker, memory, batch, PLACES)
+                controller, memory = begun_anew(controller, None)
+            # If state outside the memory can't be compared, it might differ between robots.
+            before = hidden_state(controller)
+            if before is None:
+                return False
+            _run(asker, np.array(memory, np.float64), batch, PLACES)
         except ControllerRaised:
             return False
     return hidden_state(controller) == before

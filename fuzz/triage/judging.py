@@ -18,10 +18,13 @@ from fuzz.triage.crash_bucket import FACTS, NAMED
 from fuzz.triage.diagnosis import CAUSE, CAUSE_OF_HAZARD, cause_of_run
 from fuzz.triage.hazards import hazard_details, hazard_in
 from fuzz.triage.proofs import certificate_fault
-from sim.controllers import CONTROLLERS, CompiledController
+from sim.controllers import CompiledController
+from sim.controllers.shared.object_file import is_library_name
 from sim.episode import Episode
 from sim.evidence import evidence_table
 from sim.motion import MOTIONS
+from sim.runners.controller_time import count_survivors
+from sim.runners.renewal import as_loaded
 from sim.scenario import Scenario
 from sim.verdict import ARRIVALS, OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
@@ -153,11 +156,18 @@ def _cause(trial: Trial, found: Violation, oracle: Oracle, details: Mapping[str,
 
 def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
     """Return True if a second run shows the same, as it must for a file to replay."""
-    # A compiled controller is deterministic by construction.
-    if not found.is_repeatable or isinstance(CONTROLLERS.get(trial.controller), CompiledController):
+    if not found.is_repeatable:
+        return True
+    # A compiled controller is deterministic by construction, but a library may keep state.
+    controller = as_loaded(trial.controller)
+    if isinstance(controller, CompiledController) and not is_library_name(trial.controller):
         return True
     if oracle.by_verdict:
-        return _identity(trial.again()) == _identity(trial.episode)
+        again = trial.again()
+        is_same = _identity(again) == _identity(trial.episode)
+        if not is_same and Verdict.HANG not in (again.verdict, trial.episode.verdict):
+            count_survivors(["something that makes equal runs differ, such as a random generator"])
+        return is_same
     second = Trial.recorded(trial.world, trial.controller, trial.options)
     other = violation_in(second, oracle)
     is_same = other is not None and other.facts == found.facts

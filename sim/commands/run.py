@@ -18,7 +18,6 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
-    steps_option,
     time_step_option,
     typed,
     write_out,
@@ -58,7 +57,12 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
     type=click.Choice(("target", "cover")),
     help="Reach the target, or cover every cell whose centre can be reached.  [default: target]",
 )
-@steps_option
+@click.option(
+    "--steps",
+    type=int,
+    help="Budget in steps.  [default: as for the file's failure, if it is this controller's, "
+    "else 50 times the witness's time]",
+)
 @time_step_option
 @click.option("--seed", type=SEED, default=0, help="Seed of random controllers.")
 @click.option(
@@ -117,14 +121,17 @@ def run(
     world = read_world(path)
     duration = RunOptions.time_step if time_step is None else time_step
     common = {"time_step": duration, "seed": seed, "task": task or RunOptions.task}
-    parts = controllers_in(controller, len(world.robots))
-    scenarios = [Scenario.parse(part, motion=motion, **common) for part in parts]
+    scenarios = [
+        Scenario.parse(part, motion=motion, **common)
+        for part in controllers_in(controller, len(world.robots))
+    ]
     for sentence in ineffective(dict.fromkeys(scenarios), seeds=typed("seed")):
         note(f"note: {sentence}")
     # Refuse bad output before the run.
     check_transcript(scenarios, transcript)
     check_out("--trail", trail, *_PICTURES, force=force)
     check_out("--trace", trace, force=force)
+    steps = _stored_budget(world, scenarios) if steps is None else steps
     # Run; record only if something needs the recording.
     with (
         transcribed(scenarios[0].controller, transcript, force=force),
@@ -176,6 +183,28 @@ def run(
         raise SystemExit(1)
 
 
+def _stored_budget(world: World, scenarios: list[Scenario]) -> int | None:
+    """Return the budget of the file's failure if the controller and its options are the same.
+
+    ``run`` and ``replay`` then agree. ``None`` without such a failure: the world decides.
+    """
+    from sim.controllers.catalogue import in_plain_place
+    from sim.options.run import RunOptions
+    from sim.scenario import Scenario
+
+    record = world.failure
+    if record is None or len(set(scenarios)) > 1:
+        return None
+    asked = scenarios[0]
+    try:
+        stored = RunOptions.of(record.motion, asked.run.seed, record.parameters)
+    except InvalidParameter:  # a record of another version
+        return None
+    names = {in_plain_place(one, resolve=True) for one in (record.controller, asked.controller)}
+    is_same = len(names) == 1 and Scenario(asked.controller, stored) == asked
+    return stored.steps if is_same else None
+
+
 def _why_uncertain(world: World, scenarios: list[Scenario]) -> str:
     """Return why no controller is certain to arrive with these disturbances; empty if one can be."""
     from sim.options.disturbances import why_arrival_is_not_certain
@@ -190,12 +219,17 @@ def _simulated(
     """Run one robot, or all robots of a world with several."""
     from sim.episode import simulate
     from sim.fleet.episode import simulate_fleet
+    from sim.runners.renewal import survivors_found
 
     options = [one.options(world, steps) for one in scenarios]
-    if not world.others:
-        return simulate(world, scenarios[0].controller, options[0], record=record)
-    names = {number: one.controller for number, one in enumerate(scenarios, start=1)}
-    return simulate_fleet(world, names, options, record=record)
+    if world.others:
+        names = {number: one.controller for number, one in enumerate(scenarios, start=1)}
+        episode: Episode = simulate_fleet(world, names, options, record=record)
+    else:
+        episode = simulate(world, scenarios[0].controller, options[0], record=record)
+    for sentence in survivors_found(one.controller for one in scenarios):
+        note(f"note: {sentence}")
+    return episode
 
 
 def _acted(arbitration: Arbitration | None, episode: Episode) -> list[str]:
@@ -311,6 +345,8 @@ def _picture(world: World, episode: Episode, controller: str, title: str, suffix
     from sim.drawing.picture import drives_of, remembered_at_the_end, trails_of
     from worldgen import render
 
+    # The picture shows this run; the file's failure may have been another.
+    world = replace(world, failure=None)
     trail = trails_of(episode, world)
     if isinstance(trail, render.Trail):
         # If a memory cannot be read, only its own picture is missing.

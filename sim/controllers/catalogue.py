@@ -7,6 +7,7 @@ A name is a registered one, ``module:name``, ``./file.py:name``, ``lib:./file.so
 from __future__ import annotations
 
 import ast
+import functools
 import os
 import re
 import shutil
@@ -16,6 +17,7 @@ from typing import Any
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller, check_declared
 from sim.controllers.behaviours.catalogue import BEHAVIOURS, is_composition_name, listed_names
 from sim.controllers.behaviours.composition import composition_named
+from sim.controllers.instances import InstanceOrigin, instance_of, remember
 from sim.controllers.learning import (
     LEARNED,
     is_learned_name,
@@ -72,7 +74,7 @@ class ControllerRegistry(Registry[Controller]):
         if is_composition_name(name):
             # This is not cached, because a part may be a file that changes; its registry detects
             # changes.
-            return composition_named(name)
+            return _recomposable(name)
         if is_learned_name(name):
             check_code(name)
             learned = read_learned(learned_file(name))
@@ -243,10 +245,18 @@ def _classes_in(file: Path) -> list[str]:
     ]
 
 
+def _recomposable(name: str) -> Controller:
+    """Return a composition, whose parts in Python are new."""
+    made = composition_named(name)
+    if not isinstance(made, CompiledController):
+        again = functools.partial(composition_named, name)
+        remember(made, InstanceOrigin(f"controller {name!r}", again))
+    return made
+
+
 def _accept(name: str, thing: Any) -> Controller:
     if isinstance(thing, type):
-        with user_code(f"controller {name!r}: making it without arguments"):
-            thing = thing()
+        thing = instance_of(thing, f"controller {name!r}")
     if isinstance(thing, CompiledController):
         return thing
     with user_code(f"controller {name!r}: looking at its attributes"):

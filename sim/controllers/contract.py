@@ -8,6 +8,7 @@ leads into the branch is the failure.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,17 @@ import numpy as np
 from sim.controllers.controller_error import ControllerError, rule_of
 from sim.evidence import Evidence, FaultEvidence
 from sim.verdict import Verdict
-from worldgen.errors import InvalidParameter
+from worldgen.errors import InvalidParameter, Message
 from worldgen.support.plain_text import shown
 
-__all__ = ["ContractBroken", "check_contract", "flat_memory", "no_command", "no_memory"]
+__all__ = [
+    "ContractBroken",
+    "check_contract",
+    "flat_memory",
+    "no_command",
+    "no_memory",
+    "state_survives_reset",
+]
 
 # Characters of an answer that are quoted.
 _LONGEST_ANSWER = 200
@@ -64,6 +72,23 @@ def no_command(answer: object, method: str = "act") -> ContractBroken:
 def _broken(method: str, what: str, answer: object) -> ContractBroken:
     error = f"{method} {what}"
     return ContractBroken(rule_of(error), error, answer, _RETURN.format(method))
+
+
+def state_survives_reset(controller: str, places: Iterable[str]) -> Message:
+    """Return the message about state that a controller keeps from one run to the next.
+
+    Args:
+        controller: The controller's name.
+        places: Where it keeps it, such as ``self.hits``.
+    """
+    return Message(
+        "state-survives-reset",
+        "state of {controller} survives reset(): {places!l}",
+        "clear it in reset(), or keep it in the memory; otherwise loops cannot be proved, and "
+        "failures that do not repeat are dropped",
+        controller=controller,
+        places=sorted(places),
+    )
 
 
 def flat_memory(memory: Any, size: int | None = None) -> tuple[float, ...]:

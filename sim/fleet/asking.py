@@ -20,6 +20,7 @@ from sim.controllers.base import (
 )
 from sim.controllers.contract import ContractBroken
 from sim.controllers.controller_error import ControllerError
+from sim.controllers.instances import origin_of
 from sim.controllers.programs.process import ProcessController
 from sim.controllers.programs.program import WantsMemory
 from sim.controllers.vector import Asker
@@ -66,6 +67,9 @@ def own_controllers(controllers: Sequence[Controller]) -> list[Controller]:
 
 
 def _copy_of(controller: Any) -> Any:
+    # Earlier runs may have left something in an instance, so a new one is better than a copy.
+    if (origin := origin_of(controller)) is not None:
+        return origin.another()
     try:
         return copy.deepcopy(controller)
     except Exception:  # noqa: BLE001 - an object that cannot be copied is shared

@@ -23,9 +23,11 @@ from sim.fleet.core_calls import CoreFleet, driver_in_core
 from sim.options.run import MAX_RECORDED, RunOptions, check_recordable
 from sim.outcome import ENDINGS, LIMIT, Ending, Outcome
 from sim.runners.core_calls import Driver
+from sim.runners.hidden_state import HiddenState, hidden_state
 from sim.runners.lattice import LatticeRun
 from sim.runners.long_runs import MOST_HELD
-from sim.runners.python_loop import crash_of, hidden_state, memory_at_start, plans
+from sim.runners.python_loop import begun_anew, crash_of, plans
+from sim.runners.renewal import has_shared_state_changed
 from sim.runners.stopping import OutOfTime
 from sim.verdict import Verdict
 from worldgen.domain import MASK64
@@ -309,15 +311,15 @@ class FleetRun:
             sizes: To record the run: the outcomes of the same run, which give its length.
             like: The same run, whose ending the recorded one keeps.
         """
-        # Remember the hidden memory, to notice if a run changes it.
         for run in self.runs:
             run.settings.digest = 1
-        hidden = [self._hidden(one) for one in self.controllers]
         with contextlib.redirect_stdout(sys.stderr):
             # Reset the controllers, then run.
             memories, faults = self._reset()
             if faults:
                 return self._failed_in_reset(faults), None
+            # Remember the hidden memory, to notice if the run changes it.
+            hidden = [self._hidden(one) for one in self.controllers]
             fleet = CoreFleet(self.runs, self._drivers(memories), steps, find_loop, entry)
             self._words = sum(member.words for member in fleet.members)
             recordings = [] if sizes is None else self._recordings(fleet, sizes)
@@ -337,16 +339,24 @@ class FleetRun:
         return outcome, fleet
 
     @staticmethod
-    def _hidden(controller: Controller) -> bytes | None:
-        """Return the state outside a controller's memory that can be seen; ``None`` if not all can."""
+    def _hidden(controller: Controller) -> HiddenState | None:
+        """Return the state outside a controller's memory.
+
+        ``None`` if not all of it can be seen, or earlier runs have changed it.
+        """
         if isinstance(controller, CompiledController):
-            return b""
-        return None if isinstance(controller, ProcessController) else hidden_state(controller)
+            return HiddenState(b"", b"", b"")
+        if isinstance(controller, ProcessController):
+            return None
+        state = hidden_state(controller)
+        return None if has_shared_state_changed(controller, state) else state
 
     def _reset(self) -> tuple[list[Any], dict[int, ControllerError]]:
         """Return the memories of the controllers outside the core, and their faults in ``reset``."""
         memories: list[Any] = []
         faults: dict[int, ControllerError] = {}
+        # Robots that share a controller still do if it is renewed.
+        renewed: dict[int, Controller] = {}
         # A controller may fail while it prepares.
         for number, controller in enumerate(self.controllers):
             memories.append(None)
@@ -356,7 +366,8 @@ class FleetRun:
                 controller.start()
             world = self.runs[number].world if plans(controller) else None
             try:
-                memories[-1] = memory_at_start(controller, world)
+                taken, memories[-1] = begun_anew(renewed.get(id(controller), controller), world)
+                renewed[id(controller)] = self.controllers[number] = taken
             except ControllerError as fault:
                 faults[number] = fault
             except (KeyboardInterrupt, OutOfTime):

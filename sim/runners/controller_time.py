@@ -7,13 +7,13 @@ runs inside the core, where it cannot be measured.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import ParamSpec, Self, TypeVar
 
 from sim.runners.stopping import steps_broken_off
 
-__all__ = ["MEASURED_EVERY", "Effort", "timed"]
+__all__ = ["MEASURED_EVERY", "Effort", "count_survivors", "timed"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -29,6 +29,9 @@ and counts once, because many controllers do work in it that they do only once.
 # Seconds spent in controllers' own code, over the life of this process.
 _spent = [0.0]
 
+# What controllers have kept from one run to the next in this process.
+_survivors: set[str] = set()
+
 
 @dataclass(frozen=True)
 class Effort:
@@ -38,32 +41,47 @@ class Effort:
         seconds: All of the time, s.
         own: Time in controllers' own code, s.
         broken: Steps that were interrupted because they did not end in time.
+        survivors: What was found to survive the controllers' ``reset``, such as ``self.hits``.
     """
 
     seconds: float = 0.0
     own: float = 0.0
     broken: int = 0
+    survivors: frozenset[str] = frozenset()
 
     @classmethod
     def so_far(cls) -> Self:
         """Return a reading of this process; the effort is the difference between two readings."""
-        return cls(time.perf_counter(), _spent[0], steps_broken_off())
+        return cls(time.perf_counter(), _spent[0], steps_broken_off(), frozenset(_survivors))
 
     def since(self) -> Effort:
-        """Return the effort since a reading."""
+        """Return the effort since a reading, with all survivors so far."""
         now = Effort.so_far()
-        return Effort(now.seconds - self.seconds, now.own - self.own, now.broken - self.broken)
+        return Effort(
+            now.seconds - self.seconds,
+            now.own - self.own,
+            now.broken - self.broken,
+            now.survivors,
+        )
 
     def __add__(self, other: Effort) -> Effort:
         """Return the sum of both efforts."""
         return Effort(
-            self.seconds + other.seconds, self.own + other.own, self.broken + other.broken
+            self.seconds + other.seconds,
+            self.own + other.own,
+            self.broken + other.broken,
+            self.survivors | other.survivors,
         )
 
     @property
     def share(self) -> float:
         """Fraction of the time spent in controllers' own code; 0 before any time has passed."""
         return min(self.own / self.seconds, 1.0) if self.seconds else 0.0
+
+
+def count_survivors(names: Iterable[str]) -> None:
+    """Note that runs have left these parts of a controller changed, and ``reset`` did not clear them."""
+    _survivors.update(names)
 
 
 def timed(call: Callable[P, T], weight: int = 1) -> Callable[P, T]:

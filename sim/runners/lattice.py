@@ -267,6 +267,9 @@ class LatticeRun:
         if not np.array_equal(states[entry : entry + period + 1], states[entry + period :]):
             return None
         outcome = self.run(entry + period, find_loop=False, record=record)
+        # State outside the memory must be the same at both ends of the second period.
+        if not outcome.complete:
+            return None
         return replace(outcome, ending=Verdict.LOOP, period=period, entry=entry), states[entry]
 
     @property

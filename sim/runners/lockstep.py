@@ -12,12 +12,13 @@ import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import VectorController
-from sim.controllers.contract import flat_memory
 from sim.controllers.vector import Asker
 from sim.kernels.layout import OBS_SIZE
 from sim.runners.core_calls import REPORT, Driver
+from sim.runners.hidden_state import hidden_state
 from sim.runners.lattice import LatticeRun
-from sim.runners.python_loop import hidden_state
+from sim.runners.python_loop import begun_anew
+from sim.runners.renewal import has_shared_state_changed
 from sim.runners.stopping import OutOfTime
 from worldgen.lattice import UNIT
 from worldgen.support.arrays import Floats, Ints, Words
@@ -61,13 +62,14 @@ class LockstepRun:
             The reports. ``None`` if the controller raised or changed state outside its memory: runs
             may then have influenced each other, and each robot must be run alone.
         """
-        before = hidden_state(self._controller)
-        if before is None:
-            return None
         with contextlib.redirect_stdout(sys.stderr):
             try:
                 with its_own_fault():
-                    self._memory = np.array(flat_memory(self._controller.reset()))
+                    self._controller, memory = begun_anew(self._controller, None)
+                self._memory = np.array(memory)
+                before = hidden_state(self._controller)
+                if before is None or has_shared_state_changed(self._controller, before):
+                    return None
                 found = self._run(digest)
             except ControllerRaised:
                 return None

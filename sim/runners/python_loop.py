@@ -7,13 +7,9 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import io
-import pickle
-import random
 import re
 import sys
-import types
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -28,15 +24,16 @@ from sim.controllers.programs.program import WantsMemory
 from sim.controllers.vector import Asker
 from sim.runners.controller_time import timed
 from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, Workspace, most_points
+from sim.runners.hidden_state import HiddenState, hidden_state
 from sim.runners.python_act import Stops, act_in_core
+from sim.runners.renewal import has_shared_state_changed, reset_anew
 from sim.runners.stopping import OutOfTime, breakable, in_time
 from sim.verdict import Verdict
-from worldgen.plugins.user_modules import neighbours_of
 from worldgen.support.arrays import Ints
 from worldgen.support.progress import working
 from worldgen.world import World
 
-__all__ = ["PythonLoop", "crash_of", "driver_of", "hidden_state", "memory_at_start", "plans"]
+__all__ = ["PythonLoop", "begun_anew", "crash_of", "driver_of", "memory_at_start", "plans"]
 
 # Characters of a controller's exception that are kept.
 _LONGEST_ERROR = 500
@@ -71,6 +68,7 @@ class PythonLoop:
         self.episode: CoreEpisode | None = None
         self.complete = True
         self.fault: ControllerError | None = None
+        self._begun: HiddenState | None = None
         self._rows = np.zeros((0, 1), np.int64)
         self._path = np.zeros((0, 1), np.int64)
 
@@ -87,10 +85,10 @@ class PythonLoop:
             self._settings.find_loop = lib.WG_NO_LOOP
             self._guarded(steps, record)
             return
-        hidden = hidden_state(self._controller)
         with contextlib.redirect_stdout(sys.stderr):
             self._guarded(steps, record)
-        self.complete = hidden is not None and hidden_state(self._controller) == hidden
+        begun = self._begun
+        self.complete = begun is not None and hidden_state(self._controller) == begun
 
     def recording(self) -> tuple[Ints, Ints] | None:
         """Return the states as rows, and the points of the path, as the core writes them.
@@ -107,7 +105,12 @@ class PythonLoop:
     def _guarded(self, steps: int, record: bool) -> None:
         try:
             world = self._world if plans(self._controller) else None
-            self._episode(memory_at_start(self._controller, world), steps, record)
+            self._controller, memory = begun_anew(self._controller, world)
+            if not isinstance(self._controller, ProcessController):
+                self._begun = hidden_state(self._controller)
+                if has_shared_state_changed(self._controller, self._begun):
+                    self._begun = None
+            self._episode(memory, steps, record)
         except ControllerError as fault:
             self.fault = fault
         except (KeyboardInterrupt, OutOfTime, WantsMemory):
@@ -145,6 +148,16 @@ def _in_short(text: str) -> str:
 def plans(controller: PythonController | VectorController) -> bool:
     """Return True if a controller's ``reset`` takes the world."""
     return not isinstance(controller, VectorController) and wants_world(controller)
+
+
+def begun_anew(controller: Any, world: World | None) -> tuple[Any, Memory]:
+    """Reset a controller for a run; see :func:`sim.runners.renewal.reset_anew`.
+
+    Args:
+        controller: The controller.
+        world: The world of the run, for a controller that plans.
+    """
+    return reset_anew(controller, lambda one: memory_at_start(one, world), plans=world is not None)
 
 
 @breakable
@@ -189,133 +202,3 @@ def _act_as_one_of_many(controller: VectorController, stops: Stops, memory: Memo
         asker.ask(1, after)
         kept[...] = after
     return memory
-
-
-def hidden_state(controller: Any) -> bytes | None:
-    """Return all state outside ``memory`` that can be seen, as bytes to compare.
-
-    That is the state of the object, its classes and their modules, and of random generators.
-    ``None`` if some of it cannot be pickled, and so cannot be compared.
-    """
-    kind = type(controller)
-    parts = getattr(controller, "made_of", ())
-    kinds = dict.fromkeys(base for one in (controller, *parts) for base in type(one).__mro__)
-    slots = [
-        name
-        for base in kind.__mro__
-        for name in getattr(base, "__slots__", ())
-        if hasattr(controller, name)
-    ]
-    seen = [
-        _data(getattr(controller, "__dict__", {})),
-        {name: getattr(controller, name) for name in slots},
-        *(_data(getattr(part, "__dict__", {})) for part in parts),
-        *(_data_of_class(base) for base in kinds if base is not object),
-        *(
-            _data_of_module(module)
-            for base in kinds
-            if _is_of_a_user(base)
-            for module in _modules_of(base)
-        ),
-        random.getstate(),
-        np.random.get_state(),
-    ]
-    try:
-        return _pickled(seen)
-    except Exception:  # noqa: BLE001 - anything that cannot be pickled cannot be compared
-        return None
-
-
-def _is_of_a_user(kind: type) -> bool:
-    package = kind.__module__.partition(".")[0]
-    return (
-        package not in {"builtins", "typing", "sim", "fuzz", "worldgen"}
-        and kind.__module__ in sys.modules
-    )
-
-
-def _modules_of(kind: type) -> list[types.ModuleType]:
-    """Return a class's module, and the imported files next to it."""
-    module = sys.modules[kind.__module__]
-    return [module, *neighbours_of(module)]
-
-
-def _data_of_module(module: types.ModuleType) -> list[Any]:
-    """Return a module's variables, and those of the classes and functions that it defines.
-
-    Unlike the controller's own file, an imported module may hold things that cannot be pickled;
-    those are skipped.
-    """
-    own = [
-        thing
-        for thing in vars(module).values()
-        if getattr(thing, "__module__", None) == module.__name__
-    ]
-    classes = [_data_of_class(thing) for thing in own if isinstance(thing, type)]
-    data = [*_data(vars(module)).items(), *classes, *_data_of_functions(own)]
-    own_file = module.__name__.startswith("_worldgen_user_") and "." not in module.__name__
-    return data if own_file else [_pickled_if_it_can_be(item) for item in data]
-
-
-def _pickled_if_it_can_be(data: Any) -> bytes:
-    try:
-        return _pickled(data)
-    except Exception:  # noqa: BLE001 - as above
-        return b""
-
-
-def _pickled(data: Any) -> bytes:
-    """Return equal bytes for equal data, whether or not equal parts of it are one object.
-
-    Data that contains itself is an exception: for it, identity matters.
-    """
-    stream = io.BytesIO()
-    pickler = pickle.Pickler(stream)
-    pickler.fast = True
-    try:
-        pickler.dump(data)
-    except ValueError:  # It contains itself.
-        return pickle.dumps(data)
-    return stream.getvalue()
-
-
-def _data_of_class(kind: type) -> list[Any]:
-    return [_data(vars(kind)), *_data_of_functions(vars(kind).values())]
-
-
-def _data_of_functions(things: Iterable[Any]) -> list[Any]:
-    """Return what may change of each function: its defaults, attributes and enclosing variables."""
-    functions = [getattr(thing, "__func__", thing) for thing in things]
-    return [
-        [
-            list(one.__defaults__ or ()),
-            one.__kwdefaults__ or {},
-            _data(one.__dict__),
-            _data(_around(one)),
-        ]
-        for one in functions
-        if isinstance(one, types.FunctionType)
-    ]
-
-
-def _around(function: types.FunctionType) -> dict[str, Any]:
-    cells = enumerate(function.__closure__ or ())
-    return {str(k): cell.cell_contents for k, cell in cells if cell != types.CellType()}
-
-
-def _data(names: Mapping[str, Any]) -> dict[str, Any]:
-    code = (
-        type,
-        types.FunctionType,
-        types.ModuleType,
-        types.MethodType,
-        classmethod,
-        staticmethod,
-        property,
-    )
-    return {
-        name: value
-        for name, value in names.items()
-        if not name.startswith("__")
-        and not isinstance(value, (*code, types.GetSetDescriptorType, types.MemberDescriptorType))
-    }

@@ -10,8 +10,12 @@ from dataclasses import replace
 import pytest
 from PIL import Image
 
+from fuzz.triage.judging import failure_of
+from fuzz.triage.proofs import certified
+from sim.scenario import Scenario
 from tests.helpers.campaign_folder import CORPUS
 from tests.helpers.command_line import worldgen
+from tests.helpers.halls import cup
 from worldgen import read_world, write_world
 from worldgen.interop.exporting import origin_of
 
@@ -225,6 +229,39 @@ def test_a_run_is_an_animated_picture(tmp_path):
     worldgen("run", world, "--controller", "turn-left", "--trail", tmp_path / "run.gif")
     with Image.open(tmp_path / "run.gif") as picture:
         assert picture.n_frames >= 1 and picture.format == "GIF"
+
+
+@pytest.fixture(scope="module")
+def patient(tmp_path_factory):
+    """A failure whose budget of 30 steps is not that of the world."""
+    world = certified(cup())
+    failure = failure_of(world, Scenario("turn-right"), steps=20_000)
+    record = {**failure.record.parameters, "steps": 30}
+    path = tmp_path_factory.mktemp("patient") / "failure.grid"
+    write_world(replace(world, failure=replace(failure.record, parameters=record)), path)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("options", "steps"),
+    [
+        (("--controller", "turn-right"), 30),
+        (("--controller", "turn-right", "--seed", 7), 30),
+        (("--controller", "turn-right", "--steps", 40), 40),
+        (("--controller", "turn-right", "--time-step", 0.01), None),
+        (("--controller", "turn-right+beams=4"), None),
+        (("--controller", "wall-left"), None),
+    ],
+)
+def test_a_run_of_the_files_failure_has_its_budget(patient, options, steps):
+    ended = json.loads(worldgen("run", patient, *options, "--json").out)["steps"]
+    assert ended == steps if steps else ended > 100
+
+
+def test_a_picture_of_a_run_shows_no_other_verdict(patient, tmp_path):
+    worldgen("run", patient, "--controller", "bug2", "--trail", tmp_path / "run.svg")
+    picture = (tmp_path / "run.svg").read_text()
+    assert "bug2, swept: reached" in picture and "turn-right under swept" not in picture
 
 
 def read_world_with_start_in_target(folder):

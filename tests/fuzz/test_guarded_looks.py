@@ -11,6 +11,7 @@ import pytest
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
+from fuzz.oracles import Trial
 from fuzz.screening import evaluate
 from fuzz.search.native import scenes
 from sim import containment, simulate
@@ -127,6 +128,14 @@ def test_what_a_library_keeps_of_one_unit_is_not_there_in_the_next(library):
     config = CampaignConfig(scenario=Scenario(f"lib:{library}:wear_out"), examples=10)
     first, second = (run_unit(config, 0) for _ in range(2))
     assert first.verdicts == second.verdicts and first.steps == second.steps
+
+
+def test_what_a_library_keeps_of_one_run_is_not_there_in_the_next_that_is_judged(library):
+    world = generate("maze", 3, size=20)
+    name = f"lib:{library}:wear_out"
+    # Without new processes, one of these runs would contain the step in which it fails.
+    runs = [Trial.recorded(world, name, RunOptions(steps=1000)).episode for _ in range(60)]
+    assert {run.verdict for run in runs} == {"loop"}
 
 
 @pytest.mark.gate

@@ -16,7 +16,7 @@ from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from tests.fuzz.test_shrink import cup_world
 from tests.helpers.command_line import worldgen
-from worldgen import Pose, Target, World, read_world, world_digest
+from worldgen import Pose, Target, World, read_world, world_digest, write_world
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +40,28 @@ def test_keep_class_keeps_the_class_and_says_so(big, tmp_path):
     small = read_world(tmp_path / "small.grid")
     assert json.loads(result.out)["kept"] == "class" == small.failure.details["kept"]
     assert small.failure.details["class"] == read_world(big).failure.details["class"]
+
+
+def test_a_changed_class_is_named_with_the_option_that_keeps_it(big, tmp_path):
+    small = tmp_path / "small.grid"
+    result = worldgen("shrink", big, "--out", small)
+    before, after = (read_world(path).failure.details["class"] for path in (big, small))
+    assert before != after
+    assert f"the class is now {after} (was {before}); --keep class keeps it" in result.err
+    again = worldgen("shrink", small, "--out", tmp_path / "again.grid", "--json")
+    assert json.loads(again.out)["changed"] == {}
+
+
+def test_a_changed_cause_is_named_too(big, tmp_path):
+    record = read_world(big).failure
+    other = {**record.details, "cause": "drives-in-circles"}
+    write_world(
+        replace(read_world(big), failure=replace(record, details=other)), tmp_path / "other.grid"
+    )
+    result = worldgen("shrink", tmp_path / "other.grid", "--out", tmp_path / "small.grid")
+    cause = read_world(tmp_path / "small.grid").failure.details["cause"]
+    assert f"the cause is now {cause} (was drives-in-circles)" in result.err
+    assert "--keep class keeps the class, and mostly the cause" in result.err
 
 
 def test_ctrl_c_keeps_the_best_so_far(big, tmp_path, monkeypatch):

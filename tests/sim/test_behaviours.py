@@ -54,6 +54,12 @@ class Hides(Back):
     def action(self, observation, memory):
         self.count = getattr(self, "count", 0) + 1
         return super().action(observation, memory)
+
+class Tires(Back):
+    count = 0
+    def action(self, observation, memory):
+        self.count = min(self.count + 1, 30)
+        return Command(-observation.top_speed, 0.4 * (self.count < 30)), memory
 """
 
 
@@ -180,6 +186,14 @@ def test_a_behaviour_with_hidden_state_is_not_proved_to_loop(tmp_path):
     (tmp_path / "mine.py").write_text(MINE)
     episode = simulate(WORLD, f"behaviours:{tmp_path}/mine.py:Hides,approach", steps=4000)
     assert episode.verdict in {"stalled", "timeout"}
+
+
+def test_a_behaviour_keeps_nothing_from_one_run_to_the_next(tmp_path):
+    (tmp_path / "mine.py").write_text(MINE)
+    name = f"behaviours:{tmp_path}/mine.py:Tires,approach"
+    runs = [simulate(WORLD, name, steps=1000) for _ in range(3)]
+    assert len({(run.verdict, run.trace_digest) for run in runs}) == 1
+    assert runs[0].verdict != "loop"
 
 
 @pytest.mark.parametrize(

@@ -129,6 +129,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         seconds: Time spent.
         times: Seconds of the last run, by part.
         controller_share: Share of the last run's work spent in a user's class or program.
+        survives_reset: State that the controller was found to keep from run to run, in the last
+            run of the campaign.
         verdicts: Counts of each verdict in screening.
         met: Counts of each class.
         known: The same, for known classes.
@@ -149,6 +151,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     seconds: float
     times: dict[str, float] = {}
     controller_share: float | msgspec.UnsetType = msgspec.UNSET
+    survives_reset: list[_Name] | msgspec.UnsetType = msgspec.UNSET
     verdicts: dict[str, _Count] = {}
     met: dict[str, _Count] = {}
     known: dict[str, _Count] = {}

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 from sim.controllers.base import DEFAULT_SENSES
 from sim.controllers.behaviours.base import Behaviour, Layer
+from sim.controllers.instances import instance_of, origin_of
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import (
@@ -80,8 +81,7 @@ def _accept(name: str, thing: Any) -> Behaviour:
     # A class is instantiated without arguments; this and reading its attributes run the user's
     # code.
     if isinstance(thing, type):
-        with user_code(f"behaviour {name!r}: making it without arguments"):
-            thing = thing()
+        thing = instance_of(thing, f"behaviour {name!r}")
     with user_code(f"behaviour {name!r}: looking at its attributes"):
         missing = [one for one in ("trigger", "action") if not callable(getattr(thing, one, None))]
         known = {key: getattr(thing, key) for key in _FIELDS if hasattr(thing, key)}
@@ -155,6 +155,10 @@ def parts_of(listed: str) -> tuple[Layer, ...]:
 def _part(text: str) -> Layer:
     name, words = split_options(text, "avoid+angle=2")
     behaviour = BEHAVIOURS.get(name)
+    # Runs may have left something in an instance, so each composition gets its own.
+    origin = origin_of(getattr(behaviour.action, "__self__", None))
+    if origin is not None:
+        behaviour = _accept(name, origin.another())
     values = parse_options(words, options_of(behaviour), f"behaviour {name}")
     return Layer(
         behaviour,

@@ -1,0 +1,66 @@
+"""Remember how a controller was made, so that another one can take its place."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from worldgen.plugins.registry import user_code
+
+__all__ = ["InstanceOrigin", "instance_of", "origin_of", "remember"]
+
+
+@dataclass
+class InstanceOrigin:
+    """Where an instance comes from, and the state in which its first run began.
+
+    Args:
+        name: Name of the controller or behaviour, with its noun, for messages.
+        make: Its class, or another function that makes it without arguments.
+        own: Its attributes when its first run began, as bytes to compare.
+        shared: The variables of its classes and modules at the same time; ``None`` if unknown.
+        varying: Attributes that differ in each new instance, so they say nothing about runs.
+    """
+
+    name: str
+    make: Callable[[], Any]
+    own: Mapping[str, bytes] | None = None
+    shared: bytes | None = None
+    varying: set[str] = field(default_factory=set)
+
+    def another(self) -> Any:
+        """Return another instance."""
+        with user_code(f"{self.name}: making it without arguments"):
+            made = self.make()
+        remember(made, self)
+        return made
+
+
+_ORIGINS: dict[int, tuple[weakref.ref[Any], InstanceOrigin]] = {}
+
+
+def instance_of(kind: type, name: str) -> Any:
+    """Return an instance of a class, and remember where it comes from.
+
+    Raises:
+        InvalidParameter: If making it raises an exception.
+    """
+    return InstanceOrigin(name, kind).another()
+
+
+def origin_of(controller: object) -> InstanceOrigin | None:
+    """Return where an instance comes from; ``None`` if the user made it."""
+    found = _ORIGINS.get(id(controller))
+    return found[1] if found is not None and found[0]() is controller else None
+
+
+def remember(made: object, origin: InstanceOrigin) -> None:
+    """Remember how an object was made, as long as it exists."""
+    number = id(made)
+    try:
+        alive = weakref.ref(made, lambda _: _ORIGINS.pop(number, None))
+    except TypeError:  # a class with __slots__ may not allow weak references
+        return
+    _ORIGINS[number] = (alive, origin)

@@ -1,0 +1,133 @@
+"""Begin each run with a controller that no earlier run has changed.
+
+A class that follows the contract clears all of its state in ``reset``. If another one were used
+again and again, its runs would depend on the runs before, and no file could replay them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from sim.controllers.base import Controller, Memory
+from sim.controllers.catalogue import CONTROLLERS, own_words
+from sim.controllers.contract import state_survives_reset
+from sim.controllers.instances import InstanceOrigin, origin_of
+from sim.controllers.programs.process import ProcessController
+from sim.controllers.shared.guarded import renew
+from sim.controllers.shared.object_file import is_library_name
+from sim.runners.controller_time import Effort, count_survivors
+from sim.runners.hidden_state import HiddenState, hidden_state, own_attributes
+from worldgen.errors import Message
+from worldgen.files.whole import expanded
+from worldgen.plugins.user_modules import digest_of_source, sources_read
+
+__all__ = ["as_loaded", "has_shared_state_changed", "reset_anew", "survivors_found"]
+
+_SHARED = "a variable of its class or module"
+
+
+def as_loaded(name: str) -> Controller:
+    """Return a controller in the state in which it was loaded.
+
+    A program, and the process of a shared library, are ended, so that the next run starts them
+    again. A file whose classes or modules have changed their variables is loaded again.
+    """
+    found = CONTROLLERS.get(name)
+    origin = origin_of(found)
+    if isinstance(found, ProcessController):
+        found.close()
+    elif is_library_name(name):
+        renew()
+    elif origin is not None and origin.shared is not None:
+        place = own_words(name)[0].rpartition(":")[0]
+        file = CONTROLLERS.source(name)
+        has_changed = has_shared_state_changed(found, hidden_state(found))
+        # Installed modules have been imported for good.
+        if has_changed and place.endswith(".py") and file is not None and _is_unedited(file):
+            CONTROLLERS.forget(place)
+    return CONTROLLERS.get(name)
+
+
+def _is_unedited(file: Path) -> bool:
+    """Return True if a file, and those next to it that were read as code, are still the same.
+
+    Loading an edited file would run other code in the second half of a campaign.
+    """
+    folder = expanded(file).resolve().parent
+    try:
+        return all(
+            digest_of_source(Path(path).read_bytes()) == digest
+            for path, digest in sources_read().items()
+            if Path(path).is_relative_to(folder)
+        )
+    except OSError:
+        return False
+
+
+def has_shared_state_changed(controller: object, state: HiddenState | None) -> bool:
+    """Return True if runs have changed a variable of the controller's class or module.
+
+    Args:
+        controller: The controller; False if the user made it.
+        state: Its state now; at the first call, its first run has just been prepared.
+    """
+    origin = origin_of(controller)
+    if origin is None or state is None:
+        return False
+    if origin.shared is None:
+        origin.shared = state.shared
+    if origin.shared == state.shared:
+        return False
+    count_survivors([_SHARED])
+    return True
+
+
+def reset_anew(
+    controller: Any, reset: Callable[[Any], Memory], *, plans: bool
+) -> tuple[Any, Memory]:
+    """Reset a controller; take another instance if earlier runs have left something in this one.
+
+    Args:
+        controller: The controller.
+        reset: Resets a controller and returns its memory.
+        plans: Whether ``reset`` takes the world. What it then keeps may depend on the world, so
+            only the state before it can be compared.
+
+    Returns:
+        The controller that is to run, and its memory.
+    """
+    memory = None if plans else reset(controller)
+    origin = origin_of(controller)
+    left = set() if origin is None else _left_in(controller, origin)
+    if origin is not None and left:
+        controller = origin.another()
+        memory = None if plans else reset(controller)
+        # What differs in a new instance, too, was not left by a run.
+        origin.varying |= _left_in(controller, origin)
+        count_survivors(f"self.{name}" for name in left - origin.varying)
+    return controller, reset(controller) if memory is None else memory
+
+
+def _left_in(controller: object, origin: InstanceOrigin) -> set[str]:
+    """Return the attributes that are not as when the first run began."""
+    now = own_attributes(controller)
+    if origin.own is None:
+        origin.own = now
+    names = origin.own.keys() | now.keys()
+    differ = {name for name in names if origin.own.get(name) != now.get(name)}
+    return differ - origin.varying
+
+
+def survivors_found(controllers: Iterable[str]) -> list[Message]:
+    """Return a message about the state that runs of this process found to survive ``reset``.
+
+    Args:
+        controllers: Names of the controllers that ran.
+
+    Returns:
+        One message, or none if nothing survived.
+    """
+    places = Effort.so_far().survivors
+    return [state_survives_reset(", ".join(dict.fromkeys(controllers)), places)] if places else []
