@@ -15,7 +15,7 @@ from typing import Any, cast
 
 from worldgen.domain import MAX_ROBOTS
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.families.parts.placing import FEW_ROBOTS, place_robots
+from worldgen.families.parts.placing import FEW_ROBOTS, MOST_TOGETHER, place_robots
 from worldgen.lattice import in_cells
 from worldgen.parameters import Parameter, check_declared, find_parameter, parameters_of
 from worldgen.plugins.entry_points import points_of
@@ -58,7 +58,7 @@ MAX_PLACEMENTS = 4  # of the robots, tried in each layout
 # that robots have to make way for each other; in those after that, two robots can pass.
 MAX_NARROW_ATTEMPTS = 3
 MAX_FLEET_ATTEMPTS = 12
-MAX_CROWD_ATTEMPTS = 6  # same, for more than FEW_ROBOTS, which are redrawn within a layout
+MAX_CROWD_ATTEMPTS = 6  # same, for more than MOST_TOGETHER, which are redrawn within a layout
 # With this many robots, a single layout can take a minute. With fewer, only later ones are reported,
 # so that the report does not hide which of many worlds is being made.
 _MANY_ROBOTS = 50
@@ -389,7 +389,7 @@ def _attempts(robots: int) -> int:
     """Return the number of layouts that are tried for so many robots."""
     if robots == 1:
         return MAX_ATTEMPTS
-    return MAX_FLEET_ATTEMPTS if robots <= FEW_ROBOTS else MAX_CROWD_ATTEMPTS
+    return MAX_FLEET_ATTEMPTS if robots <= MOST_TOGETHER else MAX_CROWD_ATTEMPTS
 
 
 def _decided(world: World, margin: float) -> Decision:

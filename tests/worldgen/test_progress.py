@@ -6,6 +6,7 @@ import pytest
 
 from worldgen import family
 from worldgen.errors import GenerationFailed
+from worldgen.families.parts import placing
 from worldgen.generation import generate
 from worldgen.support import progress
 from worldgen.support.progress import Display, display_on_stderr, set_verbosity, working
@@ -214,7 +215,7 @@ def test_placing_many_robots_says_so_in_the_first_layout(watched, monkeypatch):
         watched.at(20.0)
         raise EnoughSeen
 
-    monkeypatch.setattr(family, "decide", look)
+    monkeypatch.setattr(placing, "Crowd", look)
     with pytest.raises(EnoughSeen):
         generate("doorway", 1, robots=60)
-    assert "placing 60 robots in layout 1 of at most 12" in watched.printed()
+    assert "placing 60 robots in layout 1 of at most 6" in watched.printed()

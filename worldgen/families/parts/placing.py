@@ -26,10 +26,10 @@ from worldgen.reach.still.lattice_graph import build_graph, flood
 from worldgen.support.progress import Work
 from worldgen.world import Pose, Robot, Target, World
 
-__all__ = ["FEW_ROBOTS", "Box", "PlacedEnds", "place_in_boxes", "place_robots"]
+__all__ = ["FEW_ROBOTS", "MOST_TOGETHER", "Box", "PlacedEnds", "place_in_boxes", "place_robots"]
 
 # Up to this many robots are all placed before their paths are planned, so that each may have to make
-# way for any other. More are placed one by one, each with a path around those before it.
+# way for any other. More are placed one by one at first, each with a path around those before it.
 FEW_ROBOTS = 10
 
 _HALF = UNIT // 2
@@ -41,6 +41,9 @@ _TRIES = 20
 _DRAWS = 4
 # Places drawn for a robot that finds no path around those before it.
 _REDRAWS = 20
+# Most robots whose paths are searched together if they have none one after another. The search
+# rarely succeeds with more.
+MOST_TOGETHER = 50
 
 Box: TypeAlias = tuple[int, int, int, int]
 """Cells (first column, first row, last column, last row) of a rectangle."""
@@ -96,7 +99,7 @@ def place_robots(
 ) -> World:
     """Return a world with more robots like its own, between places that its robot can reach.
 
-    If there are more than ``FEW_ROBOTS``, the world has a joint witness.
+    If there are more than ``FEW_ROBOTS``, the world has a joint witness, if one was found.
 
     Args:
         world: A world of one robot.
@@ -118,7 +121,7 @@ def place_robots(
     never = world.walls | world.changing_cells
     if count > FEW_ROBOTS:
         places = _places(never, radius, first)
-        return _one_by_one(world, places, rng, boxes, first, owner, margin, work or Work(""))
+        return _crowd(world, places, rng, boxes, first, owner, margin, work)
     try:
         places = _places(never, radius, first)
         placed = _draw_ends(places, radius, rng.child("safe"), boxes, [first], owner)
@@ -155,7 +158,7 @@ def place_in_boxes(
             raise _too_many(owner, 0, len(boxes))
         robot = _robot(world, drawn)
         world = replace(world, start=robot.start, target=robot.target)
-        return _one_by_one(world, places, rng, boxes[1:], drawn, owner)
+        return _crowd(world, places, rng, boxes[1:], drawn, owner)
     placed = _draw_ends(places, radius, rng, boxes, [], owner)
     robots = [_robot(world, ends) for ends in placed]
     first = robots[0]
@@ -189,7 +192,7 @@ def _draw_ends(
     raise _too_many(owner, most, len(before) + len(boxes))
 
 
-def _one_by_one(
+def _crowd(
     world: World,
     places: npt.NDArray[np.int64],
     rng: RandomStream,
@@ -199,20 +202,43 @@ def _one_by_one(
     margin: float = 0.0,
     work: Work | None = None,
 ) -> World:
+    """Return a world with a robot for each pair of boxes, if possible with a joint witness.
+
+    If some robot finds no path around those before it, these may still make way for it. Up to
+    ``MOST_TOGETHER`` robots are then placed without a witness, and left to the joint search.
+    """
+    radius = radius_in_cells(world)
+    # Don't plan the paths of robots that there is no room for.
+    together = _draw_ends(places, radius, rng.child("room"), boxes, [first], owner)
+    try:
+        return _one_by_one(world, places, rng, boxes, first, owner, margin, work or Work(""))
+    except InvalidParameter:
+        if len(boxes) >= MOST_TOGETHER:
+            raise
+    return replace(world, others=tuple(_robot(world, ends) for ends in together))
+
+
+def _one_by_one(
+    world: World,
+    places: npt.NDArray[np.int64],
+    rng: RandomStream,
+    boxes: Sequence[tuple[Box | None, Box | None]],
+    first: PlacedEnds,
+    owner: str,
+    margin: float,
+    work: Work,
+) -> World:
     """Return a world with a robot for each pair of boxes, and a joint witness.
 
     Each robot is drawn again until it has a path around those before it.
     """
     count = len(boxes) + 1
     radius = radius_in_cells(world)
-    # Don't plan the paths of robots that there is no room for.
-    _draw_ends(places, radius, rng.child("room"), boxes, [first], owner)
     planned = Crowd(world, count, margin)
     rooms = (_Room(places, radius), _Room(places, radius))
     _take(rooms, first)
     for box in boxes if planned.robots else ():
-        if work is not None:
-            work.say(f"robot {len(planned.robots) + 1}")
+        work.say(f"robot {len(planned.robots) + 1}")
         for number in range(_REDRAWS):
             # Targets that are far away come first, because they are the hardest to reach.
             drawn = _draw_one(rooms, rng, box, max(1, _DRAWS - number))

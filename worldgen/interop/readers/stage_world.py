@@ -62,7 +62,7 @@ class _Includes:
         try:
             file = sibling_file(self.path, "include", name)
         except FormatError as error:
-            self.notes.append(f"{error}; its definitions are not known")
+            self.notes.append(f"{error}; its definitions are unknown")
             return None
         return _text(file), str(file)
 
