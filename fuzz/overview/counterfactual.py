@@ -51,8 +51,11 @@ _MOST_CELLS = 256
 # Limit on the events that are dropped one by one.
 _MOST_EVENTS = 64
 
-# Places of a loop at which the robot starts without memory.
+# Limit on the places of a loop at which the robot starts without memory.
 _MOST_RESTARTS = 8
+
+# Words of a recorded state between the pose and the memory.
+_SPEED_AND_DRAWS = slice(3, 5)
 
 # Limit on the simulated steps of one explanation: about a second of the C core, and of Python code.
 _MOST_STEPS = 30_000_000
@@ -273,8 +276,17 @@ def _memory_changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
     # In a world that changes, the walls would be others after a new start.
     if not isinstance(loop, LoopEvidence) or trace is None or subject.world.is_dynamic:
         return
-    for number in range(_MOST_RESTARTS):
-        step = loop.entry + number * loop.period // _MOST_RESTARTS
+    # A robot without memory has none to lose, and pushes would happen again. The thesis's robot
+    # does not show its state.
+    if not trace.memory_size or trace.robot is None or trace.robot.pushes:
+        return
+
+    # Nothing but the memory may change, so restart only where everything else in the state except
+    # the pose is as at a start.
+    own = trace.states[loop.entry : loop.entry + loop.period, _SPEED_AND_DRAWS]
+    steps = loop.entry + np.flatnonzero((own == trace.states[0, _SPEED_AND_DRAWS]).all(axis=1))
+    every = max(1.0, len(steps) / _MOST_RESTARTS)
+    for step in steps[np.arange(0, len(steps), every).astype(int)].tolist():
         pose = [float(values[step]) for values in (trace.x, trace.y, trace.heading)]
         if search.arrives(_with_world(subject, start=Pose(*pose))):
             yield Change("memory", list(pose))

@@ -1,8 +1,10 @@
 """Counterfactuals: what they report makes the robot arrive, and what they cannot explain is refused."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from fuzz.overview.counterfactual import Change, Counterfactuals, counterfactual
 from fuzz.triage.judging import failure_of
 from fuzz.triage.proofs import certified
 from sim import Command
+from sim.options.robot import RobotOptions
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from tests.helpers.command_line import worldgen
@@ -26,6 +29,14 @@ SHIPPED = Path(__file__).parents[2] / "corpora/failures"
 WALL = SHIPPED / "turn-right/swept/loop-bumps-wall-turn-near-away.grid"
 FIRE = SHIPPED / "bug1/swept/burned-burning-caught.grid"
 CHANCE = SHIPPED / "turn-random/stepped/timeout-post-near.grid"
+HERE = "tests.fuzz.test_counterfactual"
+HALL = World(
+    np.zeros((5, 12), bool),
+    start=Pose(0.15, 0.25, 0.0),
+    target=Target(1.05, 0.25, 0.05),
+    cell_size=0.1,
+    robot_radius=0.07,
+)
 
 
 def arrives(subject):
@@ -71,6 +82,8 @@ def test_a_fire_that_burns_the_robot_is_what_its_failure_depends_on():
 class Tires:
     """Drives straight on for twenty steps, and then never again."""
 
+    senses = ("bump",)
+
     def reset(self):
         return (0.0,)
 
@@ -86,22 +99,63 @@ class Rests(Tires):
         return Command(0.0, 0.0), memory
 
 
+class Shuttles(Tires):
+    """Rests in every fourth step, and turns around then."""
+
+    def act(self, observation, memory):
+        number = int(memory[0])
+        if number == 0:
+            return Command(0.0, math.pi / observation.time_step), (1.0,)
+        return Command(observation.top_speed, 0.0), (float((number + 1) % 4),)
+
+
 def test_a_robot_that_only_its_memory_holds_arrives_from_there_without_it():
-    world = World(
-        np.zeros((5, 12), bool),
-        start=Pose(0.15, 0.25, 0.0),
-        target=Target(1.05, 0.25, 0.05),
-        cell_size=0.1,
-        robot_radius=0.07,
-    )
-    failure = failure_of(certified(world), Scenario("tests.fuzz.test_counterfactual:Tires"))
+    failure = failure_of(certified(HALL), Scenario(f"{HERE}:Tires"))
     found = counterfactuals(failure)
     (change,) = (one for one in found.changes if one.what == "memory")
     assert 0.5 < change.value[0] < 0.9 and change.value[1:] == [0.25, 0.0]
     assert "if its memory is cleared in the loop" in found.describe()
 
-    still = failure_of(failure.world, Scenario("tests.fuzz.test_counterfactual:Rests"))
+    still = failure_of(failure.world, Scenario(f"{HERE}:Rests"))
     assert not any(one.what == "memory" for one in counterfactuals(still).changes)
+
+
+@pytest.mark.parametrize("name", ["naive", "right-hand"])
+def test_a_robot_without_memory_is_not_said_to_depend_on_it(name):
+    # Started in its loop, each would be pushed again, and arrive for that reason.
+    pushed = Scenario.parse(f"{name}+pushes=0.5:0.3:0.3:1.5")
+    found = counterfactuals(failure_of(generate("forest", 4), pushed))
+    assert not any(one.what == "memory" for one in found.changes)
+
+
+def test_a_robot_is_not_restarted_where_it_would_be_pushed_again():
+    """Its memory is not the reason, even if it has one."""
+    assert restarts("Tires")
+    assert restarts("Tires", pushes=(0.03, 0.0, 0.01, 0.0)) == []
+
+
+def test_each_place_of_a_short_loop_is_restarted_once():
+    (start,) = restarts("Rests")
+    assert (start.x, start.y) == (0.15, 0.25)
+
+
+def test_a_robot_is_restarted_only_where_it_has_the_speed_of_a_start():
+    """From other places it might arrive because a start stops it there."""
+    assert [start.heading for start in restarts("Shuttles")] == [0.0, math.pi]
+
+
+def restarts(name, **options):
+    """Return the poses from which a robot in a hall is started without its memory."""
+    failure = failure_of(
+        certified(HALL), Scenario(f"{HERE}:{name}").with_run(robot=RobotOptions(**options))
+    )
+    assert failure.verdict == Verdict.LOOP
+    starts = []
+    search = SimpleNamespace(
+        subject=subject_of(failure), arrives=lambda one: starts.append(one.world.start)
+    )
+    assert list(counterfactual._memory_changes(search, failure.run())) == []
+    return starts
 
 
 def test_equal_failures_give_equal_answers():
