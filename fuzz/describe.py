@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 from collections import Counter
 from pathlib import Path
@@ -75,7 +76,8 @@ def describe(
     cause = cause_of(failure)
     repeats = ""
     if trail is not None and not failure.is_breach and failure.oracle is None:
-        repeats = describe_period(world, episode)
+        with contextlib.suppress(OutOfTime):
+            repeats = describe_period(world, episode)
     who = "The fleet" if world.others else "It"
     depends = f"  {who} {why}.\n" if why else ""
     color = wants_color(sys.stdout)

@@ -7,6 +7,7 @@ border has the same contacts.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,14 +15,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from sim.runners.stopping import check_time
 from sim.trace import Trace
+from worldgen.support.arrays import Floats, Ints
 from worldgen.timeline import CellState
 from worldgen.world import World
 
 __all__ = [
     "KINDS",
     "Contact",
-    "bearing_of_wall",
+    "WallBearings",
     "contacts",
     "enclosure",
     "part_of",
@@ -43,8 +46,7 @@ _SAME_SIDE = 0.7  # smallest cosine between the normals of one wall; 45 degrees
 _ALONG = 0.08  # largest sine between an axis and the normal of a face
 _LOOK = 4  # cells within which a wall encloses a place, in each of the four directions
 _ROUNDING = 1e-6  # cells: a place this close to the line between two cells is in both
-
-Floats = npt.NDArray[np.float64]
+_AT_ONCE = 4096  # steps: places examined between two looks at the clock
 
 
 @dataclass(frozen=True)
@@ -108,29 +110,65 @@ def winding_number(x: Floats, y: Floats, cells: Iterable[tuple[int, int]]) -> in
     return most
 
 
-def bearing_of_wall(world: World, trace: Trace, step: int) -> float:
-    """Return where the wall is that a robot touches after a step, relative to its heading.
-
-    Of several walls, the one ahead of it counts, because it stops the robot.
+class WallBearings:
+    """Where the walls are that a robot touches, relative to its heading.
 
     Args:
         world: World of the run; walls count as they are after the last event.
         trace: The recording.
-        step: The step.
-
-    Returns:
-        Radians, from -pi to pi; 0 is ahead, and positive on the left. 0 if no wall is near enough:
-        the motion model then looked further ahead than the robot is.
     """
-    x = float(trace.x[step]) / world.cell_size
-    y = float(trace.y[step]) / world.cell_size
-    touched = world.robot_radius / world.cell_size + _SLACK
-    bearings = [
-        math.remainder(math.atan2(-away_y, -away_x) - float(trace.heading[step]), math.tau)
-        for gap, _, (away_x, away_y) in _Solid(world).near(x, y)
-        if gap <= touched
-    ]
-    return min(bearings, key=lambda bearing: (abs(bearing), bearing), default=0.0)
+
+    def __init__(self, world: World, trace: Trace) -> None:
+        self._walls = walls_at_the_end(world)
+        self._cell_size = world.cell_size
+        self._touched = world.robot_radius / world.cell_size + _SLACK
+        self._trace = trace
+
+    def __call__(self, steps: Ints) -> Floats:
+        """Return the bearing of the wall that the robot touches after each of some steps.
+
+        Of several walls, the one ahead of it counts, because it stops the robot.
+
+        Args:
+            steps: (n,) the steps.
+
+        Returns:
+            (n,) rad, from -pi to pi; 0 is ahead, and positive on the left. 0 if no wall is near
+            enough: the motion model then looked further ahead than the robot is.
+
+        Raises:
+            OutOfTime: If there is no more time.
+        """
+        found = np.zeros(len(steps))
+        for first in range(0, len(steps), _AT_ONCE):
+            check_time()
+            found[first : first + _AT_ONCE] = self._of(steps[first : first + _AT_ONCE])
+        return found
+
+    def _of(self, steps: Ints) -> Floats:
+        x = self._trace.x[steps] / self._cell_size
+        y = self._trace.y[steps] / self._cell_size
+        column = np.floor(x).astype(np.int64)
+        row = np.floor(y).astype(np.int64)
+        height, width = self._walls.shape
+        # Examine the cells around all places at once, one offset after the other.
+        best = np.full(len(steps), np.inf)
+        reach = math.floor(self._touched) + 1
+        for dy, dx in itertools.product(range(-reach, reach + 1), repeat=2):
+            ix = column + dx
+            iy = row + dy
+            inside = (ix >= 0) & (ix < width) & (iy >= 0) & (iy < height)
+            solid = ~inside | self._walls[iy.clip(0, height - 1), ix.clip(0, width - 1)]
+            away_x = x - np.clip(x, ix, ix + 1)
+            away_y = y - np.clip(y, iy, iy + 1)
+            counts = solid & (np.hypot(away_x, away_y) <= self._touched)
+            bearing = np.arctan2(-away_y, -away_x) - self._trace.heading[steps]
+            bearing -= math.tau * np.round(bearing / math.tau)
+            # Of two walls at the same angle, the one on the right counts.
+            ahead = np.abs(bearing) < np.abs(best)
+            ahead |= (np.abs(bearing) == np.abs(best)) & (bearing < best)
+            best = np.where(counts & ahead, bearing, best)
+        return np.where(np.isinf(best), 0.0, best)
 
 
 def walls_at_the_end(world: World) -> npt.NDArray[np.bool_]:

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from fuzz.triage.contacts import bearing_of_wall
+from fuzz.triage.contacts import WallBearings
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
+from sim.runners.stopping import in_time
 from sim.trace import Trace
+from worldgen.support.arrays import Floats, Ints
 from worldgen.support.plain_text import counted
 from worldgen.world import World
 
@@ -69,6 +71,9 @@ def describe_period(world: World, episode: Episode) -> str:
 
     Returns:
         The words, to follow ``it``; empty unless the run is a loop of a single robot.
+
+    Raises:
+        OutOfTime: If there is no more time.
     """
     loop = episode.evidence
     trace = episode.trace
@@ -78,29 +83,42 @@ def describe_period(world: World, episode: Episode) -> str:
     last = first + loop.period
     length = float(np.hypot(np.diff(trace.x), np.diff(trace.y))[first:last].sum())
     duration = f"{loop.period * trace.time_step:.3g} s, {length:.2g} m"
-    moves = list(_moves(world, trace, first, last))
+    bearings = WallBearings(world, trace)
+    # A period may have more than 100,000 moves, so stop at the first that is too many.
+    moves = list(itertools.islice(_moves(bearings, trace, first, last), _MOST_MOVES + 1))
     begin = f"repeats {counted(loop.period, 'step')} ({duration}): "
     if len(moves) <= _MOST_MOVES:
-        told = [_describe(move, world.robot_radius) for move in moves]
-        # Moves may recur while the controller's memory differs.
-        parts = [(words, len(list(same))) for words, same in itertools.groupby(told)]
-        return begin + "; ".join(
-            words if count == 1 else f"{words}, {count} times" for words, count in parts
-        )
-    return begin + _summary(world, trace, first, last)
+        return begin + _in_order([_describe(move, world.robot_radius) for move in moves])
+    return begin + _summary(bearings, trace, first, last)
 
 
-def _moves(world: World, trace: Trace, first: int, last: int) -> Iterator[_Move]:
+def _in_order(told: list[str]) -> str:
+    """Return moves in their order, each repetition only once.
+
+    Moves may recur while the controller's memory differs.
+    """
+    # The shortest part that gives the whole period if it is repeated.
+    size = next(n for n in range(1, len(told) + 1) if told[:n] * (len(told) // n) == told)
+    times = len(told) // size
+    if size == 1 and times > 1:
+        return f"{told[0]}, {times} times"
+    parts = [(words, len(list(same))) for words, same in itertools.groupby(told[:size])]
+    once = "; ".join(words if count == 1 else f"{words}, {count} times" for words, count in parts)
+    return once if times == 1 else f"{once}; all of this {times} times"
+
+
+def _moves(bearings: WallBearings, trace: Trace, first: int, last: int) -> Iterator[_Move]:
     """Yield the moves of a range of steps, each with the touch that comes before it."""
     move: _Move | None = None
-    for step in range(first, last):
-        turn = _turn(trace, step)
+    turns = _turns(trace, np.arange(first, last))
+    for step in in_time(range(first, last)):
+        turn = float(turns[step - first])
         length = math.hypot(trace.x[step + 1] - trace.x[step], trace.y[step + 1] - trace.y[step])
         # The controller senses a touch after the step, and answers it in the next one.
         before = last - 1 if step == first else step - 1
         touches_anew = trace.bump[step] and not trace.bump[before]
         in_place = length == 0.0 and trace.bump[step]
-        wall = _wall(world, trace, step) if touches_anew or in_place else ""
+        wall = _wall(bearings, step) if touches_anew or in_place else ""
         if move is not None and not wall and _side(turn) == _side(move.turn):
             move.steps += 1
             move.turn += turn
@@ -128,45 +146,47 @@ def _describe(move: _Move, radius: float) -> str:
     return f"{touch}turns {amount} and drives {move.length:.2g} m"
 
 
-def _summary(world: World, trace: Trace, first: int, last: int) -> str:
+def _summary(bearings: WallBearings, trace: Trace, first: int, last: int) -> str:
     """Return the moves of a long period in total: turns, touches and their side.
 
     A turn answers the touch before it, so turns after a touch are kept apart from the others.
     """
-    at_walls = [_turn(trace, step) for step in range(first, last) if trace.bump[step]]
-    between = [_turn(trace, step) for step in range(first, last) if not trace.bump[step]]
-    if not at_walls:
-        return f"it turns {_in_all(between)} in all, and touches no wall"
-    touched = [step for step in range(first, last) if trace.bump[step]]
-    share = max(round(100 * len(touched) / (last - first)), 1)
-    often = f"it touches a wall in {share} % of its steps{_sides(world, trace, touched)}"
-    if not between:
-        return f"{often}, and turns {_in_all(at_walls)} in all"
-    return f"{often}; it turns {_in_all(at_walls)} there, and {_in_all(between)} in between"
+    steps = np.arange(first, last)
+    turns = _turns(trace, steps)
+    touches = trace.bump[first:last]
+    if not touches.any():
+        return f"it turns {_in_all(turns)} in all, and touches no wall"
+    share = max(round(100 * int(touches.sum()) / (last - first)), 1)
+    often = f"it touches a wall in {share} % of its steps{_sides(bearings, steps[touches])}"
+    if touches.all():
+        return f"{often}, and turns {_in_all(turns)} in all"
+    at_walls = _in_all(turns[touches])
+    return f"{often}; it turns {at_walls} there, and {_in_all(turns[~touches])} in between"
 
 
-def _in_all(turns: Sequence[float]) -> str:
-    left = sum(turn for turn in turns if turn > 0.0)
-    right = -sum(turn for turn in turns if turn < 0.0)
+def _in_all(turns: Floats) -> str:
+    left = np.abs(turns[turns > 0.0]).sum()
+    right = np.abs(turns[turns < 0.0]).sum()
     return f"{left:.0f} degrees left and {right:.0f} degrees right"
 
 
-def _sides(world: World, trace: Trace, touched: Sequence[int]) -> str:
+def _sides(bearings: WallBearings, touched: Ints) -> str:
     """Return on which side the robot touches walls, if not only ahead: a wall follower has one."""
-    bearings = (math.degrees(bearing_of_wall(world, trace, step)) for step in touched)
-    lefts = [bearing > 0.0 for bearing in bearings if abs(bearing) > _AHEAD]
-    if not lefts:
+    degrees = np.degrees(bearings(touched))
+    lefts = degrees[np.abs(degrees) > _AHEAD] > 0.0
+    if not len(lefts):
         return ""
-    for side, count in (("left", sum(lefts)), ("right", len(lefts) - sum(lefts))):
+    left = int(lefts.sum())
+    for side, count in (("left", left), ("right", len(lefts) - left)):
         if count >= _MOSTLY * len(lefts):
             return f", nearly always on its {side}"
-    changes = sum(one != before for one, before in zip(lefts, [lefts[-1], *lefts], strict=False))
+    changes = int((lefts != np.roll(lefts, 1)).sum())
     return f", which changes between its left and its right {changes} times"
 
 
-def _wall(world: World, trace: Trace, step: int) -> str:
+def _wall(bearings: WallBearings, step: int) -> str:
     """Return where the wall is that the robot touches after a step."""
-    degrees = math.degrees(bearing_of_wall(world, trace, step))
+    degrees = math.degrees(bearings(np.array([step]))[0])
     side = "left" if degrees > 0.0 else "right"
     if abs(degrees) <= _AHEAD:
         return "ahead"
@@ -175,11 +195,11 @@ def _wall(world: World, trace: Trace, step: int) -> str:
     return f"on its {side}" if abs(degrees) <= _BESIDE else "behind"
 
 
-def _turn(trace: Trace, step: int) -> float:
-    """Return the turn between the states before and after a step, degrees; left is positive."""
-    return math.degrees(
-        math.remainder(float(trace.heading[step + 1] - trace.heading[step]), math.tau)
-    )
+def _turns(trace: Trace, steps: Ints) -> Floats:
+    """Return the turn between the states before and after each step, degrees; left is positive."""
+    turns = trace.heading[steps + 1] - trace.heading[steps]
+    found: Floats = np.degrees(turns - math.tau * np.round(turns / math.tau))
+    return found
 
 
 def _side(turn: float) -> int:

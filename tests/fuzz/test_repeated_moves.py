@@ -1,13 +1,17 @@
 """What a robot repeats is told by its own moves: turns, touches and their sides."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
+from fuzz.triage import contacts
+from fuzz.triage.contacts import WallBearings
 from fuzz.triage.repeated_moves import describe_period
 from sim import Command, simulate
-from worldgen import Pose, Target, World
+from sim.runners.stopping import OutOfTime, stopping_when
+from worldgen import Pose, Target, World, generate
 
 HERE = "tests.fuzz.test_repeated_moves"
 
@@ -56,7 +60,20 @@ class Wags(Repeats):
     turns = tuple(angle * sign for angle in (10, 20, 30, 40, 50) for sign in (1, -1))
 
 
+class Grinds(Repeats):
+    """Stays at a wall, and turns to and fro in a thousand steps."""
+
+    # Binary fractions of a whole turn are exact.
+    turns = (22.5, -22.5, -45.0, 45.0) * 250
+    share_of_speed = 1.0
+
+
 def told(name, heading=0.0):
+    world, episode = run(name, heading)
+    return describe_period(world, episode)
+
+
+def run(name, heading=0.0):
     world = World(
         np.zeros((6, 6), bool),
         start=Pose(0.3, 0.3, heading),
@@ -64,7 +81,7 @@ def told(name, heading=0.0):
         cell_size=0.1,
         robot_radius=0.07,
     )
-    return describe_period(world, simulate(world, f"{HERE}:{name}", record=True))
+    return world, simulate(world, f"{HERE}:{name}", record=True)
 
 
 @pytest.mark.parametrize(
@@ -72,7 +89,7 @@ def told(name, heading=0.0):
     [
         ("Stays", "repeats 1 step (0.015 s, 0 m): it stays there"),
         ("Spins", "repeats 4 steps (0.06 s, 0 m): it turns 360 degrees right in 4 steps"),
-        ("Reverses", "it turns around; it stays there; it turns around; it stays there"),
+        ("Reverses", "it turns around; it stays there; all of this 2 times"),
         ("Pushes", "repeats 1 step (0.015 s, 0 m): with a wall ahead, it stays there"),
         (
             "Wags",
@@ -89,6 +106,57 @@ def test_a_wall_that_stops_the_robot_is_ahead_whatever_its_heading():
     slid = told("Pushes", heading=math.radians(-50.0))
     assert "with a wall ahead" in slid
     assert told("Pushes", heading=math.pi) == told("Pushes")
+
+
+def test_a_long_period_examines_few_moves_and_the_grid_once(monkeypatch):
+    """A period of 100,000 moves took minutes."""
+    world, episode = run("Grinds", math.pi)
+    assert episode.evidence.period >= 1000
+    grids = []
+    looks = []
+    monkeypatch.setattr(
+        World,
+        "cells_at",
+        lambda self, time, whole=World.cells_at: grids.append(1) or whole(self, time),
+    )
+    monkeypatch.setattr(
+        WallBearings,
+        "__call__",
+        lambda self, steps, whole=WallBearings.__call__: (
+            looks.append(len(steps)) or whole(self, steps)
+        ),
+    )
+    assert "of its steps" in describe_period(world, episode)
+    assert len(grids) == 1
+    assert len(looks) <= 10
+
+
+def test_a_description_ends_when_its_time_is_up(monkeypatch):
+    monkeypatch.setattr(contacts, "_AT_ONCE", 10)
+    world, episode = run("Grinds", math.pi)
+    looks = itertools.count()
+    with (
+        pytest.raises(OutOfTime),
+        stopping_when(lambda: next(looks) >= 50, clock=lambda: 0.0),
+    ):
+        describe_period(world, episode)
+
+
+def test_walls_are_where_a_search_cell_by_cell_finds_them():
+    world = generate("cave", 3)
+    trace = simulate(world, "wall-left", record=True).trace
+    steps = np.flatnonzero(trace.bump)[:300]
+    assert len(steps) > 20
+    reach = world.robot_radius / world.cell_size + 0.02
+    for step, found in zip(steps, WallBearings(world, trace)(steps), strict=True):
+        x, y = trace.x[step] / world.cell_size, trace.y[step] / world.cell_size
+        bearings = [0.0] if found == 0.0 else []
+        for iy, ix in np.argwhere(np.pad(world.walls, 1, constant_values=True)) - 1:
+            dx = min(max(x, ix), ix + 1) - x
+            dy = min(max(y, iy), iy + 1) - y
+            if math.hypot(dx, dy) <= reach:
+                bearings.append(math.remainder(math.atan2(dy, dx) - trace.heading[step], math.tau))
+        assert abs(found) == pytest.approx(min(map(abs, bearings)), abs=1e-9)
 
 
 def test_a_run_that_does_not_repeat_has_no_period():
