@@ -93,7 +93,7 @@ def _own_loops(joint: JointLoopEvidence) -> str:
 def _never_arrive(joint: JointLoopEvidence) -> str:
     """Return a statement that robots never arrive although none of them touches another one."""
     never = "never arrives" if len(joint.waiting) == 1 else "never arrive"
-    return f"{_robots(joint.waiting)} {never}, and no robot blocks another"
+    return f"{_robots(joint.waiting)} {never}, and no robot drives into another"
 
 
 def _robots(numbers: Sequence[int]) -> str:

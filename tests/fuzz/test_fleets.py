@@ -27,6 +27,7 @@ from fuzz.triage.proofs import certified
 from fuzz.triage.signature import Standoff, standoff
 from sim import simulate
 from sim.controllers.base import Command, Memory, Observation
+from sim.describe import describe_evidence
 from sim.evidence import JointLoopEvidence
 from sim.fleet import fleet_traces
 from sim.motion import MOTIONS
@@ -247,7 +248,11 @@ def test_robots_that_only_wait_are_told_from_one_that_fails_alone() -> None:
     closed = World(passage, Pose(0.35, 0.1), Target(1.25, 0.1, 0.05), others=(parked,))
     episode = simulate(closed, "pibt", record=True)
     assert episode.verdict == Verdict.STARVED and episode.evidence.blocked == ()
-    assert cause_of_run(closed, episode, lambda _: True) == Cause.BLOCKED_BY_PARKED
+    cause = cause_of_run(closed, episode, lambda _: True)
+    assert cause == Cause.BLOCKED_BY_PARKED
+    # The verdict's words must not deny what the cause's sentence says.
+    assert "another robot's way" in cause.sentence
+    assert describe_evidence(episode).endswith("never arrives, and no robot drives into another)")
 
 
 def test_shrinking_drops_the_robot_that_is_not_needed_and_all_walls() -> None:
