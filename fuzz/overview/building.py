@@ -14,7 +14,7 @@ from fuzz.campaign.state import CampaignState
 from fuzz.campaign.store import MEMORY
 from fuzz.corpus import Baseline
 from fuzz.failure import Failure
-from fuzz.overview.causes import CauseTotals, causes_of, with_natural
+from fuzz.overview.causes import CauseTotals, causes_of, in_order, with_natural
 from fuzz.overview.clearest import clearest
 from fuzz.overview.comparison import RegressionView, compare, with_states
 from fuzz.overview.counterfactual import Counterfactuals, counterfactuals
@@ -116,6 +116,12 @@ def build_overview(
     # Group first, because that needs no runs.
     found = {**state.best, **state.memory.failures}
     causes = causes_of(found, {bucket: state.met[bucket] for bucket in found})
+    # Shrinking may change the cause but not the class. The files then show one that nothing met.
+    known = {one.cause for one in causes}
+    changed = {
+        bucket: failure for bucket, failure in state.best.items() if cause_of(failure) not in known
+    }
+    causes = in_order([*causes, *causes_of(changed, dict.fromkeys(changed, 0))])
 
     # Natural worlds show how often each cause matters, and so which to explain first.
     runs = None

@@ -329,6 +329,7 @@ def overview_of(best, found, known=None):
     find = DiscoveryTotals(0, "drawn", found.bucket, found, 1, 1, 1.0)
     state = CampaignState(best={} if best is None else {best.bucket: best}, finds=[find])
     state.memory = SearchState(failures={found.bucket: found})
+    state.met[found.bucket] += 1
     return build_overview(config, state, Conclusion(known or Baseline()), natural=False)
 
 
@@ -339,6 +340,20 @@ def test_a_clearer_world_than_its_class_has_gets_a_file_named_after_its_cause():
     assert (cause.file, cause.failure, cause.smallest) == ("stands-still.grid", usual, "a.grid")
     (same,) = overview_of(usual, usual).causes
     assert (same.file, same.smallest) == ("a.grid", "a.grid")
+
+
+def test_a_cause_that_shrinking_gave_a_class_is_named_but_not_counted(tmp_path):
+    """A report groups the files by cause, so the summary must know each of these causes."""
+    met = found_by("Still").noting(**{"class": "a"})
+    shrunk = found_by("Pushes").noting(**{"class": "a"})
+    assert cause_of(met) != cause_of(shrunk)
+    overview = overview_of(shrunk, met)
+    assert {one.cause: (one.met, one.file) for one in overview.causes} == {
+        cause_of(met): (1, "stands-still.grid"),
+        cause_of(shrunk): (0, "a.grid"),
+    }
+    lines = overview_lines(overview, Headline("mine", tmp_path, 1))
+    assert "not counted: pushes-a-wall (only in worlds that shrinking made)" in lines
 
 
 def test_the_terminal_names_no_hidden_file_for_a_known_failure(tmp_path):
