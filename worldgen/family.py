@@ -59,8 +59,8 @@ MAX_PLACEMENTS = 4  # of the robots, tried in each layout
 MAX_NARROW_ATTEMPTS = 3
 MAX_FLEET_ATTEMPTS = 12
 MAX_CROWD_ATTEMPTS = 6  # same, for more than MOST_TOGETHER, which are redrawn within a layout
-# With this many robots, a single layout can take a minute. With fewer, only later ones are reported,
-# so that the report does not hide which of many worlds is being made.
+# With this many robots, a single layout can take a minute. With fewer, only later ones are
+# reported, so that the report does not hide which of many worlds is being made.
 _MANY_ROBOTS = 50
 # Codes of errors about a layout that is too small for its robots.
 _CROWDED = ("too-many-robots", "no-joint-paths")
@@ -165,7 +165,8 @@ class Family:
                     # Another layout may have room for more of a crowd.
                     if full.code not in _CROWDED or fleet <= FEW_ROBOTS:
                         raise
-                    # Report the most robots that had paths, or else the most that there was room for.
+                    # Report the most robots that had paths, or else the most
+                    # that there was room for.
                     if crowded is None or _how_full(full) > _how_full(crowded):
                         crowded = full
                     # If not even half of them fit, wider passages may help, but no other layout.

@@ -1,7 +1,7 @@
-"""Describe in a sentence what a robot does in one period of its loop, as it decides and touches walls.
+"""Describe one period of a robot's loop in a sentence: its turns and the walls that it touches.
 
-A cause names a behaviour; the moves show the decision behind it: to which side the robot turns after
-which touch, and by how much.
+A cause names a behaviour; the moves show the decision behind it: to which side the robot turns
+after which touch, and by how much.
 """
 
 from __future__ import annotations
@@ -25,20 +25,21 @@ __all__ = ["describe_period"]
 # A longer list of moves is harder to read than a summary.
 _MOST_MOVES = 8
 
-# Degrees in one step: less is straight on, more turns the robot around.
+# Degrees in one step: below the first the robot drives straight on,
+# above the second it turns around.
 _STRAIGHT = 2.0
 _AROUND = 160.0
 
-# Robot radii: a robot that moves less while it turns, turns on the spot.
+# Robot radii; a robot that moves less than this while turning is said to turn on the spot.
 _ON_THE_SPOT = 0.5
 
-# Degrees between the heading and a wall: up to the first the wall is ahead, up to the second it is
-# ahead on one side, up to the third on that side, beyond behind.
+# Degrees between the heading and a wall: up to the first, the wall is ahead; up to the second,
+# ahead on one side; up to the third, on that side; beyond that, behind.
 _AHEAD = 30.0
 _HALF_AHEAD = 65.0
 _BESIDE = 125.0
 
-# Share of the touches of a period above which their side is that of the period.
+# Minimum share of a period's touches that must be on one side for that side to be named.
 _MOSTLY = 0.8
 
 
@@ -50,8 +51,8 @@ class _Move:
         steps: Number of steps.
         turn: Total turn, degrees; left is positive.
         length: Path length, m.
-        begins_at: Where the wall is that the robot has just begun to touch before it moves, in
-            words; empty if it touches none, or still the same.
+        begins_at: Direction, in words, of the wall that the robot has just begun to touch before it
+            moves; empty if it touches none, or still the same one.
     """
 
     steps: int
@@ -96,7 +97,7 @@ def _moves(world: World, trace: Trace, first: int, last: int) -> Iterator[_Move]
     for step in range(first, last):
         turn = _turn(trace, step)
         length = math.hypot(trace.x[step + 1] - trace.x[step], trace.y[step + 1] - trace.y[step])
-        # The controller senses a touch after the step, and answers it in the next one.
+        # The controller senses a touch after the step, and reacts to it in the next one.
         before = last - 1 if step == first else step - 1
         touches_anew = trace.bump[step] and not trace.bump[before]
         in_place = length == 0.0 and trace.bump[step]
@@ -131,7 +132,8 @@ def _describe(move: _Move, radius: float) -> str:
 def _summary(world: World, trace: Trace, first: int, last: int) -> str:
     """Return the moves of a long period in total: turns, touches and their side.
 
-    A turn answers the touch before it, so turns after a touch are kept apart from the others.
+    A turn is a reaction to the touch before it, so turns after a touch are kept apart
+    from the others.
     """
     at_walls = [_turn(trace, step) for step in range(first, last) if trace.bump[step]]
     between = [_turn(trace, step) for step in range(first, last) if not trace.bump[step]]
@@ -165,7 +167,7 @@ def _sides(world: World, trace: Trace, touched: Sequence[int]) -> str:
 
 
 def _wall(world: World, trace: Trace, step: int) -> str:
-    """Return where the wall is that the robot touches after a step."""
+    """Return the direction of the wall that the robot touches after a step."""
     degrees = math.degrees(bearing_of_wall(world, trace, step))
     side = "left" if degrees > 0.0 else "right"
     if abs(degrees) <= _AHEAD:

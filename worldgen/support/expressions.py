@@ -1,9 +1,9 @@
 """Expressions over named numbers, such as ``size // 2 - 3`` or ``detour > 3 and bottleneck < 1.2r``.
 
 Python's own parser reads the text, which is never run as code. Grammar, loosest first: ``or``,
-``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``, ``* / // %``, signs,
-calls, parentheses, names, numbers. The caller decides which names, functions and units there are,
-and whether an expression is a number or a condition.
+``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``, ``* / // %``,
+signs, calls, parentheses, names, numbers. The caller decides which names, functions and units there
+are, and whether an expression is a number or a condition.
 """
 
 from __future__ import annotations

@@ -16,7 +16,8 @@ const DECIDING_LONG = {}; // the same in a large world
 /** Placeholder for the widest robot while the search that the user started is running. */
 export const LOOKING = Symbol("looking");
 
-/** Returns whether the widest robot is only searched for on request, because that takes up to a minute. */
+/** Returns whether the widest robot is only searched for on request,
+ * because that takes up to a minute. */
 export const isWidestByHand = ({ cells, events }) => cells.length > LARGEST_WIDEST && !events;
 
 const ring = (cells) => `a ring of ${cells} wall cells, with gaps too narrow for this robot, separates the start from the target`;
