@@ -372,7 +372,7 @@ class Family:
         if value != here:
             raise InvalidParameter(
                 "other-version",
-                "{family}: {name} is {value!r}, here it is {here!r}",
+                "{family}: {name} is {value!r}, but here it is {here!r}",
                 "this version makes other worlds: use the version that made the world",
                 family=self.name,
                 name=name,
@@ -401,7 +401,7 @@ def _decided(world: World, margin: float) -> Decision:
 
 
 def _placing(robots: int, attempt: int) -> AbstractContextManager[Work]:
-    """Report the layout that is tried for several robots, once that may take long."""
+    """Report the layout that is tried for several robots, once that may take a while."""
     message = f"placing {robots} robots in layout {attempt + 1} of at most {_attempts(robots)}"
     if robots < _MANY_ROBOTS and (robots == 1 or attempt == 0):
         return nullcontext(Work(message))
@@ -489,7 +489,7 @@ class FamilyRegistry(Registry[Family]):
         if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
             raise InvalidParameter(
                 "wrong-type",
-                "{name}: files is not a table of texts",
+                "{name}: files is not a table of strings",
                 "copy it from a world's provenance",
                 name=name,
             )

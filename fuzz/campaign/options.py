@@ -16,7 +16,7 @@ from worldgen.support.bounds import Bounds
 __all__ = ["MOST_ROBOTS", "CampaignOptions", "SearchOptions"]
 
 MOST_ROBOTS = 100
-"""Limit on the robots in a campaign's worlds; proving that more can arrive takes long."""
+"""Limit on the robots in a campaign's worlds; proving that more can arrive takes a long time."""
 
 
 @dataclass(frozen=True, kw_only=True)

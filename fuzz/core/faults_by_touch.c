@@ -15,7 +15,7 @@ static const double STILL_ROUND = 2.0;  // WgBug1Memory.away: the robot is back 
 
 typedef struct StaleRound {
     WgBug1Memory own;
-    double seen_round;  // value of `away` when a round was finished
+    double seen_round;  // value of `away` when a circuit was completed
 } StaleRound;
 
 typedef struct StaleLine {

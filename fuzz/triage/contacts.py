@@ -119,8 +119,8 @@ def bearing_of_wall(world: World, trace: Trace, step: int) -> float:
         step: The step.
 
     Returns:
-        Radians, from -pi to pi; 0 is ahead, and positive on the left. 0 if no wall is near enough:
-        the motion model then looked further ahead than the robot is.
+        Radians, from -pi to pi; 0 is ahead, and positive on the left. 0 if no wall is near enough,
+        because the motion model looked beyond the robot's position.
     """
     x = float(trace.x[step]) / world.cell_size
     y = float(trace.y[step]) / world.cell_size

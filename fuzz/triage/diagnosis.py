@@ -49,8 +49,8 @@ _RESTLESS = 0.2
 # below it.
 _OFTEN_AROUND = 0.1
 
-# Cells between two touches. A wall follower touches its wall at least once a cell,
-# corners included.
+# Cells between two touches. A wall follower touches its wall at least once per cell,
+# even at corners.
 _ALONG = 1.0
 
 # Cells from the edges of robot and target: the closest it gets, and the farthest away it ever is.

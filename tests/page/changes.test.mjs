@@ -42,7 +42,7 @@ test("a timed path shows where and when it goes through a wall that opens", () =
   assert.deepEqual(openings(drawn, 2500), []);
 });
 
-test("the slider ends with the last change, or with the path if that takes longer, and is hidden in a still world", () => {
+test("the slider ends with the last change, or with the path if that takes longer, and is hidden in a static world", () => {
   for (const [world, duration, words] of [[gate(), undefined, "3.0 s"], [gate(), 9, "9.0 s"]]) {
     const board = { time: 0, proof: duration ? { duration } : null, draw() {} };
     const time = makeTime({ board, studio: { model: { world } } });

@@ -121,7 +121,7 @@ WgStatus wg_free_windows(const uint8_t *walls, int64_t rows, int64_t columns, in
 //
 // windows: (size,) 1 where one may be; 0 on the rim.
 // came:    (size,) work space.
-// path:    (size,) to be filled: the places from start to goal, both included.
+// path:    (size,) to be filled: the places from start to goal, including both.
 // length:  number of places; 0 if there is no path.
 WgStatus wg_shortest_path(const uint8_t *windows, int64_t size, int64_t stride, int64_t start, int64_t goal,
                           int32_t *came, int32_t *path, int64_t *length);

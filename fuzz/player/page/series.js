@@ -47,7 +47,7 @@ function speedAt({ at, x, y }, row, dt) {
 }
 
 // Returns the distance in cells from the edge of the robot's disc to the nearest wall
-// or fire; negative inside of one.
+// or fire; negative inside one.
 function clearanceAt(world, cells, x, y) {
   const reach = Math.min(40, Math.ceil(world.radius + FAR));
   let least = world.radius + FAR;

@@ -36,7 +36,7 @@ typedef struct Arc {
     double length;   // m
 } Arc;
 
-// The cell's number in the grid; -1 outside of the window.
+// The cell's number in the grid; -1 outside the window.
 static int64_t number_of(const WgGestaltMemory *own, int64_t column, int64_t row)
 {
     int64_t side = (int64_t)own->side;

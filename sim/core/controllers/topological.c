@@ -4,7 +4,7 @@
 //
 // Sources: Benjamin Kuipers and Yung-Tai Byun, "A robot exploration and mapping strategy based on a
 // semantic hierarchy of spatial representations", Robotics and Autonomous Systems 8 (1991), for
-// places that the sensors single out, joined by ways that the robot can repeat; Brian Yamauchi, "A
+// places that the sensors single out, joined by paths that the robot can repeat; Brian Yamauchi, "A
 // frontier-based approach for autonomous exploration", IEEE International Symposium on
 // Computational Intelligence in Robotics and Automation (1997), for exits into what is unexplored.
 // The shortest way is Dijkstra's. Departures: places have coordinates,
@@ -131,7 +131,7 @@ static bool join(WgTopologicalMemory *own, int64_t one, int64_t other)
     return true;
 }
 
-// Returns whether a point is near a place or a way of the map.
+// Returns whether a point is near a place or a path of the map.
 static bool is_explored(const WgTopologicalMemory *own, double x, double y, double near)
 {
     for (int64_t k = 0; k < (int64_t)own->count; k++) {
@@ -260,8 +260,8 @@ static double new_exits(const WgObservation *seen, const WgTopologicalMemory *ow
     return open;
 }
 
-// Returns whether an exit has opened at the robot's side since the step before, or the way to the
-// target has, and leads to where it has not been.
+// Returns whether an exit has opened at the robot's side since the step before, or the path to the
+// target has, and whether it leads somewhere new.
 static bool has_opened(const WgObservation *seen, const WgTopologicalMemory *own, double open, double stride)
 {
     double opened = (double)((int64_t)open & ~(int64_t)own->open);

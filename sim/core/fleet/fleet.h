@@ -40,7 +40,7 @@ struct WgMover {
     int64_t next;        // index of the next robot of its cluster; -1
     bool is_active;      // it has neither parked nor ended the run
     bool is_clear;       // the path to `goal` is known to be clear of walls
-    bool is_violated;    // the path to `goal` is not clear of something
+    bool is_violated;    // something blocks the path to `goal`
 };
 
 // Two robots that may meet in a move.

@@ -96,7 +96,7 @@ static void sense(WgFleet *fleet)
     }
 }
 
-// Ends the run of a robot that sends a number which is not finite.
+// Ends the run of a robot that sends a number that is not finite.
 static void check_message(WgFleet *fleet, int64_t k)
 {
     WgEpisode *member = fleet->members[k];

@@ -1,4 +1,4 @@
-// Senses that few steps need, or that take long; see sense.h.
+// Senses that few steps need, or that are slow; see sense.h.
 
 #include "sense.h"
 

@@ -88,7 +88,7 @@ function faultWords({ error, edited, running }) {
 }
 
 // Returns the strategies whose counts have grown in the last seconds; if none has, those that grew
-// last, because a unit may take long.
+// last, because a unit may take a while.
 function strategiesNow({ state, strategies }) {
   if (!state.running) return new Set();
   const now = performance.now(),

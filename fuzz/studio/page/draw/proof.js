@@ -66,7 +66,7 @@ export async function askSignal(studio, noise) {
 /**
  * Makes a function that asks for the proof after each change; its `widest` searches for the widest robot on request.
  * @param {Studio} studio - Its model and connection
- * @param {(proof: Proof) => void} proved - Called with the proof of the current drawing, or a placeholder if it takes long
+ * @param {(proof: Proof) => void} proved - Called with the proof of the current drawing, or a placeholder if it takes a while
  * @param {(radius: number | symbol | null) => void} widest - Called with the largest radius that passes, m;
  *     null while it is unknown, LOOKING during a search on request
  * @returns {{(): void, widest: () => Promise<void>}}

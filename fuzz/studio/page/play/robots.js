@@ -207,7 +207,7 @@ function refresh(robots) {
 }
 
 // The thesis's model runs one robot. In a world with several, another model is chosen,
-// and robots that go for their targets.
+// with robots that drive to their targets.
 function suitFleet(robots) {
   const { studio, state } = robots;
   if (robotsIn(studio.model.world) < 2 || !motionOf(robots).thesis) return;
