@@ -104,7 +104,7 @@ def test_a_set_says_that_another_planner_made_it(tmp_path, monkeypatch):
     assert made.code == 0
     monkeypatch.setattr("worldgen.family.PLANNER_VERSION", PLANNER_VERSION + 1)
     again = worldgen("regenerate", str(tmp_path / "set"), "--out", str(tmp_path / "again"))
-    assert again.code == 2 and "planner is '1', here it is '2'" in again.err
+    assert again.code == 2 and "planner is '1', but here it is '2'" in again.err
 
 
 def test_the_first_robot_is_placed_as_ever():

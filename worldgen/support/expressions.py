@@ -187,7 +187,7 @@ class _Reader:
         try:
             tree = ast.parse(f"({structure})", mode="eval").body
         except (SyntaxError, MemoryError, RecursionError):
-            # After the scan, the only thing left to refuse is endless signs.
+            # After the scan, the only thing left to refuse is too many signs.
             tree = None
         if tree is None or _levels(tree) > _DEEPEST:
             self._fail(_too_deep(_DEEPEST), 0)
