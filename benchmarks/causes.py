@@ -1,18 +1,18 @@
 """How well causes tell seeded faults apart.
 
 ``python -m benchmarks.causes`` runs a campaign, without shrinking, against each fault of
-:mod:`fuzz.faults` and takes every failure that shows the fault: with the verdict expected of it, in a
-world in which the controller without the fault arrives. It counts their causes, and prints the tables
-of ``docs/reference/verdicts.md`` row by row; with ``--json`` one object. It takes about six minutes on
-two cores, and prints the same each time.
+:mod:`fuzz.faults` and takes every failure that shows the fault: with the verdict expected of it, in
+a world in which the controller without the fault arrives. It counts their causes, and prints the
+tables of ``docs/reference/verdicts.md`` row by row; with ``--json`` one object. It takes about six
+minutes on two cores, and prints the same each time.
 
-*Completeness* of a fault is the share of its failures in its most frequent cause. *Purity* of a cause
-is the share of its failures that come from faults whose most frequent cause it is. A third figure
-is the share of pairs of failures of two faults that have different causes. Each fault weighs the same,
-however many failures were taken of it.
+*Completeness* of a fault is the share of its failures in its most frequent cause. *Purity* of a
+cause is the share of its failures that come from faults whose most frequent cause it is. A third
+figure is the share of pairs of failures of two faults that have different causes. Each fault weighs
+the same, however many failures were taken of it.
 
-The rules for causes were written while looking at worlds of :data:`DESIGN`, half of the faults, found
-with seed 1. No world of the other half was looked at, and none that the default seed finds.
+The rules for causes were written while looking at worlds of :data:`DESIGN`, half of the faults,
+found with seed 1. No world of the other half was looked at, and none that the default seed finds.
 """
 
 from __future__ import annotations

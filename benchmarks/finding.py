@@ -438,7 +438,7 @@ def main() -> None:
         "--part",
         action="append",
         choices=("faults", "alarms", "floors"),
-        help="only this; likewise",
+        help="only this part; may be repeated",
     )
     parser.add_argument(
         "--alarm-worlds", type=int, default=2000, help="for each complete controller and searcher"

@@ -10,7 +10,7 @@ same time; a search over all joint states decides it. In one step each agent mov
 neighbouring cell or waits. Two agents never share a cell or swap cells; following is allowed.
 
 Each instance is also run with a deterministic PIBT. It arrives, or a recurrence proves that it
-never does: ``deadlock`` if no agent moves any more, ``livelock`` if one does.
+never does: ``deadlock`` if no agent still moves, ``livelock`` if one does.
 
 Sources: Skrynnik et al., "POGEMA: A Benchmark Platform for Cooperative Multi-Agent Pathfinding",
 ICLR 2025. Okumura, Machida, Defago, Tamura, "Priority Inheritance with Backtracking for Iterative

@@ -260,8 +260,8 @@ class _Search:
         endings = memory.zeros(len(states), np.int64)
         endings[...] = _NOT_DONE
         arrays = (memory.own(states), memory.own(values), after, endings, drew)
-        # If another process dies, the controller failed in the first state without an ending: record
-        # a crash for it, and resume after it.
+        # If another process dies, the controller failed in the first state without an ending:
+        # record a crash for it, and resume after it.
         done = 0
         while done < len(states):
             objects = (episode.c, *(pointer(ffi, array[done:], np.int64) for array in arrays))

@@ -269,7 +269,7 @@ _TYPES: Mapping[type[object], Mapping[str, Any]] = {
 
 
 def evidence_table(evidence: Evidence) -> dict[str, Value]:
-    """Return evidence as a table of the known fields, as files and JSON hold it."""
+    """Return evidence as a table of its known fields, the form used in files and JSON."""
     known = {field.name: getattr(evidence, field.name) for field in fields(evidence)}
     return {name: _plain(value) for name, value in known.items() if value is not None}
 

@@ -66,7 +66,7 @@ def _observation(message: dict[str, Any]) -> Observation:
 
 
 def _answer(command: Command) -> bytes:
-    """Encode a command unchanged, nan and infinity included; the reader judges it."""
+    """Encode a command unchanged, including nan and infinity; the reader judges it."""
     answer: dict[str, Any] = {"speed": float(command.speed), "turn_rate": float(command.turn_rate)}
     if command.used_random:
         answer["used_random"] = True

@@ -110,6 +110,6 @@ MOTIONS = Motions(
         kernel=THESIS,
         code=0,
         overlap_tolerance=0.1,
-        summary="the thesis's one-pixel stepping, faults included; runs the thesis's robots",
+        summary="the thesis's one-pixel stepping, including its faults; runs the thesis's robots",
     ),
 )

@@ -75,8 +75,8 @@ class Message:
     """A message from a program to its user: a code and facts, with their wording.
 
     Programs and tests compare ``code`` and ``facts``, which stay the same when the wording changes.
-    A front end with other means than the command line, such as the studio's page, words the remedy
-    itself, by the code.
+    A front end other than the command line, such as the studio's page,
+    words the remedy itself, based on the code.
 
     Args:
         code: Names the rule, in lower case with dashes: ``door-too-narrow``.

@@ -59,8 +59,8 @@ MAX_PLACEMENTS = 4  # of the robots, tried in each layout
 MAX_NARROW_ATTEMPTS = 3
 MAX_FLEET_ATTEMPTS = 12
 MAX_CROWD_ATTEMPTS = 6  # same, for more than MOST_TOGETHER, which are redrawn within a layout
-# With this many robots, a single layout can take a minute. With fewer, only later ones are reported,
-# so that the report does not hide which of many worlds is being made.
+# With this many robots, a single layout can take a minute. With fewer, only later ones are
+# reported, so that the report does not hide which of many worlds is being made.
 _MANY_ROBOTS = 50
 # Codes of errors about a layout that is too small for its robots.
 _CROWDED = ("too-many-robots", "no-joint-paths")
@@ -165,7 +165,8 @@ class Family:
                     # Another layout may have room for more of a crowd.
                     if full.code not in _CROWDED or fleet <= FEW_ROBOTS:
                         raise
-                    # Report the most robots that had paths, or else the most that there was room for.
+                    # Report the most robots that had paths, or else the most
+                    # that there was room for.
                     if crowded is None or _how_full(full) > _how_full(crowded):
                         crowded = full
                     # If not even half of them fit, wider passages may help, but no other layout.
@@ -371,7 +372,7 @@ class Family:
         if value != here:
             raise InvalidParameter(
                 "other-version",
-                "{family}: {name} is {value!r}, here it is {here!r}",
+                "{family}: {name} is {value!r}, but here it is {here!r}",
                 "this version makes other worlds: use the version that made the world",
                 family=self.name,
                 name=name,
@@ -400,7 +401,7 @@ def _decided(world: World, margin: float) -> Decision:
 
 
 def _placing(robots: int, attempt: int) -> AbstractContextManager[Work]:
-    """Report the layout that is tried for several robots, once that may take long."""
+    """Report the layout that is tried for several robots, once that may take a while."""
     message = f"placing {robots} robots in layout {attempt + 1} of at most {_attempts(robots)}"
     if robots < _MANY_ROBOTS and (robots == 1 or attempt == 0):
         return nullcontext(Work(message))
@@ -488,7 +489,7 @@ class FamilyRegistry(Registry[Family]):
         if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
             raise InvalidParameter(
                 "wrong-type",
-                "{name}: files is not a table of texts",
+                "{name}: files is not a table of strings",
                 "copy it from a world's provenance",
                 name=name,
             )

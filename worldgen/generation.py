@@ -45,7 +45,7 @@ def stream(
         name: Name of a registered family, ``./file.py:name``, or the family itself.
         seed: Seed of the first world; 0 follows 2**64 - 1. A NumPy generator supplies the first
             one.
-        count: Number of worlds; endless if omitted.
+        count: Number of worlds; unlimited if omitted.
         **params: The family's parameters.
 
     Returns:
@@ -63,7 +63,7 @@ def stream(
         raise InvalidParameter(
             "below-minimum",
             "count={count} is below 0",
-            "give the number of worlds, or omit it for endless worlds",
+            "give the number of worlds, or omit it for an unlimited number",
             count=count,
         )
     numbers = rising() if count is None else range(count)

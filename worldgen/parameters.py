@@ -225,7 +225,8 @@ class Parameter:
             owner: Owner of the parameter, for messages.
 
         Raises:
-            InvalidParameter: If the word is not a value of the parameter's type, or is missing.
+            InvalidParameter: If the word is missing,
+                or is not a valid value of the parameter's type.
         """
         # A switch needs no value.
         kind = self.kind
@@ -420,7 +421,7 @@ def parse_options(
     """Parse the values of options from :func:`split_options`.
 
     Raises:
-        InvalidParameter: If an option is unknown, or its text is not a value of it.
+        InvalidParameter: If an option is unknown, or its text is not a valid value.
     """
     known = tuple(known)
     found = {}

@@ -109,7 +109,7 @@ class RandomStream:
                 return product >> 64
 
     def between(self, low: int, high: int) -> int:
-        """Return an integer in [low, high], both ends included."""
+        """Return an integer in [low, high], including both ends."""
         return low + self.below(high - low + 1)
 
     def uniform(self, low: float, high: float) -> float:

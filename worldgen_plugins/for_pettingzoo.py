@@ -1,7 +1,7 @@
 """A PettingZoo environment: several robots in one world, each to its own target.
 
-``from worldgen_plugins.for_pettingzoo import FleetEnv``. The robots move as in ``worldgen run``: all
-at the same time, with exact contacts. One that has reached its target parks there, is done, and
+``from worldgen_plugins.for_pettingzoo import FleetEnv``. The robots move as in ``worldgen run``:
+all at the same time, with exact contacts. One that has reached its target parks there, is done, and
 stays in the way of the others.
 """
 

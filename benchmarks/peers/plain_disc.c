@@ -41,7 +41,8 @@ static double clamp(double value, double low, double high)
     return value > high ? high : value;
 }
 
-// Narrows [enter, leave] to the part where a coordinate is between two bounds; returns 0 if that part is empty.
+// Narrows [enter, leave] to the part where a coordinate is between two bounds;
+// returns 0 if that part is empty.
 static int clip(double place, double way, double low, double high, double *enter, double *leave)
 {
     if (way == 0.0) {

@@ -16,7 +16,7 @@ from worldgen.support.bounds import Bounds
 __all__ = ["MOST_ROBOTS", "CampaignOptions", "SearchOptions"]
 
 MOST_ROBOTS = 100
-"""Limit on the robots in a campaign's worlds; proving that more can arrive takes long."""
+"""Limit on the robots in a campaign's worlds; proving that more can arrive takes a long time."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,8 +58,8 @@ class CampaignOptions(SearchOptions):
         vary: Choose robot_radius, robot_speed, time_step or an option of the motion model at random
             from these values; list the simplest first. May be repeated.
         time_step: Duration of a step, s.  [default: the motion model's]
-        detour: Count a path longer than RATIO times the witness path as a failure; the same as --oracle
-            detour=RATIO.
+        detour: Count a path longer than RATIO times the witness path as a failure; the same as
+            --oracle detour=RATIO.
         shrink: Shrink failures.  [default: yes, but not with --world]
 
     Raises:

@@ -130,7 +130,7 @@ class UnitSearch(ABC, Generic[Result, Event]):
         return ()
 
     def _take_others(self) -> Iterator[Event]:
-        """Take the finished ones of :meth:`_others`."""
+        """Collect the results of :meth:`_others` that are finished."""
         yield from ()
 
     def _has_more_units(self) -> bool:

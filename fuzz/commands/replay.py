@@ -58,7 +58,7 @@ def replay(
 
     A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and
     certificate. Exits with 0 if all are confirmed, with 1 if any of them is not (even if the robot
-    now arrives), with 2 if a file contains no failure.
+    now arrives), with 2 if a file contains no failure or the controller cannot be loaded.
     """
     from fuzz.ci import CiFinding, FindingState, Outputs, Report
     from fuzz.describe import describe

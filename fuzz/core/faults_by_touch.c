@@ -1,4 +1,5 @@
-// Faults in the controllers that follow walls by touch: Bug1 and Bug2. fuzz/faults/by_touch.py describes each fault.
+// Faults in the controllers that follow walls by touch: Bug1 and Bug2.
+// fuzz/faults/by_touch.py describes each fault.
 
 #include <stdbool.h>
 
@@ -14,7 +15,7 @@ static const double STILL_ROUND = 2.0;  // WgBug1Memory.away: the robot is back 
 
 typedef struct StaleRound {
     WgBug1Memory own;
-    double seen_round;  // value of `away` when a round was finished
+    double seen_round;  // value of `away` when a circuit was completed
 } StaleRound;
 
 typedef struct StaleLine {

@@ -183,8 +183,8 @@ static uint64_t joined(uint64_t clear, uint64_t row, uint64_t below, uint64_t ab
 
 int64_t wg_layout_distance(const WgPlaces *places, const uint64_t solid[WG_ROWS])
 {
-    // Rows of corners: clear ones, reached ones, and those reached by the last step. A corner of cell (ix, iy) has the
-    // bit and the row of the cell above and to the right of it.
+    // Rows of corners: clear ones, reached ones, and those reached by the last step. A corner of
+    // cell (ix, iy) has the bit and the row of the cell above and to the right of it.
     uint64_t clear[WG_ROWS] = {0};
     uint64_t reached[WG_ROWS] = {0};
     uint64_t latest[WG_ROWS] = {0};

@@ -1,7 +1,9 @@
-// Converts layout bytes to worlds for the simulator, and determines whether a robot can certainly reach the target.
+// Converts layout bytes to worlds for the simulator, and determines whether a robot can certainly
+// reach the target.
 //
-// A row of cells is one word: bit ix + WG_MARGIN of row iy + WG_MARGIN is 1 if the cell is solid. Everything around a
-// world is solid. fuzz/search/features.py defines the meaning of the bytes; both agree bit for bit.
+// A row of cells is one word: bit ix + WG_MARGIN of row iy + WG_MARGIN is 1 if the cell is solid.
+// Everything around a world is solid. fuzz/search/features.py defines the meaning of the bytes;
+// both agree bit for bit.
 
 #ifndef WG_LAYOUTS_H
 #define WG_LAYOUTS_H
@@ -44,15 +46,15 @@ WgPlaces wg_layout_places(const uint8_t *layout);
 // Draws a layout's cells as rows of bits.
 void wg_layout_draw(const uint8_t *layout, uint64_t solid[WG_ROWS]);
 
-// Writes cells and masks of a drawn world into an arena of its size, and clears the record of visited cells.
-// Returns the number of solid cells.
+// Writes cells and masks of a drawn world into an arena of its size, and clears the record of
+// visited cells. Returns the number of solid cells.
 int64_t wg_layout_fill(const uint64_t solid[WG_ROWS], WgArena *arena);
 
-// Returns the number of steps of one cell from a corner of the start's cell to a corner of the target's, along corners
-// of four free cells; -1 if there is no such path.
+// Returns the number of steps of one cell from a corner of the start's cell to a corner of the
+// target's, along corners of four free cells; -1 if there is no such path.
 //
-// A disc that fits at start and target, with a radius of at most one cell, can follow this path, because no solid cell
-// is nearer to it than a whole cell.
+// A disc that fits at start and target, with a radius of at most one cell, can follow this path,
+// because no solid cell is nearer to it than a whole cell.
 int64_t wg_layout_distance(const WgPlaces *places, const uint64_t solid[WG_ROWS]);
 
 #endif

@@ -8,13 +8,15 @@
 #include "layouts.h"
 #include "wg_looks.h"
 
-// Draws the world of a run and packs it if a robot can certainly reach the target; otherwise returns false.
+// Draws the world of a run and packs it if a robot can certainly reach the target;
+// otherwise returns false.
 bool wg_look_open(WgSeat *seat, int64_t run);
 
 // Notes the result of a run that has ended.
 void wg_look_close(WgSeat *seat);
 
-// Prepares the notes on a robot that loops, or has spent its budget, and is watched for further steps.
+// Prepares the notes on a robot that loops, or has spent its budget,
+// and is watched for further steps.
 void wg_look_watch(WgSeat *seat);
 
 // Returns true if a robot is watched for another step, and notes its heading before that step.

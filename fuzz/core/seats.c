@@ -237,7 +237,8 @@ static void note_crash(WgSeat *seat)
     look->closer = 0;
 }
 
-// Runs the robot of a C function's controller for at most this many more steps; returns the number done.
+// Runs the robot of a C function's controller for at most this many more steps;
+// returns the number done.
 static int64_t watch(WgSeat *seat, int64_t most_steps, bool *over)
 {
     WgEpisode *episode = seat->episode;

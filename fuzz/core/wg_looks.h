@@ -1,9 +1,10 @@
 // Screening: many worlds from layout bytes, each with one run of a controller.
 //
-// A seat holds one robot and its world. A controller that is a C function runs in one seat, in one world
-// after another (wg_looks_run). For others the core stops wherever the controller must act: with one seat for a
-// controller that drives one robot (wg_seat_step), with many for one that drives many at the same time
-// (wg_seats_act). Arrays belong to the caller and must outlive the seats.
+// A seat holds one robot and its world. A controller that is a C function runs in one seat, in one
+// world after another (wg_looks_run). For others the core stops wherever the controller must act:
+// with one seat for a controller that drives one robot (wg_seat_step), with many for one that
+// drives many at the same time (wg_seats_act). Arrays belong to the caller
+// and must outlive the seats.
 
 #ifndef WG_LOOKS_H
 #define WG_LOOKS_H
@@ -109,41 +110,45 @@ WgStatus wg_seat_new(WgLooks *looks, const WgController *controller, WgSeat **ma
 
 void wg_seat_free(WgSeat *seat);
 
-// For memory of the caller: returns the sizes of three blocks in bytes; the first two must contain zeros.
+// For memory of the caller: returns the sizes of three blocks in bytes;
+// the first two must contain zeros.
 WgStatus wg_seat_sizes(const WgLooks *looks, const WgController *controller, int64_t sizes[3]);
 
 // Makes a seat in such blocks. Nothing in it needs to be freed.
 WgSeat *wg_seat_place(void *const blocks[3], WgLooks *looks, const WgController *controller);
 
-// Draws worlds from run `at` on, up to the next in which a robot can certainly reach the target, and gives it to the
-// seat. Returns its number, which is then the value of `at`; -1 if no run is left.
+// Draws worlds from run `at` on, up to the next in which a robot can certainly reach the target,
+// and gives it to the seat. Returns its number, which is then the value of `at`;
+// -1 if no run is left.
 int64_t wg_seat_next(WgSeat *seat);
 
-// Gives a run's world to the seat, without changing the next run. Returns false if no path was found.
+// Gives a run's world to the seat, without changing the next run.
+// Returns false if no path was found.
 bool wg_seat_open(WgSeat *seat, int64_t run);
 
 // Puts the robot at its start.
 WgStatus wg_seat_begin(WgSeat *seat);
 
-// Applies the command if the controller had to act, and continues until it must act again (WG_ACTS) or the run is
-// noted (WG_OVER). seat->watch tells whether the robot is only watched.
+// Applies the command if the controller had to act, and continues until it must act again (WG_ACTS)
+// or the run is noted (WG_OVER). seat->watch tells whether the robot is only watched.
 int64_t wg_seat_step(WgSeat *seat);
 
 // Is a WgStop; its subject is a WgSeat.
 int64_t wg_seat_stop(void *subject);
 
-// For a controller that is a C function: starts at run `at` and takes this many steps or slightly more. Returns
-// WG_OVER when all runs are noted, else WG_GOES_ON.
+// For a controller that is a C function: starts at run `at` and takes this many steps or slightly
+// more. Returns WG_OVER when all runs are noted, else WG_GOES_ON.
 int64_t wg_looks_run(WgSeat *seat, int64_t most_steps);
 
 // Does the same in another process; takes a seat and the number of steps.
 int64_t wg_call_looks(const WgCall *call);
 
-// Notes that the controller failed in the current run, after the process that ran it has ended. Returns false if there
-// is no current run.
+// Notes that the controller failed in the current run, after the process that ran it has ended.
+// Returns false if there is no current run.
 bool wg_looks_fail(WgSeat *seat);
 
-// Gives each seat the next world, in order, and moves those whose robot must act to the front; returns their number.
+// Gives each seat the next world, in order, and moves those whose robot must act to the front;
+// returns their number.
 int64_t wg_seats_board(WgSeat **seats, int64_t count);
 
 // Copies the senses and memories of the first `count` seats.
@@ -155,14 +160,15 @@ int64_t wg_seats_board(WgSeat **seats, int64_t count);
 void wg_seats_sense(WgSeat **seats, int64_t count, double *observations, double *memories,
                     int64_t *numbers, uint8_t *fresh);
 
-// Continues the first `count` seats with commands and memories, each until its controller must act again (in the next
-// world if its run has ended). Seats without a world move to the end; returns the number of seats that have one.
+// Continues the first `count` seats with commands and memories, each until its controller must act
+// again (in the next world if its run has ended). Seats without a world move to the end; returns
+// the number of seats that have one.
 //
 // commands: (count, 3) speed, turn rate, and whether the random number was used.
 int64_t wg_seats_act(WgSeat **seats, int64_t count, const double *commands, const double *memories);
 
-// For tests: draws a layout into the arena of a seat, and notes the facts about its world. Returns the number of
-// solid cells.
+// For tests: draws a layout into the arena of a seat, and notes the facts about its world. Returns
+// the number of solid cells.
 int64_t wg_look_draw(const uint8_t *layout, WgSeat *seat, WgLook *look);
 
 #endif

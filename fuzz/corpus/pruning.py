@@ -17,7 +17,7 @@ __all__ = ["Judgement", "judge_all", "remove"]
 
 @dataclass(frozen=True)
 class Judgement:
-    """The decision whether a failure stays in the corpus.
+    """The decision on whether a failure stays in the corpus.
 
     Args:
         entry: The failure.

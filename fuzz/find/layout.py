@@ -89,7 +89,7 @@ class Layout:
         return replace(self.empty, walls=walls)
 
     def drawn(self) -> tuple[Box, ...]:
-        """Return every box, mirror images included."""
+        """Return every box, including mirror images."""
         if not self.mirror:
             return self.boxes
         return (*self.boxes, *(_mirrored(box, self.empty.width) for box in self.boxes))

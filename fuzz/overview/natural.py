@@ -85,7 +85,7 @@ class NaturalRuns:
 
     @property
     def percent(self) -> int:
-        """Share of worlds in which the robot arrives, in whole percent: 100 only if it is all."""
+        """Share of worlds in which the robot arrives, in whole percent; 100 only if it is all of them."""
         return min(round(100 * self.arrived / self.worlds), 99 + (self.arrived == self.worlds))
 
     def count(self, case: Case, family: str, episode: Episode, cause: Cause | None) -> None:
@@ -145,7 +145,7 @@ def natural_families(chosen: Sequence[str]) -> list[str]:
 
     Returns:
         The chosen families, or all for one robot that come with worldgen or are installed. Empty
-        if only strategies were chosen that draw no family.
+        if none of the chosen strategies draws from a family.
     """
     if not chosen:
         return [name for name in FAMILIES.names() if not FAMILIES.get(name).places_robots]

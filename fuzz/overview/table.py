@@ -21,7 +21,8 @@ __all__ = [
 
 _Count = Annotated[int, msgspec.Meta(ge=0)]
 
-# In a file: a failure of the campaign, or its original before shrinking; nothing outside its folder.
+# In a file: a failure of the campaign, or its original before shrinking;
+# nothing outside its folder.
 _File = Annotated[
     str, msgspec.Meta(pattern=rf"^(({re.escape(MEMORY)}/failures/)?[^/\\]+\.grid)?\Z")
 ]

@@ -22,7 +22,7 @@ __all__ = ["Headline", "describe_coverage", "describe_rate", "overview_lines"]
 # whole campaign, this makes fifteen.
 _MOST_IN_SHORT = 2
 
-# What can depend on a wall or a number; an error of the controller or a rule of the user's does not.
+# Failures that can depend on a wall or a number; controller errors and the user's rules do not.
 _EXPLAINED = (
     Severity.THROUGH_WALLS,
     Severity.HARMED,
@@ -30,8 +30,8 @@ _EXPLAINED = (
     Severity.TOO_SLOW,
 )
 
-# A robot arrives rarely if its rate of arrival is certainly below the first, and nearly always if it
-# is certainly above the second.
+# A robot arrives rarely if its rate of arrival is certainly below the first, and nearly always if
+# it is certainly above the second.
 _RARE = 0.5
 _NEARLY_ALWAYS = 0.95
 

@@ -23,7 +23,7 @@ __all__ = ["BLOCKED", "CELL", "DEGREE", "EDGE", "NODE", "PLACE", "PLAN", "drawn_
 
 BLOCKED, CELL, PLAN, PLACE, NODE, EDGE, DEGREE = range(7)
 """Kinds of shapes: a blocked line, an occupied rectangle, part of the plan, a remembered point, a place
-of a graph, a way between two of them, and a rectangle with a degree."""
+of a graph, an edge between two of them, and a rectangle with a degree."""
 
 KINDS = ("blocked", "cell", "plan", "place", "node", "edge")
 """Their names in the page; the numbers after them are degrees."""

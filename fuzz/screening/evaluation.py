@@ -401,7 +401,7 @@ class _Packed:
         alone = OneByOne(self.controller, batch, world)
         if isinstance(self.controller, ProcessController):
             if self.controller.offer is None:
-                # Its first answer may make an offer.
+                # Its first answer may offer to act for many robots.
                 alone.run(1)
             begun = batch.at
             if screen_in_batch(self.controller, batch):

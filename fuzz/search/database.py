@@ -16,7 +16,7 @@ __all__ = ["Failed", "exception_of", "remembered"]
 
 
 def remembered(config: CampaignConfig, strategy: str) -> ExampleDatabase:
-    """Return the database of a strategy, under a key of everything that decides what examples mean.
+    """Return the database of a strategy; its key covers everything that gives examples a meaning.
 
     Raises:
         OutputError: If the folder cannot be made.

@@ -206,7 +206,7 @@ class StillFails:
         return episode.verdict == self.verdict and self._is_same_manner(manner)
 
     def _seems_so(self, world: World, options: RunOptions) -> bool:
-        """Return True if a run ends as it should; of several robots, its proof is included."""
+        """Return True if a run ends as it should, with its proof if there are several robots."""
         if not world.others:
             takes_several = self.verdict in (*JOINT_LOOPS, Verdict.COLLISION)
             return not takes_several and self._ends_so(self._run(world, options))

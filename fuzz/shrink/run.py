@@ -96,7 +96,7 @@ def shrink(
         The shrunk failure.
 
     Raises:
-        InvalidParameter: If it does not fail (any more), or ``keep`` is unknown.
+        InvalidParameter: If it does not fail, or no longer fails, or ``keep`` is unknown.
     """
     if keep not in KEEP:
         raise InvalidParameter(
@@ -200,7 +200,7 @@ class _Reducer:
                 self._best = self._begin
 
     def _stopping(self) -> contextlib.AbstractContextManager[None]:
-        """Let the deadline end even the current trial, which takes long with a slow controller."""
+        """Let the deadline end even the current trial, which can be long with a slow controller."""
         end = self._deadline
         return (
             contextlib.nullcontext()

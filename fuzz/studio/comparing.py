@@ -96,7 +96,7 @@ class CompareAnswers(Opened):
 
 
 def _counted(message: Message, name: str, most: int) -> Sequence[object]:
-    """Return a list of the message that has 1 to ``most`` entries."""
+    """Return a list from the message; it must have 1 to ``most`` entries."""
     found: Sequence[object] = field(message, name, list)
     if not 1 <= len(found) <= most:
         raise InvalidParameter(

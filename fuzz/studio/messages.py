@@ -209,8 +209,7 @@ def restored(message: Mapping[str, Any]) -> World:
         raise InvalidWorld(
             "other-robots",
             "the file has {robots} robots, and the studio cannot reposition the others when you "
-            "resize "
-            "the world",
+            "resize the world",
             "undo the change of size, or open a copy with a single [[robot]]",
             robots=len(opened.robots),
         )

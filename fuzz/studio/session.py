@@ -28,7 +28,7 @@ PROTOCOL = 3  # increased whenever an older page would not understand
 _REPLACED = frozenset(
     {"compare", "decide", "edits", "generate", "measure", "run", "signal", "watch", "widest"}
 )
-# Requests that run controllers or take long, and write nothing, can be ended.
+# Requests that run controllers or take a long time, and write nothing, can be ended.
 _ENDED = _REPLACED | {"before", "drive", "hello", "look", "picture"}
 # Seconds in which a replaced request may finish, because starting a new process takes longer.
 _PATIENCE = 0.7

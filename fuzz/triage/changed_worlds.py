@@ -80,10 +80,10 @@ def fails_by_timing(world: World, arrives: Arrives) -> bool:
 
 
 def needs_a_wider_gap(world: World, place: tuple[float, float], arrives: Arrives) -> bool:
-    """Return True if the robot does not go where it has little room, although it fits.
+    """Return True if the robot avoids narrow places although it fits through them.
 
-    That is the case if every path from the place that it gets to is narrow, and all robots below
-    some smaller radius arrive.
+    That is the case if every path from the place that it reaches is narrow,
+    and all robots below some smaller radius arrive.
 
     Args:
         world: The world.

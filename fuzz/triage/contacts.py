@@ -134,7 +134,7 @@ class WallBearings:
 
         Returns:
             (n,) rad, from -pi to pi; 0 is ahead, and positive on the left. 0 if no wall is near
-            enough: the motion model then looked further ahead than the robot is.
+            enough, because the motion model looked beyond the robot's position.
 
         Raises:
             OutOfTime: If there is no more time.

@@ -49,7 +49,8 @@ _RESTLESS = 0.2
 # below it.
 _OFTEN_AROUND = 0.1
 
-# Cells between two touches. A wall follower touches its wall at least once a cell, corners included.
+# Cells between two touches. A wall follower touches its wall at least once per cell,
+# even at corners.
 _ALONG = 1.0
 
 # Cells from the edges of robot and target: the closest it gets, and the farthest away it ever is.
@@ -246,16 +247,16 @@ def _of_behaviour(seen: RepeatedPart) -> Cause:
     at_one_place = seen.extent <= _ONE_PLACE
     turns_around = seen.about_faces > 0.0
 
-    # At one place, or turning all the time: it follows nothing and aims at nothing. At a wall, every
-    # robot turns, so there only a turn around counts.
+    # At one place, or turning all the time: it follows nothing and aims at nothing. At a wall,
+    # every robot turns, so there only a turn around counts.
     if at_one_place and seen.touching == 1.0 and not turns_around:
         return Cause.PUSHES_A_WALL
     restless = seen.turning >= _RESTLESS and (turns_around or seen.touching < _MOSTLY)
     if restless or (at_one_place and turns_around):
         return Cause.TURNS_BACK_AND_FORTH
 
-    # The robot is next to the target with nothing in between and hardly touches walls, so they are not the
-    # reason.
+    # The robot is next to the target with nothing in between and hardly touches walls, so they are
+    # not the reason.
     near = seen.nearest <= seen.reach + _CLOSE and seen.farthest <= seen.reach + _NEARBY
     if near and not seen.is_blocked and seen.touching < _RARELY:
         return Cause.MISSES_THE_TARGET

@@ -1,7 +1,7 @@
-"""Describe in a sentence what a robot does in one period of its loop, as it decides and touches walls.
+"""Describe one period of a robot's loop in a sentence: its turns and the walls that it touches.
 
-A cause names a behaviour; the moves show the decision behind it: to which side the robot turns after
-which touch, and by how much.
+A cause names a behaviour; the moves show the decision behind it: to which side the robot turns
+after which touch, and by how much.
 """
 
 from __future__ import annotations
@@ -27,39 +27,53 @@ __all__ = ["describe_period"]
 # A longer list of moves is harder to read than a summary.
 _MOST_MOVES = 8
 
-# Degrees in one step: less is straight on, more turns the robot around.
+# Degrees in one step: below the first the robot drives straight on,
+# above the second it turns around.
 _STRAIGHT = 2.0
 _AROUND = 160.0
 
-# Robot radii: a robot that moves less while it turns, turns on the spot.
+# Share of a step's length that must lead against the heading for the robot to drive backwards: a
+# wall may bend the step.
+_BACKWARDS = 0.5
+
+# Robot radii; a robot that moves less than this while turning is said to turn on the spot.
 _ON_THE_SPOT = 0.5
 
-# Degrees between the heading and a wall: up to the first the wall is ahead, up to the second it is
-# ahead on one side, up to the third on that side, beyond behind.
+# Degrees between the heading and a wall: up to the first, the wall is ahead; up to the second,
+# ahead on one side; up to the third, on that side; beyond that, behind.
 _AHEAD = 30.0
 _HALF_AHEAD = 65.0
 _BESIDE = 125.0
 
-# Share of the touches of a period above which their side is that of the period.
+# Minimum share of a period's touches that must be on one side for that side to be named.
 _MOSTLY = 0.8
 
 
 @dataclass
 class _Move:
-    """Consecutive steps that turn to the same side, or not at all.
+    """Consecutive steps that turn to the same side, or not at all, and drive in one direction.
 
     Args:
         steps: Number of steps.
         turn: Total turn, degrees; left is positive.
         length: Path length, m.
-        begins_at: Where the wall is that the robot has just begun to touch before it moves, in
-            words; empty if it touches none, or still the same.
+        backwards: True if the robot drives backwards.
+        pushes: True if a wall stops the robot altogether.
+        begins_at: Direction, in words, of the wall that the robot has just begun to touch before it
+            moves; empty if it touches none, or still the same one.
     """
 
     steps: int
     turn: float
     length: float
+    backwards: bool
+    pushes: bool
     begins_at: str = ""
+
+    def goes_on(self, turn: float, length: float, backwards: bool) -> bool:
+        """Return True if a step is part of this move; one in place may be part of any."""
+        drives_alike = not length or not self.length or backwards == self.backwards
+        return drives_alike and _side(turn) == _side(self.turn)
 
 
 def describe_period(world: World, episode: Episode) -> str:
@@ -113,28 +127,39 @@ def _moves(bearings: WallBearings, trace: Trace, first: int, last: int) -> Itera
     turns = _turns(trace, np.arange(first, last))
     for step in in_time(range(first, last)):
         turn = float(turns[step - first])
-        length = math.hypot(trace.x[step + 1] - trace.x[step], trace.y[step + 1] - trace.y[step])
-        # The controller senses a touch after the step, and answers it in the next one.
+        dx = float(trace.x[step + 1] - trace.x[step])
+        dy = float(trace.y[step + 1] - trace.y[step])
+        length = math.hypot(dx, dy)
+        # The wheels drive along the heading that the robot had before it turned.
+        heading = float(trace.heading[step])
+        backwards = dx * math.cos(heading) + dy * math.sin(heading) < -_BACKWARDS * length
+        # The controller senses a touch after the step, and reacts to it in the next one.
         before = last - 1 if step == first else step - 1
         touches_anew = trace.bump[step] and not trace.bump[before]
         in_place = length == 0.0 and trace.bump[step]
         wall = _wall(bearings, step) if touches_anew or in_place else ""
-        if move is not None and not wall and _side(turn) == _side(move.turn):
+        if move is not None and not wall and move.goes_on(turn, length, backwards):
             move.steps += 1
             move.turn += turn
             move.length += length
+            move.backwards |= backwards
             continue
         if move is not None:
             yield move
-        move = _Move(1, turn, length, wall)
+        pushes = not length and bool(trace.bump[step + 1])
+        move = _Move(1, turn, length, backwards, pushes, wall)
     if move is not None:
         yield move
 
 
 def _describe(move: _Move, radius: float) -> str:
     touch = f"with a wall {move.begins_at}, it " if move.begins_at else "it "
+    if _side(move.turn) == 0 and not move.length:
+        return touch + ("pushes against it" if move.pushes else "stays there")
     if _side(move.turn) == 0:
-        return touch + (f"drives {move.length:.2g} m straight on" if move.length else "stays there")
+        return (
+            f"{touch}drives {move.length:.2g} m {'backwards' if move.backwards else 'straight on'}"
+        )
     side = "left" if move.turn > 0.0 else "right"
     amount = f"{abs(move.turn):.0f} degrees {side}"
     if move.steps == 1 and abs(move.turn) >= _AROUND:
@@ -143,13 +168,15 @@ def _describe(move: _Move, radius: float) -> str:
         amount += f" in {move.steps} steps"
     if move.length < _ON_THE_SPOT * radius:
         return f"{touch}turns {amount}"
-    return f"{touch}turns {amount} and drives {move.length:.2g} m"
+    drives = f"drives {move.length:.2g} m" + (" backwards" if move.backwards else "")
+    return f"{touch}turns {amount} and {drives}"
 
 
 def _summary(bearings: WallBearings, trace: Trace, first: int, last: int) -> str:
     """Return the moves of a long period in total: turns, touches and their side.
 
-    A turn answers the touch before it, so turns after a touch are kept apart from the others.
+    A turn is a reaction to the touch before it, so turns after a touch are kept apart
+    from the others.
     """
     steps = np.arange(first, last)
     turns = _turns(trace, steps)

@@ -44,7 +44,8 @@ def failure_class(world: World, episode: Episode) -> str:
     evidence = episode.evidence
     # Several robots: how they block each other, or what the robot did that ended the run.
     if isinstance(evidence, JointLoopEvidence):
-        return _joined(verdict, standoff(evidence), _robots(len(evidence.waiting)))
+        # Without their number: otherwise shrinking could not drop robots that only wait as well.
+        return _joined(verdict, standoff(evidence))
     if isinstance(episode, FleetEpisode):
         number = getattr(evidence, "robot", None)
         if number is not None:
@@ -113,11 +114,6 @@ def is_entered(world: World, trace: Trace, evidence: BurnedEvidence) -> bool:
 
 def _joined(*words: object) -> str:
     return "-".join(str(word) for word in words if word)
-
-
-def _robots(waiting: int) -> str:
-    """Return the number of robots that never arrive, if it is more than one."""
-    return ("", "", "2robots", "3robots", "robots")[min(waiting, 4)]
 
 
 def _touches(count: int) -> str:

@@ -194,7 +194,7 @@ class Surroundings:
         return _within_reach(pieces, pairs, reach)
 
     def _rows(self, pieces: Parts, reach: float) -> tuple[Indices, Ints]:
-        """Return each piece with each row that may be within reach of it, the ring included."""
+        """Return each piece with each row, including the ring, that may be within reach of it."""
         low, high = _ends(pieces.y, pieces.dy)
         first = np.clip(np.floor(low - reach), -1, self.height).astype(np.int64)
         last = np.clip(np.floor(high + reach), -1, self.height).astype(np.int64)

@@ -156,7 +156,7 @@ class _Measured:
     distance: Floats
     # Fraction of the move at which the distance is smallest.
     nearest: Floats
-    # Depth of the centre in the cell, negative outside of it; -inf if it is far away.
+    # Depth of the centre in the cell, negative outside it; -inf if it is far away.
     inside: Floats
 
 

@@ -345,6 +345,6 @@ def called(given: object) -> str:
     if isinstance(given, str):
         return given
     kind = type(given).__name__
-    with user_code(f"controller {kind!r}: looking at its name"):
+    with user_code(f"controller {kind!r}: looking up its name"):
         names = [getattr(given, "name", None), getattr(given, "__name__", None), kind]
     return next(name for name in names if isinstance(name, str))

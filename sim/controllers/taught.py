@@ -140,14 +140,14 @@ def with_numbers(controller: Controller, numbers: tuple[float, ...], name: str) 
         name: Its name from now on.
 
     Raises:
-        InvalidParameter: If it does not learn, or has a different number of learned values, or a number
-            cannot be in its memory.
+        InvalidParameter: If it does not learn, or has a different number of learned values, or a
+            number cannot be in its memory.
     """
     learning = learning_of(controller, name)
     if len(numbers) != learning.count:
         raise InvalidParameter(
             "wrong-size",
-            "{name} has {came} numbers, but the controller learns {count}",
+            "{name} has {came} numbers, but the controller expects {count}",
             "train it again with this version",
             name=name,
             came=len(numbers),

@@ -142,8 +142,8 @@ WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count,
 // Runs at most this many steps.
 int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps);
 
-// For a controller that isn't a C function. Takes its answer, if it had to act; then runs until it must act again,
-// WG_ACTS, or the episode ends, WG_OVER.
+// For a controller that isn't a C function. Takes its answer, if it had to act; then runs until it
+// must act again, WG_ACTS, or the episode ends, WG_OVER.
 int64_t wg_episode_step(WgEpisode *episode);
 
 // The first step from which the states repeat, for an episode that ended as WG_LOOP; otherwise -1.

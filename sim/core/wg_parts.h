@@ -58,7 +58,8 @@ void wg_near_masks(WgGrid grid, int32_t *near);
 // Updates the masks of the cells around a cell with its new state.
 void wg_mark_near(WgGrid grid, int32_t *near, int64_t ix, int64_t iy);
 
-// Fills `clearance` with the chessboard distance, in cells, from each cell to the nearest one that is not free.
+// Fills `clearance` with the chessboard distance, in cells,
+// from each cell to the nearest one that is not free.
 //
 // A point in a cell with distance D is at least D - 1 cells away from every such cell, so most
 // steps need no test of their path. It needs two passes: Rosenfeld and Pfaltz, "Sequential
@@ -68,14 +69,15 @@ void wg_chessboard_clearance(WgGrid grid, int32_t *clearance);
 // Returns true if the disc at (x, y) is clear of every cell in `state`.
 bool wg_disc_is_clear(WgGrid grid, int state, WgDisc disc, int64_t x, int64_t y);
 
-// The first cell in `state`, in row order, that the disc cuts along a segment whose first end is assumed to be clear.
+// The first cell in `state`, in row order, that the disc cuts along a segment whose first end is
+// assumed to be clear.
 WgFound wg_first_not_clear(WgGrid grid, int state, WgDisc disc, WgSegment way);
 
 // Returns true if a segment, or a point if p = q, meets the open inside of a cell.
 bool wg_segment_crosses_box(WgSegment way, int64_t ix, int64_t iy);
 
-// Returns how deep a disc of a radius cuts a cell along a segment; 0 if it does not. If the centre is inside the cell,
-// the cut is the whole radius deep.
+// Returns how deep a disc of a radius cuts a cell along a segment; 0 if it does not. If the centre
+// is inside the cell, the cut is the whole radius deep.
 double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy);
 
 // motion.c
@@ -85,32 +87,36 @@ double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy
 // way:            p is a clear pose; q is where the move leads if there is no obstacle.
 // begin, end: when the move begins and ends, as fractions of the step. wall_friction: fraction of a
 // slide that is lost to the wall, 0 to 1.
-// chain:          the clear lattice points of the path after its start follow from `count` on, WG_MOST_CORNERS at most.
+// chain:          the clear lattice points of the path after its start follow
+//                 from `count` on, WG_MOST_CORNERS at most.
 WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, double end, double wall_friction,
                       WgCorner *chain, int64_t count);
 
-// Moves a disc if it is clear at the end of the move, otherwise not at all. Everything in between is
-// ignored, as in most small simulators: a fast robot passes through walls.
+// Moves a disc if it is clear at the end of the move, otherwise not at all. Everything in between
+// is ignored, as in most small simulators: a fast robot passes through walls.
 WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chain, int64_t count);
 
 // rays.c
 
-// Returns the distance from a place to the first solid cell in a direction; `longest` if that is nearer.
+// Returns the distance from a place to the first solid cell in a direction;
+// `longest` if that is nearer.
 //
-// A ray that runs along a face, or past a single corner, continues; between two cells that touch at a corner it does
-// not. Each distance is one exact difference divided by a direction, so errors do not add up.
+// A ray that runs along a face, or past a single corner, continues; between two cells that touch at
+// a corner it does not. Each distance is one exact difference divided by a direction,
+// so errors do not add up.
 //
 // headings:  the table of wg_heading_table.
 //
-// Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
+// Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing",
+// Eurographics 1987.
 double wg_ray_distance(WgGrid grid, const int64_t *headings, int64_t x, int64_t y, int64_t heading, double longest);
 
-// Returns the number of solid cells that the straight line between two places passes through, not counting its ends'
-// cells.
+// Returns the number of solid cells that the straight line between two places passes through, not
+// counting its ends' cells.
 int64_t wg_walls_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int64_t to_y);
 
-// Returns the number of cells on the straight line between two places that are in smoke, including its ends' cells.
-// Smoke fills `reach` cells around a burning one.
+// Returns the number of cells on the straight line between two places that are in smoke, including
+// its ends' cells. Smoke fills `reach` cells around a burning one.
 int64_t wg_smoke_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int64_t to_y, int64_t reach);
 
 // beams.c: tables that range beams look up in a world that does not change
@@ -129,19 +135,22 @@ WgStatus wg_free_runs(WgGrid grid, uint16_t *runs);
 
 // sense.c
 
-// Fills (2 * WG_TURN,): the cosine of every heading times 2^30, rounded, exactly symmetric under quarter turns and
-// mirrors; then what this rounding left over, times 2^60. No value is near enough to a half for two good mathematics
-// libraries to round it differently.
+// Fills (2 * WG_TURN,): the cosine of every heading times 2^30, rounded, exactly symmetric under
+// quarter turns and mirrors; then what this rounding left over, times 2^60. No value is near enough
+// to a half for two good mathematics libraries to round it differently.
 void wg_heading_table(int64_t *table);
 
-// Heading, in units, of the vector (dx, dy); `otherwise` for the zero vector. It has every mirror symmetry exactly.
+// Heading, in units, of the vector (dx, dy); `otherwise` for the zero vector.
+// It has every mirror symmetry exactly.
 int64_t wg_heading_of(int64_t dx, int64_t dy, int64_t otherwise);
 
-// Heading to the strongest of the nine cells around the robot: to its centre, or to the target in it.
+// Heading to the strongest of the nine cells around the robot: to its centre,
+// or to the target in it.
 //
 // This is the thesis's sensor: a cell's strength falls with the squared distance of its centre from
-// the target (the target's own cell is the strongest), walls and flames carry none, and the first wins a tie, rows
-// from the top, columns from the left. In the thesis the target is a cell's centre; here it may be anywhere.
+// the target (the target's own cell is the strongest), walls and flames carry none, and the first
+// wins a tie, rows from the top, columns from the left. In the thesis the target is a cell's
+// centre; here it may be anywhere.
 int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, int64_t target_y, int64_t heading);
 
 // sure_way.c

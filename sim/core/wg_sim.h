@@ -1,7 +1,8 @@
 // The C core of the simulator.
 //
-// A robot moves on a lattice of poses: WG_UNIT units per cell, WG_TURN headings per turn. x runs right, y up; cells are
-// stored row by row, from the lowest. Arrays belong to the caller, and no function keeps an address after it returns.
+// A robot moves on a lattice of poses: WG_UNIT units per cell, WG_TURN headings per turn. x runs
+// right, y up; cells are stored row by row, from the lowest. Arrays belong to the caller, and no
+// function keeps an address after it returns.
 
 #ifndef WG_SIM_H
 #define WG_SIM_H
@@ -57,7 +58,8 @@ typedef struct WgEvent {
     int64_t state;  // what the cell becomes
 } WgEvent;
 
-// A push: the robot is displaced, only along a clear path, and turned. As rows of (n, 6) int64 in Python.
+// A push: the robot is displaced, only along a clear path, and turned. As rows of (n,
+// 6) int64 in Python.
 typedef struct WgPush {
     int64_t step;  // the step at whose end it happens; 0: each step that ends with the centre in a cell
     int64_t ix;    // that cell; -1 for a push at a time
@@ -130,8 +132,8 @@ typedef struct WgArena {
     uint8_t *visited;          // (height, width) 1 where the centre has been
     const uint8_t *wanted;     // (height, width) 1: a coverage task wants the centre to be there; NULL for other tasks
 
-    // Tables for range beams in a world that does not change; with them a run takes a third of the time. Otherwise all
-    // three are NULL.
+    // Tables for range beams in a world that does not change; with them a run takes a third of the
+    // time. Otherwise all three are NULL.
     const WgRay *rays;      // (8193,) wg_ray_table
     const int64_t *spread;  // (beams,) wg_beam_spread
     const uint16_t *runs;   // (height + 2, width + 2, 4) wg_free_runs

@@ -37,8 +37,8 @@ class FleetEpisode(Episode):
     """What happened in one run of several robots.
 
     ``path_length`` and ``collisions`` are sums over the robots, ``trace_digest`` is the digest of
-    the robots' digests, and ``trace`` is ``None``, because each robot has its own. The other fields,
-    such as ``verdict``, ``steps``, ``time`` and ``evidence``, describe the whole run as in
+    the robots' digests, and ``trace`` is ``None``, because each robot has its own. The other
+    fields, such as ``verdict``, ``steps``, ``time`` and ``evidence``, describe the whole run as in
     :class:`Episode`.
 
     Args:

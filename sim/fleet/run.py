@@ -479,8 +479,7 @@ def _robots_overlap(one: int, other: int) -> InvalidWorld:
     return InvalidWorld(
         "robots-overlap",
         "robots {one} and {other} overlap at the start, where walls keep them from the nearest "
-        "points "
-        "of the pose lattice",
+        "points of the pose lattice",
         "move one of them by a hundredth of a cell",
         one=one + 1,
         other=other + 1,

@@ -15,9 +15,9 @@
 //     }
 //     WG_CONTROLLER(mine, .memory_size = sizeof(WgShared) / sizeof(double), .reset = mine_reset)
 //
-// Sources: Rodney A. Brooks, "A robust layered control system for a mobile robot", IEEE Journal of Robotics and
-// Automation 2 (1986); the thesis on behaviour-based search and rescue robots that this program descends from
-// (2005-2006), sections 3 and 6.
+// Sources: Rodney A. Brooks, "A robust layered control system for a mobile robot", IEEE Journal of
+// Robotics and Automation 2 (1986); the thesis on behaviour-based search and rescue robots that
+// this program descends from (2005-2006), sections 3 and 6.
 
 #ifndef WORLDGEN_BEHAVIOURS_H
 #define WORLDGEN_BEHAVIOURS_H
@@ -34,8 +34,8 @@ extern "C" {
 // No behaviour is in charge.
 static const double WG_NO_BEHAVIOUR = -1.0;
 
-// What all behaviours of a robot can read and change. A memory begins with it, and at reset `behaviour` is
-// WG_NO_BEHAVIOUR.
+// What all behaviours of a robot can read and change. A memory begins with it, and at reset
+// `behaviour` is WG_NO_BEHAVIOUR.
 typedef struct WgShared {
     double behaviour;  // in charge: its index among the parts, or WG_NO_BEHAVIOUR
     double counter;    // steps left before it is done

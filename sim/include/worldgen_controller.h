@@ -1,11 +1,12 @@
 // The interface of a controller written in C or C++: what it observes and what it commands.
 //
-// A shared library offers a controller with WG_CONTROLLER, and it runs as `--controller lib:./robot.so:act`:
+// A shared library offers a controller with WG_CONTROLLER, and it runs as
+// `--controller lib:./robot.so:act`:
 //
 //     cc -std=c17 -O2 -shared -fPIC -I"$(worldgen --include)" robot.c -o robot.so
 //
-// Unless noted otherwise, angles are radians, counter-clockwise, in (-pi, pi], and 0 is the x axis. x points right, y
-// points up, and positions are metres in the world's frame.
+// Unless noted otherwise, angles are radians, counter-clockwise, in (-pi, pi], and 0 is the x axis.
+// x points right, y points up, and positions are metres in the world's frame.
 
 #ifndef WORLDGEN_CONTROLLER_H
 #define WORLDGEN_CONTROLLER_H
@@ -85,13 +86,16 @@ typedef struct WgCommand {
     double *message;     // (WgObservation.message_size,) zeros, to be sent to the neighbours, finite; NULL without a channel
 } WgCommand;
 
-// Acts for one step. All of the controller's state is in `memory`, whose size it declares; only then are loops proved.
+// Acts for one step. All of the controller's state is in `memory`, whose size it declares;
+// only then are loops proved.
 typedef void (*WgAct)(const WgObservation *observation, double *memory, WgCommand *command);
 
-// Fills the memory at the start of an episode, the same each time. The memory is all zeros when this is called.
+// Fills the memory at the start of an episode, the same each time.
+// The memory is all zeros when this is called.
 typedef void (*WgReset)(double *memory);
 
-// What a library declares about a controller. Fields that it omits are 0, with the meaning given here.
+// What a library declares about a controller. Fields that it omits are 0,
+// with the meaning given here.
 typedef struct WgControllerInfo {
     uint32_t abi;         // WG_CONTROLLER_ABI
     uint32_t size;        // sizeof(WgControllerInfo)
@@ -122,8 +126,8 @@ typedef struct WgControllerInfo {
 #define WG_EXPORT WG_VISIBLE
 #endif
 
-// Offers the function `name`, a WgAct, as the controller `lib:./robot.so:name`. The other arguments set fields of
-// WgControllerInfo, in their order:
+// Offers the function `name`, a WgAct, as the controller `lib:./robot.so:name`. The other arguments
+// set fields of WgControllerInfo, in their order:
 //
 //     WG_CONTROLLER(act, .memory_size = 2, .senses = WG_SENSE_TARGET_HEADING | WG_SENSE_BEAMS, .beams = 36)
 //

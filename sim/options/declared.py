@@ -80,7 +80,7 @@ class OptionSet:
             also: Options of the controller's own, to suggest as well.
 
         Raises:
-            InvalidParameter: If the option is unknown, or the text is not a value of it.
+            InvalidParameter: If the option is unknown, or the text is not a valid value.
         """
         if name in cls.TOGETHER and text in (None, "true"):
             return dict.fromkeys(cls.TOGETHER[name], True)

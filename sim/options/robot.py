@@ -49,7 +49,8 @@ class RobotOptions(OptionSet):
             for each step.
         sensor_cells: Reach of the signal sensor, cells around its own, 1 to 10; 1 sees eight cells.
         sensor_range: Distance from the target beyond which there is no signal, m; 0 means no limit.
-        sensor_field: Field of view of the signal sensor, centred on the heading; 0 means all around.
+        sensor_field: Field of view of the signal sensor, centred on the heading;
+            0 means all around.
         sensor_noise: Largest share by which a signal strength is wrong, 0 to 1, drawn for each cell
             and step.
         signal: Effect of walls on the signal's straight line from the target: none (``open``),
@@ -59,8 +60,8 @@ class RobotOptions(OptionSet):
             included.
         beams: Number of range beams, 0 to 1000.
         beam_range: Longest distance that a beam measures, m.
-        beam_field: Angle between the first and the last beam, centred on the heading; 0 spreads them
-            evenly over a full turn, the first ahead, the others counter-clockwise.
+        beam_field: Angle between the first and the last beam, centred on the heading; 0 spreads
+            them evenly over a full turn, the first ahead, the others counter-clockwise.
         beam_noise: Largest share by which a distance is wrong, 0 to 1, drawn for each beam and
             step.
         beam_dropout: Probability, 0 to 1, that a beam returns nothing.

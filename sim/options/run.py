@@ -267,7 +267,7 @@ def step_budget(world: World, run: RunOptions) -> int:
 
     Args:
         world: The world, with its certificate.
-        run: Options of the run, of which the budget itself does not matter.
+        run: Options of the run; its own budget is ignored.
 
     Raises:
         InvalidWorld: If a world that changes is to be covered.

@@ -36,7 +36,7 @@ _READ_BY = {
     "odometry_noise": ("odometry_x", "odometry_y", "odometry_heading"),
     "coin": ("random",),
 }
-# Options that only shape another one, which is off.
+# Options that only adjust another one, by name; they do nothing if that one is off.
 _SHAPES = (
     dict.fromkeys(_BEAMS[1:], "beams")
     | dict.fromkeys(_NEIGHBOURS[1:], "neighbour_range")
@@ -52,8 +52,8 @@ def ineffective(scenarios: Iterable[Scenario], *, seeds: Sequence[str] = ()) -> 
 
     Args:
         scenarios: The scenarios that are run.
-        seeds: Names of the options for seeds that were given; the first is reported as idle if no
-            run draws numbers.
+        seeds: Names of the options for seeds that were given; the first is reported as unused
+            if no run draws numbers.
     """
     runs = tuple(scenarios)
     sentences = [

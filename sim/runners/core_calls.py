@@ -361,7 +361,7 @@ class CoreEpisode(EpisodeHandle):
     Attributes:
         words: Words of the complete state.
         guarded: Address of the controller's function if it runs in another process, else 0. In
-            that case everything that a call takes, the settings included, must be in
+            that case everything that a call takes, including the settings, must be in
             :data:`sim.controllers.shared.guarded.SHARED`.
         fault: How the controller failed in another process; ``None`` if it did not.
 

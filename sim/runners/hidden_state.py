@@ -130,7 +130,7 @@ def _data_of_class(kind: type) -> list[Any]:
 
 
 def _data_of_functions(things: Iterable[Any]) -> list[Any]:
-    """Return what may change of each function: its defaults, attributes and enclosing variables."""
+    """Return the parts of functions that can change: defaults, attributes, enclosing variables."""
     functions = [getattr(thing, "__func__", thing) for thing in things]
     return [
         [

@@ -1,6 +1,7 @@
 """Run a compiled controller portion by portion, holding the states of only one portion.
 
-The states of a run that is too long to hold them all are restored this way whenever they are needed.
+The states of a run that is too long to hold them all are restored this way whenever they are
+needed.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Begin each run with a controller that no earlier run has changed.
 
-A class that follows the contract clears all of its state in ``reset``. If another one were used
-again and again, its runs would depend on the runs before, and no file could replay them.
+A class that follows the contract clears all of its state in ``reset``. If one that does not were
+reused, its runs would depend on earlier ones, and no file could replay them.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def as_loaded(name: str) -> Controller:
         place = own_words(name)[0].rpartition(":")[0]
         file = CONTROLLERS.source(name)
         has_changed = has_shared_state_changed(found, hidden_state(found))
-        # Installed modules have been imported for good.
+        # Installed modules stay imported, so only the user's own file can be loaded again.
         if has_changed and place.endswith(".py") and file is not None and _is_unedited(file):
             CONTROLLERS.forget(place)
     return CONTROLLERS.get(name)
@@ -104,14 +104,14 @@ def reset_anew(
     if origin is not None and left:
         controller = origin.another()
         memory = None if plans else reset(controller)
-        # What differs in a new instance, too, was not left by a run.
+        # An attribute that also differs in a new instance was not left by a run.
         origin.varying |= _left_in(controller, origin)
         count_survivors(f"self.{name}" for name in left - origin.varying)
     return controller, reset(controller) if memory is None else memory
 
 
 def _left_in(controller: object, origin: InstanceOrigin) -> set[str]:
-    """Return the attributes that are not as when the first run began."""
+    """Return the attributes that have changed since the first run began."""
     now = own_attributes(controller)
     if origin.own is None:
         origin.own = now

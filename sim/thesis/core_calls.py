@@ -114,7 +114,7 @@ class ThesisEpisode:
         self.cells = np.array(cells, np.int32, order="C")
         self.visited = np.zeros(cells.shape, np.uint8)
         self.setup = setup
-        # C keeps addresses only, so the arrays must stay alive here.
+        # C only keeps addresses, so the arrays must stay alive here.
         self._light = np.ascontiguousarray(light, np.int32)
         self._events = np.ascontiguousarray(events, np.int64).reshape(-1, 4)
         seeks = setup.find_loop == lib.WG_SEEK_LOOP

@@ -1,7 +1,8 @@
 """Options of the thesis's simulator.
 
-They cover the settings of the thesis's program, and work that its author left to be done. The defaults
-reproduce the program as it was. ``docs/explanation/thesis.md`` gives the origin of each option.
+They cover the settings of the thesis's program, and work that its author left to be done. The
+defaults reproduce the program as it was. ``docs/explanation/thesis.md`` gives the origin of each
+option.
 """
 
 from __future__ import annotations

@@ -311,7 +311,7 @@ class ThesisRun:
         )
 
     def _cell(self, place: Any) -> tuple[int, int]:
-        """Return a place's cell in the world's frame; the added border is just outside of it."""
+        """Return a place's cell in the world's frame; the added border is just outside it."""
         return place.x - self._pad, self._row(place.y)
 
     def _row(self, row: int) -> int:

@@ -1,4 +1,4 @@
-"""An environment's episode is the simulator's run of the same actions, to the bit."""
+"""An environment's episode is the simulator's run of the same actions, bit for bit."""
 
 from dataclasses import dataclass
 

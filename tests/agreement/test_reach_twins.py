@@ -1,4 +1,4 @@
-"""The prover's C finds the same as the reference, to the bit.
+"""The prover's C gives the same results as the reference, bit for bit.
 
 Parts of both are compared with brute force.
 """

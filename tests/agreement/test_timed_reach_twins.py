@@ -1,4 +1,4 @@
-"""In worlds that change, the prover's C finds the same as the reference, to the bit."""
+"""In worlds that change, the prover's C gives the same results as the reference, bit for bit."""
 
 import numpy as np
 import pytest

@@ -48,5 +48,5 @@ def test_an_edited_controller_runs_at_once_and_a_fault_is_shown_where_it_is(brow
         assert page.locator(".stage.stale").count() == 1
         page.locator("#run-edited").click()
         page.locator(".result", has_text="loop").wait_for()
-        page.locator("#code-note", has_text="as it is now").wait_for()
+        page.locator("#code-note", has_text="the current code").wait_for()
         assert page.complaints == []

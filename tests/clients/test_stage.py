@@ -22,8 +22,7 @@ from worldgen.lattice import heading_to_lattice, metres_to_lattice
 
 WHY = (
     "Stage is not here, so it did not judge what export writes; build github.com/rtv/Stage with "
-    "cmake "
-    "-DBUILD_PLAYER_PLUGIN=OFF -DCMAKE_INSTALL_PREFIX=$WORLDGEN_CLIENTS/stage"
+    "cmake -DBUILD_PLAYER_PLUGIN=OFF -DCMAKE_INSTALL_PREFIX=$WORLDGEN_CLIENTS/stage"
 )
 
 

@@ -294,7 +294,7 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
         1,
     )
     assert describe_units(cut) == (
-        "2 whole units and 1 cut short and 1 that learned too little from those"
+        "2 whole units and 1 cut short and 1 that learned too little from them"
     )
     (stopped, _) = left("stopped")
     (state, _) = left("never")

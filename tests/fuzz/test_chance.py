@@ -383,6 +383,5 @@ def test_seeds_are_told_where_all_cannot_be_looked_at():
     )
     assert words == (
         "undecided: why; 3 of 40 seeds fail, so at least a share of 0.0157 of all seeds fails, "
-        "with "
-        "95 % confidence"
+        "with 95 % confidence"
     )

@@ -233,7 +233,7 @@ def test_a_run_is_an_animated_picture(tmp_path):
 
 @pytest.fixture(scope="module")
 def patient(tmp_path_factory):
-    """A failure whose budget of 30 steps is not that of the world."""
+    """A failure whose budget of 30 steps differs from the world's."""
     world = certified(cup())
     failure = failure_of(world, Scenario("turn-right"), steps=20_000)
     record = {**failure.record.parameters, "steps": 30}

@@ -17,7 +17,7 @@ from fuzz.evidence_checks import check_fleet
 from fuzz.failure import Failure
 from fuzz.oracles import Trial
 from fuzz.search.drawn import explore, strategy_worlds
-from fuzz.shrink import removable, shrink
+from fuzz.shrink import KEEP, removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import scenarios_in
 from fuzz.triage.cause import Cause
@@ -76,7 +76,7 @@ def joint_loop(**changes: object) -> JointLoopEvidence:
 def test_two_robots_that_block_each_other_are_a_failure_with_a_joint_witness() -> None:
     failure = deadlock()
     assert failure.verdict == Verdict.DEADLOCK
-    assert failure.bucket == "deadlock-face-to-face-2robots"
+    assert failure.bucket == "deadlock-face-to-face"
     assert isinstance(failure.world.certificate, JointWitness)
     assert cause_of(failure) == Cause.FACE_TO_FACE
 
@@ -161,7 +161,7 @@ def test_loops_of_robots_that_could_touch_in_a_step_are_not_apart() -> None:
 def test_loops_apart_from_each_other_are_a_failure_that_replays() -> None:
     failure = failure_of(generate("doorway", seed=1, robots=2), Scenario.parse("turn-right"))
     assert failure is not None
-    assert failure.bucket == "livelock-apart-2robots"
+    assert failure.bucket == "livelock-apart"
     assert replay(Failure.of(failure.stored)).confirmed
 
 
@@ -277,6 +277,32 @@ def test_a_campaign_with_two_robots_ends_with_small_proved_failures(tmp_path) ->
     proved = [failure for failure in failures if failure.verdict in JOINT_LOOPS]
     assert min(failure.world.walls.size for failure in proved) <= 40
     assert all(replay(failure).confirmed for failure in failures)
+
+
+def test_a_campaign_keeps_only_the_two_robots_that_block_each_other(tmp_path) -> None:
+    out = tmp_path / "f"
+    result = worldgen(
+        "fuzz", "--family", "doorway", "--family", "junction", "--robots", 3, "--controller",
+        "naive", "--units", 2, "--examples", 25, "--seed", 2, "--workers", 1, "--out", out,
+    )  # fmt: skip
+    assert result.code == 1
+    failures = {path.stem: Failure.read(path) for path in out.glob("*.grid")}
+    assert "deadlock-face-to-face" in failures
+    assert {name: len(failure.world.robots) for name, failure in failures.items()} == dict.fromkeys(
+        failures, 2
+    )
+
+
+@pytest.mark.parametrize("keep", KEEP)
+def test_shrinking_drops_a_robot_that_only_waits_behind_the_two_that_are_needed(keep) -> None:
+    bare = alley().bare
+    # The third robot follows the first one, and stops behind it.
+    follower = Robot(Pose(0.15, 0.1), Target(1.1, 0.1, 0.05))
+    failure = failure_of(bare.with_robots([*bare.robots, follower]), STRAIGHT)
+    assert failure is not None and failure.evidence.waiting == (1, 2, 3)
+    shrunk = shrink(failure, keep=keep).failure
+    assert shrunk.bucket == failure.bucket == "deadlock-face-to-face"
+    assert len(shrunk.world.robots) == 2
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,17 @@ class Pushes(Repeats):
     share_of_speed = 1.0
 
 
+class Shuttles:
+    """Drives forwards and backwards, two steps each."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        speed = observation.top_speed if memory[0] < 2.0 else -observation.top_speed
+        return Command(speed, 0.0), ((memory[0] + 1.0) % 4.0,)
+
+
 class Wags(Repeats):
     """Turns left and right, by a little more each time."""
 
@@ -90,7 +101,8 @@ def run(name, heading=0.0):
         ("Stays", "repeats 1 step (0.015 s, 0 m): it stays there"),
         ("Spins", "repeats 4 steps (0.06 s, 0 m): it turns 360 degrees right in 4 steps"),
         ("Reverses", "it turns around; it stays there; all of this 2 times"),
-        ("Pushes", "repeats 1 step (0.015 s, 0 m): with a wall ahead, it stays there"),
+        ("Pushes", "repeats 1 step (0.015 s, 0 m): with a wall ahead, it pushes against it"),
+        ("Shuttles", "it drives 0.06 m straight on; it drives 0.06 m backwards"),
         (
             "Wags",
             "repeats 10 steps (0.15 s, 0 m): it turns 150 degrees left and 150 degrees right in "

@@ -37,7 +37,7 @@ class Walker:
                 act(self, *found.groups())
                 return
         raise NotUnderstood(
-            f"{sentence!r}: no sentence that a step may have; say it outside of the steps"
+            f"{sentence!r}: no sentence that a step may have; say it outside the steps"
         )
 
     def click(self, role, name):

@@ -1,4 +1,5 @@
-// What pointers and keys do on the drawing board: strokes, what takes them back, and what is seen of it.
+// What pointers and keys do on the drawing board: strokes, how they are cancelled,
+// and what the user sees.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -11,7 +12,7 @@ import { blank } from "./samples.mjs";
 
 const BORDER = 156; // solid cells of an empty world of 40 x 40
 
-/* A board of 508 x 468 pixels, on which the whole world of 40 x 40 cells is shown at 10 pixels a cell. */
+/* A board of 508 x 468 pixels, which shows the whole world of 40 x 40 cells at 10 pixels per cell. */
 function drawing(tool = "brush") {
   element("stage").replaceChildren();
   const canvas = document.createElement("canvas");
@@ -26,7 +27,7 @@ function drawing(tool = "brush") {
   return { draw, canvas, board, model, said, setting };
 }
 
-/* Where the middle of a cell is in the window. */
+/* Returns the position of a cell's middle in the window. */
 const pixel = ([x, y]) => [508 / 2 + (x + 0.5 - 20) * 10, 468 / 2 - (y + 0.5 - 20) * 10];
 
 function drag({ canvas }, from, to, more = {}) {
@@ -48,7 +49,7 @@ function pinch({ canvas }, ...cells) {
   cells.forEach((cell, k) => point(canvas, "pointerup", pixel(cell), { pointerId: k + 1 }));
 }
 
-test("a brush draws, its right button erases, and the eraser's draws", () => {
+test("the brush draws, and erases with the right button; the eraser does the opposite", () => {
   const page = drawing();
   drag(page, [5, 5], [9, 5]);
   assert.equal(page.model.solid, BORDER + 5);
@@ -60,13 +61,13 @@ test("a brush draws, its right button erases, and the eraser's draws", () => {
   assert.equal(page.model.solid, BORDER + 4);
 });
 
-test("a brush leaves no gap however fast it is moved", () => {
+test("a brush leaves no gap, however fast it moves", () => {
   const page = drawing();
   drag(page, [5, 5], [25, 12]);
   assert.equal(page.model.solid, BORDER + 21);
 });
 
-test("a line and an outline are drawn when the button is let go", () => {
+test("a line and an outline are drawn when the button is released", () => {
   const page = drawing("line");
   point(page.canvas, "pointerdown", pixel([5, 10]));
   point(page.canvas, "pointermove", pixel([5, 19]));
@@ -91,7 +92,7 @@ test("a fill and a stamp are one step each", () => {
   assert.equal(page.model.solid, BORDER);
 });
 
-test("a selection is moved with what is in it", () => {
+test("a selection moves with its contents", () => {
   const page = drawing();
   drag(page, [5, 5], [9, 5]);
   page.draw.tool = "select";
@@ -101,7 +102,7 @@ test("a selection is moved with what is in it", () => {
   assert.deepEqual([page.model.world.cells[5 * 40 + 5], page.model.world.cells[15 * 40 + 5], page.model.solid], [0, 1, BORDER + 5]);
 });
 
-test("the start turns towards where it is dragged, by steps of five degrees", () => {
+test("dragging from the start turns it in steps of five degrees", () => {
   const page = drawing("start");
   drag(page, [10, 10], [13, 13]);
   const [x, y, heading] = page.model.world.start;
@@ -109,7 +110,7 @@ test("the start turns towards where it is dragged, by steps of five degrees", ()
   assert.ok(Math.abs(heading - Math.PI / 4) < 1e-6);
 });
 
-test("each drag of the target is undone alone", () => {
+test("each drag of the target is undone separately", () => {
   const page = drawing("target");
   drag(page, [30, 30], [20, 20]);
   drag(page, [25, 25], [10, 10]);
@@ -117,7 +118,7 @@ test("each drag of the target is undone alone", () => {
   assert.deepEqual(page.model.world.target.slice(0, 2), [2.05, 2.05]);
 });
 
-test("with Alt start and target are set anywhere, and never outside", () => {
+test("with Alt, start and target can be anywhere in the world, but never outside", () => {
   const page = drawing("target");
   const [x, y] = pixel([10, 10]);
   for (const [place, there] of [[[x + 2, y], [1.07, 1.05]], [[5000, y], [4, 1.05]]]) {
@@ -127,13 +128,13 @@ test("with Alt start and target are set anywhere, and never outside", () => {
   }
 });
 
-test("what is measured is told in metres", () => {
+test("measurements are shown in metres", () => {
   const page = drawing("measure");
   drag(page, [5, 5], [8, 9]);
   assert.equal(page.said.at(-1), "0.500 m");
 });
 
-test("a tool taken while drawing waits for the end of the stroke", () => {
+test("a tool chosen while drawing waits for the end of the stroke", () => {
   const page = drawing();
   point(page.canvas, "pointerdown", pixel([5, 30]));
   page.draw.tool = "line";
@@ -142,7 +143,7 @@ test("a tool taken while drawing waits for the end of the stroke", () => {
   assert.equal(page.model.solid, BORDER + 5);
 });
 
-test("Escape takes back what was begun by keys, and the next stroke is a new one", () => {
+test("Escape cancels what was begun with keys, and the next stroke is a new one", () => {
   const page = drawing("line");
   keys(page, "Space", "Shift+ArrowRight");
   assert.ok(page.draw.cancel());
@@ -150,7 +151,7 @@ test("Escape takes back what was begun by keys, and the next stroke is a new one
   assert.equal(page.model.solid, BORDER + 2);
 });
 
-test("Escape takes back what a mouse is drawing, and the mouse draws no more until it is pressed again", () => {
+test("Escape cancels what the mouse is drawing, and the mouse draws nothing until it is pressed again", () => {
   const page = drawing();
   point(page.canvas, "pointerdown", pixel([5, 30]));
   point(page.canvas, "pointermove", pixel([9, 30]));
@@ -161,7 +162,7 @@ test("Escape takes back what a mouse is drawing, and the mouse draws no more unt
   assert.equal(page.draw.cancel(), false);
 });
 
-test("a stroke that was taken back leaves what had been undone to be done again", () => {
+test("after a cancelled stroke, earlier undone steps can still be redone", () => {
   const page = drawing();
   drag(page, [5, 5], [9, 5]);
   page.model.undo();
@@ -171,22 +172,22 @@ test("a stroke that was taken back leaves what had been undone to be done again"
   assert.equal(page.model.solid, BORDER + 5);
 });
 
-test("a tool that was begun by keys ends with the board's focus", () => {
+test("a tool begun with keys ends when the board loses focus", () => {
   const page = drawing("line");
   keys(page, "Space", "Shift+ArrowRight");
   page.canvas.blur();
-  keys(page, "ArrowUp", "Space"); // which begins another one
+  keys(page, "ArrowUp", "Space"); // this begins another one
   assert.equal(page.model.solid, BORDER);
 });
 
-test("a pointer that comes down while keys draw begins a stroke of its own", () => {
+test("a pointer pressed while keys draw begins its own stroke", () => {
   const page = drawing("line");
   keys(page, "Space", "Shift+ArrowRight");
   drag(page, [5, 30], [9, 30]);
   assert.equal(page.model.solid, BORDER + 5);
 });
 
-test("two fingers leave what was drawn, the selection and what had been undone", () => {
+test("two fingers change neither the drawing, nor the selection, nor the steps that can be redone", () => {
   const page = drawing();
   for (const x of [5, 10]) drag(page, [x, 20], [x, 20]);
   page.model.undo();
@@ -200,7 +201,7 @@ test("two fingers leave what was drawn, the selection and what had been undone",
   assert.deepEqual(page.board.selection, selection);
 });
 
-test("two fingers move and zoom, and the place between them stays between them", () => {
+test("two fingers move and zoom, and the point between them stays between them", () => {
   const page = drawing();
   const before = page.board.pointAt({ clientX: 254, clientY: 234 });
   point(page.canvas, "pointerdown", [204, 234], { pointerId: 1 });
@@ -213,7 +214,7 @@ test("two fingers move and zoom, and the place between them stays between them",
   assert.equal(page.model.solid, BORDER);
 });
 
-test("the cursor begins in the middle and is told with what is there", () => {
+test("the cursor begins in the middle, and its position and cell are announced", () => {
   const page = drawing();
   keys(page, "ArrowRight", "ArrowRight");
   assert.deepEqual(page.board.cursor, [21, 20]);
@@ -232,7 +233,7 @@ test("the cursor stays in the world", () => {
   assert.deepEqual(page.board.cursor, [39, 0]);
 });
 
-test("the view goes with the cursor, as little as shows it", () => {
+test("the view follows the cursor, just far enough to show it", () => {
   const page = drawing();
   for (let k = 0; k < 6; k += 1) page.board.zoom(1.4);
   keys(page, ...Array(4).fill("Shift+ArrowRight"), "Shift+ArrowUp", "Shift+ArrowUp");
@@ -244,7 +245,7 @@ test("the view goes with the cursor, as little as shows it", () => {
   assert.ok(ix > 30);
 });
 
-test("what a stamp would do is drawn where the cursor is", () => {
+test("a preview of the stamp is drawn at the cursor", () => {
   const page = drawing("stamp");
   keys(page, "ArrowRight");
   assert.equal(page.board.ghost.pattern.width, 12);

@@ -1,4 +1,5 @@
-// Calls functions of the pages for tests in Python: reads [[module, function, arguments], ...] and writes what they give.
+// Calls functions of the pages for tests in Python: reads [[module, function, arguments],
+// ...] and writes their results.
 
 import { readFileSync } from "node:fs";
 import "./stand_in.mjs";

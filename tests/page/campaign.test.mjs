@@ -1,4 +1,4 @@
-// What the campaign page says of a campaign, and what its form asks for.
+// What the campaign page says about a campaign, and what its form requests.
 
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
@@ -34,7 +34,7 @@ function status() {
 
 const smallest = (...failures) => new Map(failures.map((one) => [one.class, one]));
 
-test("line and table name the same classes, and why one has no picture", () => {
+test("the status line and the table have the same classes, and say why one has no picture", () => {
   const { made, rows, line } = status();
   made.show(DONE);
   made.sizes(smallest(A, SLID));
@@ -42,15 +42,15 @@ test("line and table name the same classes, and why one has no picture", () => {
   assert.match(line(), /23 failures met4 classes: 1 known, 1 not kept/);
 });
 
-test("while the folder is being read no class is said to wait for anything", () => {
+test("while the folder is being read, no class is said to wait for anything", () => {
   const { made, rows, line, campaign } = status();
-  campaign.read = 4; // fewer failures than there are
+  campaign.read = 4; // fewer failures than the folder has
   made.show(DONE);
   assert.deepEqual(rows(0).map(([, , size]) => size), ["…", "known", "…"]);
   assert.doesNotMatch(line(), /class/);
 });
 
-test("while it runs what has no picture yet is to be shrunk", () => {
+test("while a campaign runs, classes without a picture are waiting to be shrunk", () => {
   const { made, rows, line } = status();
   made.show(RUNNING);
   made.sizes(smallest(A));
@@ -58,7 +58,7 @@ test("while it runs what has no picture yet is to be shrunk", () => {
   assert.match(line(), /^Searching.*unit 2 of 4.*900 worlds2\.3 million steps/);
 });
 
-test("preparing counts for no budget, and shrinking says how many wait", () => {
+test("preparation does not count towards the budget, and shrinking says how many failures wait", () => {
   const { made, line } = status();
   made.show({ ...RUNNING, activity: "preparing", worlds: 0, budget: { units: null, seconds: 30 }, elapsed: 0 });
   assert.match(line(), /^Preparing.*the 30 s begin after that0 worlds/);
@@ -66,14 +66,14 @@ test("preparing counts for no budget, and shrinking says how many wait", () => {
   assert.match(line(), /^Shrinking 3 failures.*31 not arrived/);
 });
 
-test("one class has the words of one", () => {
+test("a single class is described in the singular", () => {
   const { made, line } = status();
   made.show({ ...DONE, met: { "loop-a": 1 } });
   made.sizes(smallest(A));
   assert.match(line(), /1 failure met1 class\d/);
 });
 
-test("how it stands is said: done, stopped, given up, stopping", () => {
+test("the state of the campaign is shown: done, stopped, given up, stopping", () => {
   const words = (state, stopping = null) => {
     const { made, line, campaign } = status();
     campaign.stopping = stopping;
@@ -87,7 +87,7 @@ test("how it stands is said: done, stopped, given up, stopping", () => {
   assert.equal(words(RUNNING, "mine"), "Stopping");
 });
 
-test("a campaign by the clock says how long it has, and when that is over", () => {
+test("a timed campaign says how much time it has left, and when that has run out", () => {
   const budget = (more) => {
     const { made, line } = status();
     made.show({ ...RUNNING, budget: { seconds: 30, units: null }, ...more });
@@ -96,7 +96,7 @@ test("a campaign by the clock says how long it has, and when that is over", () =
   assert.deepEqual([budget({ elapsed: 12.4 }), budget({ elapsed: 31 }), budget({ running: false, elapsed: null })], ["12 of 30 s, 2 units", "the 30 s are over; finishing current work, 2 units", "2 units"]);
 });
 
-test("the smallest failure is the best so far, and before there is one the longest way", () => {
+test("the best so far is the smallest failure, or the longest path if there is none yet", () => {
   const { made, done } = status();
   const archive = { names: ["detour", "density"], edges: [[1.5, 2], [0.1]], cells: [[0, 0, 1, "reached"], [1, 1, 1, "reached"], [2, 0, 1, "loop"]] };
   made.show({ ...RUNNING, met: {}, archive });
@@ -108,15 +108,15 @@ test("the smallest failure is the best so far, and before there is one the longe
   assert.deepEqual(done, ["loop-z"]);
 });
 
-test("a strategy whose counts grow is the one that works now", () => {
+test("the strategy whose counts grow is marked as the current one", () => {
   const { made, rows } = status();
   made.show(RUNNING);
   const [native, trap] = RUNNING.strategies;
   made.show({ ...RUNNING, strategies: [native, { ...trap, worlds: 160 }] });
-  assert.deepEqual(rows(1).map(([name]) => name), ["trap now", "native"]); // more classes first
+  assert.deepEqual(rows(1).map(([name]) => name), ["trap now", "native"]); // the one with more classes comes first
 });
 
-test("a campaign is stopped while it runs, resumed where it was stopped, and goes on where it was done", () => {
+test("a running campaign can be stopped, a stopped one resumed, and a finished one continued", () => {
   const { made, done } = status();
   const button = () => made.actions.querySelector("button");
   made.show(RUNNING);
@@ -130,7 +130,7 @@ test("a campaign is stopped while it runs, resumed where it was stopped, and goe
   assert.deepEqual(done, ["stop", { units: 4, known: true, workers: 2 }, { units: 8, known: true, workers: 2 }]);
 });
 
-test("one that never begins can be stopped, once", () => {
+test("a campaign that never begins can be stopped once", () => {
   const { made, done, campaign } = status();
   campaign.beginning.add("mine");
   made.show({ ...DONE, units: 0 });
@@ -175,7 +175,7 @@ beforeEach(() => {
   document.body.querySelector("form")?.remove();
 });
 
-test("an untouched form asks for what is usual", async () => {
+test("an untouched form requests the defaults", async () => {
   const { send } = form();
   assert.deepEqual(await send(), {
     time_step: null, examples: null, epoch: null, detour: null, oracles: [], vary: [], baseline: [], database: null, shrink: null,
@@ -183,7 +183,7 @@ test("an untouched form asks for what is usual", async () => {
   });
 });
 
-test("what was filled in is what is asked for", async () => {
+test("a filled form requests the values in it", async () => {
   const { field, radio, send, made } = form();
   type(field("Controller"), "bug1");
   tick(radio("some"));
@@ -197,7 +197,7 @@ test("what was filled in is what is asked for", async () => {
   assert.deepEqual([controller, strategies, units, seconds, seed, examples, oracles, folder], ["bug1", ["maze"], 7, undefined, "12", 9, ["turn", "wall=3"], "bug1-swept"]);
 });
 
-test("without a strategy, where some were to be chosen, nothing is begun", async () => {
+test("if no strategy is chosen, no campaign begins", async () => {
   const { radio, send, begun, made } = form();
   tick(radio("some"));
   await send();
@@ -205,7 +205,7 @@ test("without a strategy, where some were to be chosen, nothing is begun", async
   assert.ok(made.element.querySelectorAll(".fault").some((one) => one.textContent === "Choose at least one." && !one.hidden));
 });
 
-test("the drawn map is sent with its name, if that is what is in its file", async () => {
+test("the drawn map is sent with its name if it equals its file", async () => {
   const { radio, send, model } = form();
   tick(radio("drawn"));
   model.change("radius", { robot_radius: 0.08 });
@@ -219,14 +219,14 @@ test("the drawn map is sent with its name, if that is what is in its file", asyn
   assert.equal(sent.world_name, null);
 });
 
-test("a folder's name is one that is not taken, and has only letters that a folder may have", () => {
+test("the suggested folder is a new one, and its name has only allowed characters", () => {
   const named = (more) => form(more).field("Folder").value;
   assert.equal(named({ states: new Map([["turn-right-swept", {}]]), folders: [{ name: "turn-right-swept-2", worlds: 1 }] }), "turn-right-swept-3");
   const controllers = [{ ...both, name: "./my robots/mine.py:Robot", named: true }];
   assert.equal(named({ offered: { ...OFFERED, controllers } }), "mine.py-Robot-swept");
 });
 
-test("what was played last is what a form begins with, until something is chosen", () => {
+test("a form begins with what was played last, until the user chooses something", () => {
   const played = { controller: "thesis-1", motion: "stepped", time_step: 0.02 };
   const { field, made, campaign } = form({ played });
   assert.deepEqual([field("Controller").value, field("Motion model").value, field("Time step").value], ["thesis-1", "stepped", "0.02"]);
@@ -236,7 +236,7 @@ test("what was played last is what a form begins with, until something is chosen
   assert.equal(field("Controller").value, "turn-right");
 });
 
-test("what was chosen is there again the next time, for this folder", async () => {
+test("choices are remembered for each folder", async () => {
   const first = form();
   type(first.field("Controller"), "bug1");
   tick(first.radio("some"));
@@ -248,14 +248,14 @@ test("what was chosen is there again the next time, for this folder", async () =
   assert.equal(form({ folder: "/elsewhere" }).field("Controller").value, "turn-right");
 });
 
-test("what was kept and is offered no more leaves the usual form", () => {
+test("a remembered choice that is no longer offered is replaced by the default", () => {
   const none = { state: { controller: "gone", motion: "gone" }, strategies: ["gone"], more: { gone: 1 } };
   localStorage.setItem("worldgen-studio-kept-campaign-form-/here", JSON.stringify(none));
   const { field } = form();
   assert.deepEqual([field("Controller").value, field("Motion model").value], ["turn-right", "swept"]);
 });
 
-test("a start that names other controllers begins with those", () => {
+test("if the studio starts with other controllers, the form begins with those", () => {
   const first = form();
   type(first.field("Controller"), "bug1");
   const mine = { ...both, name: "mine", named: true };
@@ -267,7 +267,7 @@ test("a controller that cannot run is not offered", () => {
   assert.deepEqual(names, ["turn-right", "bug1"]);
 });
 
-test("begin pressed twice begins once", async () => {
+test("pressing Begin twice begins one campaign", async () => {
   const { made, begun } = form();
   for (let k = 0; k < 2; k += 1) made.element.dispatchEvent(new Event("submit", { cancelable: true }));
   await new Promise((done) => setImmediate(done));

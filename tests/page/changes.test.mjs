@@ -1,4 +1,4 @@
-// Worlds that change: what is to come, where a timed path waits, and how the board shows a moment.
+// Worlds that change: future changes, where a timed path waits, and how the board shows a moment.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -26,7 +26,7 @@ function withPath(world) {
   return drawn;
 }
 
-// What is written next to the path at a moment, as [words, column].
+// Returns the text next to the path at a moment, as [words, column].
 function openings(drawn, ms) {
   const written = [];
   const context = { save() {}, restore() {}, strokeText() {}, measureText: () => ({ width: 10 }), fillText: (words, x) => written.push([words, x - 8]) };
@@ -35,14 +35,14 @@ function openings(drawn, ms) {
   return written;
 }
 
-test("a timed path says where it goes through a wall that opens, and when", () => {
+test("a timed path shows where and when it goes through a wall that opens", () => {
   const drawn = withPath(gate());
   const [[words, column], ...more] = openings(drawn, 0);
   assert.deepEqual([words, Math.floor(column), more], ["opens at 2.0 s", 4, []]);
   assert.deepEqual(openings(drawn, 2500), []);
 });
 
-test("the slider ends with the last change, or with the path if that takes longer, and is hidden in a still world", () => {
+test("the slider ends with the last change, or with the path if that takes longer, and is hidden in a static world", () => {
   for (const [world, duration, words] of [[gate(), undefined, "3.0 s"], [gate(), 9, "9.0 s"]]) {
     const board = { time: 0, proof: duration ? { duration } : null, draw() {} };
     const time = makeTime({ board, studio: { model: { world } } });
@@ -58,7 +58,7 @@ test("the slider ends with the last change, or with the path if that takes longe
   assert.equal(still.element.hidden, true);
 });
 
-test("the board draws a moment of the drawing, and editing leaves the time alone", () => {
+test("the board draws one moment of the world, and editing does not change the time", () => {
   const model = new Model(gate(), () => {});
   const canvas = document.createElement("canvas");
   const board = makeBoard(canvas, model, { grid: true, ruler: true, proof: true });
@@ -68,10 +68,10 @@ test("the board draws a moment of the drawing, and editing leaves the time alone
   model.lift("brush");
   board.draw();
   assert.equal(board.time, 2.5);
-  assert.equal(model.world.cells[2 * 9 + 4], 1); // what opens later is still drawn as a wall
+  assert.equal(model.world.cells[2 * 9 + 4], 1); // the cell opens later, and is still drawn as a wall
 });
 
-test("with Shift a brush and a line run straight across, straight up or at 45 degrees", () => {
+test("with Shift, brush and line are horizontal, vertical or at 45 degrees", () => {
   const straight = { erase: false, exact: false, straight: true };
   for (const tool of ["brush", "line"]) {
     const model = new Model(blank(20, 20), () => {});
@@ -91,7 +91,7 @@ test("with Shift a brush and a line run straight across, straight up or at 45 de
   }
 });
 
-test("a range is told in words, and a number that stands for automatic is not", () => {
+test("a range is described in words, without the number that means automatic", () => {
   const parameter = { low: 1, high: 20, unit: "cells", chosen: -1 };
   assert.equal(rangeWords(parameter), "1 to 20 cells; empty for automatic");
   assert.equal(rangeWords({ low: 0, high: null, above: true, chosen: null }), "more than 0");

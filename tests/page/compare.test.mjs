@@ -15,23 +15,23 @@ const FILES = [
 ];
 const OPEN = { name: "", world: /** @type {any} */ ({ width: 3 }) };
 
-test("folders are offered with the number of their worlds", () => {
+test("folders are listed with their numbers of worlds", () => {
   const words = Object.fromEntries(sourcesOf(FILES));
   assert.equal(words["folder:"], "The opened folder (1 world)");
   assert.equal(words["folder:maps"], "maps (2 worlds)");
 });
 
-test("a folder's worlds are its own, and what is not known is left out", () => {
+test("only the folder's own worlds are listed, and unknown values are omitted", () => {
   assert.deepEqual(worldsOf(["folder:maps", "folder:gone", "nonsense"], FILES, OPEN).map(({ file }) => file), ["maps/b.grid", "maps/c.grid"]);
   assert.deepEqual(worldsOf(["open"], FILES, OPEN), [{ name: "the open world", world: OPEN.world }]);
 });
 
-test("names with commas come back from a link", () => {
+test("names with commas survive a link", () => {
   const names = ["behaviours:avoid+angle=2,follow", "bug2", "50%2C"];
   assert.deepEqual(splitNames(joinNames(names)), names);
 });
 
-test("each cell has its verdict as a colour and a word, and what the words add to it", () => {
+test("each cell shows its verdict as a colour and a word, with the details in words", () => {
   const chosen = [];
   const table = makeTable((row, column) => chosen.push([row, column]));
   table.begin(["bug2", "vfh"], [{ name: "trap" }, { name: "broken" }]);

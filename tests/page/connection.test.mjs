@@ -1,4 +1,4 @@
-// The connection to the server: answers go to their questions, and what goes wrong is told.
+// The connection to the server: answers are matched to requests, and faults are reported.
 
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
@@ -53,10 +53,10 @@ async function connected(limits = LIMITS) {
 const later = globalThis.setTimeout;
 beforeEach(() => {
   sockets.length = waits.length = 0;
-  globalThis.setTimeout = (act, ms) => (ms > 100 ? waits.push([act, ms]) : later(act, ms)); // what comes back does so when asked
+  globalThis.setTimeout = (act, ms) => (ms > 100 ? waits.push([act, ms]) : later(act, ms)); // tests decide when it reconnects
 });
 
-test("each answer goes to its question, in whatever order they come", async () => {
+test("each answer is matched to its request, whatever the order", async () => {
   const { connection, socket } = await connected();
   const asked = [connection.ask("files"), connection.ask("decide", { world: 1 })];
   const [files, decide] = socket.sent;
@@ -66,7 +66,7 @@ test("each answer goes to its question, in whatever order they come", async () =
   assert.deepEqual(await Promise.all(asked), ["first", "second"]);
 });
 
-test("parts come before the answer, each once", async () => {
+test("parts of an answer arrive before it, once each", async () => {
   const { connection, socket } = await connected();
   const parts = [];
   const asked = connection.ask("run", {}, (part) => parts.push(part));
@@ -77,7 +77,7 @@ test("parts come before the answer, each once", async () => {
   assert.deepEqual(parts, [1, 2]);
 });
 
-test("what the server objects to is told in its words, and what was replaced has ended", async () => {
+test("the server's objection is reported in its own words, and a replaced request ends", async () => {
   const { connection, socket } = await connected();
   const asked = [connection.ask("save"), connection.ask("decide")];
   socket.say({ id: socket.sent[0].id, error: { code: "disk-refuses", problem: "the disk is full", remedy: "make room", terminal: false, opens: "", facts: { file: "w.grid" }, line: null, source: null } });
@@ -86,7 +86,7 @@ test("what the server objects to is told in its words, and what was replaced has
   await assert.rejects(asked[1], Ended);
 });
 
-test("what is too large for a message is refused, and the connection stays", async () => {
+test("a message that is too large is refused, and the connection stays open", async () => {
   const { connection, socket } = await connected();
   await assert.rejects(connection.ask("files", { more: "ü".repeat(17 << 20) }), (error) => error instanceof Refused && /more than 32 MiB/.test(error.message));
   assert.equal(socket.sent.length, 0);
@@ -95,7 +95,7 @@ test("what is too large for a message is refused, and the connection stays", asy
   assert.equal(await asked, "there");
 });
 
-test("a lost connection ends what waits, and comes back by itself, ever more slowly", async () => {
+test("a lost connection ends waiting requests, and is retried at growing intervals", async () => {
   const { connection, told } = await connected();
   const asked = connection.ask("run");
   await Promise.all([assert.rejects(asked, Ended), sockets[0].close()]);
@@ -111,27 +111,27 @@ test("a lost connection ends what waits, and comes back by itself, ever more slo
   assert.ok(times[0] === 300 && times.at(-1) === 3000 && times.every((ms, k) => k === 0 || ms >= times[k - 1]));
 });
 
-test("a server that knows the page no more is told from one that is gone", async () => {
+test("a server that no longer knows the page is distinguished from one that has ended", async () => {
   const { told } = await connected();
   await sockets[0].close();
   waits.splice(0)[0][0]();
-  await sockets.at(-1).close(); // it was refused before a word
+  await sockets.at(-1).close(); // refused before the first message
   assert.deepEqual(told.lost.at(-1), [true, ""]);
 });
 
-test("a page too many is told the server's reason", async () => {
+test("one page too many is given the server's reason", async () => {
   const { told } = await connected();
   await sockets[0].close(4000, "1 pages are open");
   assert.deepEqual(told.lost, [[false, "1 pages are open"]]);
 });
 
-test("a message too large for the server refuses what waited with the way out", async () => {
+test("if the server finds a message too large, waiting requests are refused with a remedy", async () => {
   const { connection, socket } = await connected();
   const asked = connection.ask("save");
   await Promise.all([assert.rejects(asked, (error) => error instanceof Refused && /draw a smaller world/.test(error.message)), socket.close(1009)]);
 });
 
-test("what is larger than the server takes is not sent, and the most is its own", async () => {
+test("messages above the server's own limit are not sent", async () => {
   const { connection, socket } = await connected({ ...LIMITS, message: 2 ** 20 });
   const asked = connection.ask("save", { text: "x".repeat(2 ** 20) });
   await assert.rejects(asked, (error) => error instanceof Refused && /more than 1 MiB/.test(error.message));
@@ -139,7 +139,7 @@ test("what is larger than the server takes is not sent, and the most is its own"
   assert.deepEqual(socket.sent, []);
 });
 
-test("what is stopped is asked to be, once", async () => {
+test("a stopped request asks the server to stop once", async () => {
   const { connection, socket } = await connected();
   const asked = connection.ask("run");
   asked.stop();

@@ -1,4 +1,4 @@
-// What the player draws of a run, layer by layer: which cells, lines and words, as a canvas is told to.
+// What the player draws of a run, layer by layer: the cells, lines and words sent to the canvas.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -17,14 +17,14 @@ import { numbers, roomOf, runOf } from "./samples.mjs";
 
 const SHOW = { trail: true, touched: true, sensors: true, signal: true, memory: true, witness: true };
 
-/* A pen on which a cell is 10 pixels; the world's lower left corner is at (0, height). */
+/* Makes a pen with 10 pixels per cell; the world's lower left corner is at (0, height). */
 function penOf(world, { scale = 10, wide = world.width * scale, high = world.height * scale } = {}) {
   const canvas = document.createElement("canvas");
   Object.assign(canvas, { clientWidth: wide, clientHeight: high });
   return penFor(canvas, { x: world.width / 2, y: world.height / 2, scale }, world);
 }
 
-/* The cells whose squares were framed in a colour. */
+/* Returns the cells whose squares were framed in a colour. */
 function framed(pen, colour, height, name = "rect") {
   const { calls } = pen.context;
   const shown = calls.filter((call, k) => call.name === name && (name === "strokeRect" ? call : calls.slice(k).find((one) => one.name === "stroke"))?.strokeStyle === colour);
@@ -37,20 +37,20 @@ const through = runOf({
   marks: [{ step: 2, kind: "breach", name: "Breach", text: "goes through this wall", cell: [7, 4] }],
 });
 
-test("a wall that the robot goes into is striped once it is in it, and framed before", () => {
+test("a wall that the robot enters is framed at first, and striped once the robot is in it", () => {
   const count = (step) => {
     const pen = penOf(room);
     drawPierced(pen, { world: room, run: through, step });
     return [framed(pen, "pierced", 10), pen.context.of("clip").length, pen.context.of("rect").length];
   };
   assert.deepEqual(count(0)[1], 0);
-  assert.ok(count(0)[0].has("7,4")); // dashed: it is still to come
+  assert.ok(count(0)[0].has("7,4")); // dashed: the robot is not there yet
   const [cells, stripes] = count(2);
   assert.ok(cells.has("7,4") && stripes === cells.size);
   assert.ok([...cells].every((cell) => cell.startsWith("7,")), [...cells].join(" "));
 });
 
-test("a wall into which only the robot's edge goes is marked, unless that is a tenth of a cell", () => {
+test("a wall that only the robot's edge enters is marked, unless by just a tenth of a cell", () => {
   const marked = (x) => {
     const pen = penOf(room);
     drawPierced(pen, { world: room, run: runOf({ at: [0, 1], x: [2.5, x], y: [4.5, 4.5], tolerance: 0.1 }), step: 1 });
@@ -59,7 +59,7 @@ test("a wall into which only the robot's edge goes is marked, unless that is a t
   assert.deepEqual([marked(6.45), marked(6.35)], [["7,4"], []]);
 });
 
-test("where the robot breaks into a wall there is a cross, from that step on", () => {
+test("a cross marks where the robot breaks into a wall, from that step on", () => {
   const crosses = (step) => {
     const pen = penOf(room);
     drawPierced(pen, { world: room, run: through, step });
@@ -68,14 +68,14 @@ test("where the robot breaks into a wall there is a cross, from that step on", (
   assert.deepEqual([0, 1.9, 2, 3].map(crosses), [0, 0, 1, 1]);
 });
 
-test("a robot that keeps out of walls marks none, however near it comes", () => {
+test("a robot that stays out of walls marks none, however near it comes", () => {
   const run = runOf({ at: [0, 1, 2], x: [2.5, 6.3, 6.3], y: [4.5, 4.5, 5.5], bump: [0, 1, 1] });
   const pen = penOf(room);
   drawPierced(pen, { world: room, run, step: 2 });
   assert.equal(framed(pen, "pierced", 10).size, 0);
 });
 
-test("walls are touched at a bump, the nearest ones, and from then on", () => {
+test("at a bump, the nearest walls are marked, from then on", () => {
   const run = runOf({ at: [0, 1, 2], x: [6.3, 6.3, 6.3], y: [3.5, 4.5, 5.5], bump: [0, 1, 0] });
   const touched = (step, whole = false) => {
     const pen = penOf(room);
@@ -106,7 +106,7 @@ test("fire is drawn while it burns", () => {
   assert.deepEqual(burns, [false, true, true, false]);
 });
 
-test("each layer is drawn where it is shown and not where it is not", () => {
+test("each layer is drawn only if it is shown", () => {
   const memory = { fields: [], fault: "", map: mapOf([[1, 0, 0, 100, 100, 0, 9]]) };
   const run = runOf({ at: [0, 1, 2], x: [2.5, 6.3, 2.5], y: [4.5, 4.5, 4.5], bump: [0, 1, 0], memory });
   const signs = { trail: ["stroke", "loop"], touched: ["strokeRect", "touched"], sensors: ["stroke", "beam"], memory: ["fillRect", "memory"] };
@@ -125,7 +125,7 @@ function mapOf(rows, names = []) {
   return { ...Object.fromEntries(columns.map((name, k) => [name, numbers(rows.map((row) => row[k]))])), kinds: KINDS, degrees: 4, names };
 }
 
-test("a memory's shapes are there from their step until they are forgotten", () => {
+test("a memory's shapes are visible from their step until they are forgotten", () => {
   const memory = { fields: [], fault: "", map: mapOf([[1, 100, 100, 200, 200, 2, 5], [3, 300, 300, 0, 0, 3, 9]], ["hit"]) };
   const run = runOf({ at: [0, 9], x: [1, 2], memory });
   const shown = [1, 2, 3, 4, 5, 8, 9].map((step) => {
@@ -148,7 +148,7 @@ test("a graph is drawn as lines and dots, and bad ground is tinted more than goo
   assert.ok(pen.context.of("lineTo").length >= 1);
 });
 
-test("a memory's numbers are told in words where the controller has some", () => {
+test("a memory's numbers are described in words if the controller has any", () => {
   const fields = [
     { name: "doing", words: ["drive", "follow"], least: 0, values: numbers([0, 1000]) },
     { name: "best", words: [], least: 0, values: numbers([1500, 99_000]) },
@@ -159,7 +159,7 @@ test("a memory's numbers are told in words where the controller has some", () =>
   assert.deepEqual(memoryFacts({ ...run, memory: { fault: "it cannot be shown" } }, 0), [["memory", "it cannot be shown"]]);
 });
 
-test("of several robots the numbers are beside them and along their paths, none on another", () => {
+test("the numbers of several robots are next to them and along their paths, without overlap", () => {
   const path = Array.from({ length: 60 }, (_, k) => 1 + k);
   const long = roomOf(64, 10);
   const robot = (y) => runOf({ at: path.map((_, k) => k), x: path, y: path.map(() => y) });
@@ -175,7 +175,7 @@ test("of several robots the numbers are beside them and along their paths, none 
     for (const other of written.slice(k + 1)) if (k > 1) assert.ok(Math.hypot(one.at[0] - other.at[0], one.at[1] - other.at[1]) > 15);
 });
 
-test("robots that block each other have an arrow each, side by side, once their loop has begun", () => {
+test("robots that block each other each have an arrow, side by side, once their loop has begun", () => {
   const room = roomOf(10, 10);
   const robot = (from, to, blocked_by) => ({ ...runOf({ at: [0, 5, 6], x: [from, to, to], y: [5, 5, 5], loop: [5, 1] }), blocked_by });
   const arrows = (step, blockers) => {
@@ -191,7 +191,7 @@ test("robots that block each other have an arrow each, side by side, once their 
   assert.equal(arrows(6, [[7], []]).length, 0, "a robot that is not drawn has no arrow to it");
 });
 
-test("a robot alone has no number, and without the trail there is none on the path", () => {
+test("a single robot has no number, and without the trail the path has none", () => {
   const path = Array.from({ length: 60 }, (_, k) => 1 + k);
   const run = runOf({ at: path.map((_, k) => k), x: path });
   const count = (more) => {
@@ -202,12 +202,13 @@ test("a robot alone has no number, and without the trail there is none on the pa
   assert.deepEqual([count({}), count({ number: 1, show: { ...SHOW, trail: false } })], [0, 1]);
 });
 
-/* A path of many corners, up and down through a large world. */
+/* Makes a path with many corners, up and down through a large world. */
 const LONG = 12_000;
 const columns = { x: Float64Array.from({ length: LONG }, (_, k) => 1 + (k % 97)), y: Float64Array.from({ length: LONG }, (_, k) => 1 + ((k * 31) % 89)) };
 const large = roomOf(100, 92);
 
-/* Draws the path up to a row; gives how many corners were drawn, on the page's canvas and on pictures of its own. */
+/* Draws the path up to a row; returns the corners drawn on the page's canvas
+   and on its own pictures. */
 function corners(pen, to, more = {}) {
   let made = 0;
   const { lineTo } = Object.getPrototypeOf(pen.context);
@@ -220,7 +221,7 @@ function corners(pen, to, more = {}) {
   return made;
 }
 
-test("a long path is drawn once, and then only added to", () => {
+test("a long path is drawn once, and then only extended", () => {
   const pen = penOf(large);
   const own = { columns: { ...columns } };
   const all = corners(pen, 9_000, own);
@@ -255,7 +256,7 @@ test("a short line needs no picture", () => {
   assert.equal(pen.context.of("drawImage").length, 0);
 });
 
-test("a picture is told in words", () => {
+test("a picture is described in words", () => {
   assert.equal(pictureLabel({ size: "9 x 3", solid: 21, events: 2, run: { steps: 1331 } }), "World of 9 x 3 cells, 21 solid, 2 changes of cells, the robot's path of 1,331 steps");
   assert.equal(pictureLabel({ size: "9 x 3", solid: 1021, events: 0, run: null }), "World of 9 x 3 cells, 1,021 solid");
 });

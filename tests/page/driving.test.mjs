@@ -1,4 +1,4 @@
-// Driving by hand: what keys mean, and how commands add up.
+// Driving by hand: what keys mean, and how commands are combined.
 
 import assert from "node:assert/strict";
 import test from "node:test";
@@ -6,7 +6,7 @@ import test from "node:test";
 import "./stand_in.mjs";
 import { addSteps, commandOf, directionOf } from "#studio/play/commands.js";
 
-test("arrow keys and letters steer, whether or not Shift or Caps Lock is on", () => {
+test("arrow keys and letters steer, with or without Shift or Caps Lock", () => {
   assert.deepEqual(["ArrowUp", "w", "W", "ArrowLeft", "d", "q", "Enter"].map(directionOf), ["forward", "forward", "forward", "left", "right", undefined, undefined]);
 });
 
@@ -18,7 +18,7 @@ test("keys held together combine, and opposite ones cancel out", () => {
   assert.deepEqual(commandOf(new Set(["w", "s", "a", "d"])), [0, 0]);
 });
 
-test("equal commands that follow each other are one", () => {
+test("equal consecutive commands are merged", () => {
   const commands = [];
   addSteps(commands, 2, [1, 0]);
   addSteps(commands, 3, [1, 0]);

@@ -1,4 +1,4 @@
-// Edited code: which files have changed, whom that concerns, and what stays on offer meanwhile.
+// Edited code: which files have changed, which robots that affects, and what is still offered.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -12,7 +12,7 @@ import { blank } from "./samples.mjs";
 
 const file = (name, digest) => ({ file: `/robots/${name}`, name, digest, controllers: ["/robots/mine.py:Robot"] });
 
-// What is said to be edited when the server sends these lists of files on one connection.
+// Returns the edits reported when the server sends these lists of files on one connection.
 async function edits(known, ...parts) {
   const heard = [];
   const ask = async (kind, message, part) => parts.forEach((files) => part({ files }));
@@ -20,12 +20,12 @@ async function edits(known, ...parts) {
   return heard;
 }
 
-test("a file that is heard of for the first time has not been edited", async () => {
+test("a file that is new to the page has not been edited", async () => {
   assert.deepEqual(await edits(new Map(), [file("mine.py", "1")]), []);
   assert.deepEqual(await edits(new Map(), [file("mine.py", "1")], [file("mine.py", "1"), file("gains.py", "1")]), []);
 });
 
-test("a file has been edited if its contents differ, also since an earlier connection", async () => {
+test("a file has been edited if its contents differ, even from an earlier connection", async () => {
   const known = new Map();
   const before = [file("mine.py", "1"), file("gains.py", "1")];
   assert.deepEqual(await edits(known, before, [file("mine.py", "1"), file("gains.py", "2")]), [["gains.py"]]);
@@ -38,12 +38,12 @@ test("a robot with options runs the code of its controller", () => {
   assert.ok(!runsOneOf("bug1", ["./mine.py:Robot"]));
 });
 
-test("files are named once each", () => {
+test("each file is named once", () => {
   assert.equal(fileWords([{ name: "mine.py" }]), "mine.py");
   assert.equal(fileWords([{ name: "a.py" }, { name: "b.py" }, { name: "a.py" }]), "a.py and b.py");
 });
 
-test("a controller that an edit has broken stays on offer, and one that was never loaded does not", () => {
+test("a controller broken by an edit is still offered, and one that was never loaded is not", () => {
   const mine = { name: "mine", named: true, fault: null, motion: "stepped" };
   const broken = { ...mine, fault: { problem: "it does not compile" }, motion: "swept" };
   assert.deepEqual(stillOffered({ controllers: [mine] }, { controllers: [broken] }).controllers, [mine]);
@@ -59,13 +59,13 @@ test("the drawn world can be shown before the server has answered, with its chan
   assert.equal(world.cells[3 * 5 + 2], 0);
 });
 
-test("a robot is called by its file without the folders, whatever its options are", () => {
+test("a robot is named after its file without the folders, whatever its options are", () => {
   assert.equal(shortName("/home/me/robots/mine.py:Robot+gain=1/2"), "mine.py:Robot+gain=1/2");
   assert.equal(shortName("lib:./build/mine.so:drive"), "lib:mine.so:drive");
   for (const name of ["bug1", "thesis-1+repaired", "cmd:python robots/mine.py", "robots.mine:Robot"]) assert.equal(shortName(name), name);
 });
 
-test("a refusal of code that fails says where, from its facts", () => {
+test("the refusal of failing code says where it fails", () => {
   const refusal = { code: "code-failed", problem: "loading it failed", facts: { kind: "NameError", reason: "name 'x' is not defined" }, line: null, source: null, frames: [{ file: "mine.py", line: 3 }] };
   assert.equal(refusalWords(refusal), "mine.py:3: NameError: name 'x' is not defined");
   assert.equal(refusalWords({ ...refusal, frames: [] }), "loading it failed");

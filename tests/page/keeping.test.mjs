@@ -1,4 +1,4 @@
-// What the browser keeps: choices, drafts of each tab, and what was asked for lately.
+// What the browser stores: choices, each tab's drafts, and recent requests.
 
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
@@ -10,7 +10,7 @@ import { Recent } from "#studio/shared/recent.js";
 import { blank } from "./samples.mjs";
 
 const DRAFT = "worldgen-studio-draft-";
-const held = new Set(); // the locks of tabs that are there
+const held = new Set(); // the locks of open tabs
 let tabs = 0;
 
 Object.defineProperty(globalThis, "navigator", {
@@ -28,7 +28,7 @@ Object.defineProperty(globalThis, "navigator", {
   },
 });
 
-/* The page's drafts as another tab loads them: with a state and a session of its own. */
+/* Loads the page's drafts as another tab does, with its own state and session. */
 async function newTab() {
   tabs += 1;
   sessionStorage.clear();
@@ -44,7 +44,7 @@ function drawing(...walls) {
   return model;
 }
 
-/* A draft of a tab that is gone. */
+/* Makes a draft of a closed tab. */
 function left(name, model, at) {
   const { world } = model;
   localStorage.setItem(DRAFT + name, JSON.stringify({ name: world.name, file: null, at, world: messageOf(world) }));
@@ -56,7 +56,7 @@ beforeEach(() => {
   held.clear();
 });
 
-test("of many things those are kept that were wanted lately", () => {
+test("a full cache keeps the most recently used entries", () => {
   const recent = new Recent(3);
   for (const name of ["a", "b", "c"]) recent.set(name, name);
   recent.get("a");
@@ -64,12 +64,12 @@ test("of many things those are kept that were wanted lately", () => {
   assert.deepEqual(["a", "b", "c", "d"].filter((name) => recent.get(name) !== undefined), ["a", "c", "d"]);
 });
 
-test("a choice is kept for its folder alone", () => {
+test("a choice is kept only for its folder", () => {
   keep("/one", "form", { seed: 7 });
   assert.deepEqual([keptOf("/one", "form"), keptOf("/two", "form"), keptOf("/one", "other")], [{ seed: 7 }, null, null]);
 });
 
-test("a browser that keeps nothing, or is full, disturbs nobody", () => {
+test("a browser whose storage is disabled or full causes no error", () => {
   localStorage.room = 0;
   keep("/one", "form", { seed: 7 });
   assert.equal(keptOf("/one", "form"), null);
@@ -78,7 +78,7 @@ test("a browser that keeps nothing, or is full, disturbs nobody", () => {
   assert.equal(keptOf("/one", "form"), null);
 });
 
-test("a draft that is none keeps no page from beginning", async () => {
+test("an invalid draft does not prevent a page from starting", async () => {
   for (const text of ["{", "{}", "null", "[]", '{"world": {"cells": "", "width": 9, "height": 9}}', '{"world": 7}']) {
     localStorage.clear();
     localStorage.setItem(`${DRAFT}gone`, text);
@@ -86,33 +86,33 @@ test("a draft that is none keeps no page from beginning", async () => {
   }
 });
 
-test("a new tab goes on with what a tab has left that is gone, the newest of several", async () => {
+test("a new tab continues the newest draft of a closed tab", async () => {
   left("old", drawing([2, 2]), 1);
   left("new", drawing([2, 2], [3, 3]), 2);
   const found = await (await newTab()).findDraft();
   assert.equal(found.cells.reduce((sum, cell) => sum + cell), 34);
 });
 
-test("a tab does not touch what another one has that is there", async () => {
+test("a tab does not touch the draft of another open tab", async () => {
   left("there", drawing([2, 2]), 1);
   held.add(`${DRAFT}there`);
   assert.equal(await (await newTab()).findDraft(), null);
 });
 
-test("a tab that is loaded again goes on with its own drawing", async () => {
+test("a reloaded tab continues its own drawing", async () => {
   const model = drawing([2, 2]);
   const first = await newTab();
   await first.findDraft();
   assert.ok(first.keepDraft(model));
   const name = sessionStorage.getItem("worldgen-studio-tab");
-  held.clear(); // it has ended
+  held.clear(); // the tab is closed
   left("newer", drawing([2, 2], [3, 3]), Date.now() + 1000);
   const again = await newTab();
   sessionStorage.setItem("worldgen-studio-tab", name);
   assert.deepEqual((await again.findDraft()).cells, model.world.cells);
 });
 
-test("what was taken over is not there for a third tab", async () => {
+test("a draft that was taken over is not offered to a third tab", async () => {
   left("gone", drawing([2, 2]), 1);
   const second = await newTab();
   const found = await second.findDraft();
@@ -120,10 +120,10 @@ test("what was taken over is not there for a third tab", async () => {
   model.paint([{ x: 4, y: 4, width: 1, height: 1 }], 1);
   model.lift("brush");
   second.takeOver(model);
-  assert.equal(await (await newTab()).findDraft(), null); // the second one is there, and has it
+  assert.equal(await (await newTab()).findDraft(), null); // the second tab is open and has it
 });
 
-test("what is saved needs no draft", async () => {
+test("a saved drawing needs no draft", async () => {
   const model = drawing([2, 2]);
   const tab = await newTab();
   await tab.findDraft();
@@ -135,15 +135,15 @@ test("what is saved needs no draft", async () => {
   assert.equal(tab.openedBefore(), "mine.grid");
 });
 
-test("without room the page says that what is drawn is not kept", async () => {
+test("if the storage is full, the page says that the drawing is not kept", async () => {
   const tab = await newTab();
   await tab.findDraft();
   localStorage.room = 10;
   assert.equal(tab.keepDraft(drawing([2, 2])), false);
-  assert.equal(tab.keepDraft(drawing()), true); // there is nothing to keep
+  assert.equal(tab.keepDraft(drawing()), true); // nothing to keep
 });
 
-test("the oldest of what tabs have left makes room, and no more of it than is needed", async () => {
+test("the oldest drafts of closed tabs make room, and no more of them than necessary", async () => {
   for (const [name, at] of [["a", 1], ["b", 2], ["c", 3]]) left(name, drawing([2, 2]), at);
   const tab = await newTab();
   const { setItem } = localStorage;
@@ -163,7 +163,7 @@ test("the oldest of what tabs have left makes room, and no more of it than is ne
   }
 });
 
-test("the proof is told in words, with what a robot needs", () => {
+test("the proof is described in words, with the width that a robot needs", () => {
   assert.deepEqual(proofWords(null), { head: "", words: "…", kind: "waiting" });
   assert.deepEqual(proofWords({ result: "reachable", length: 4.5678, duration: 2.2839, clearance: 0.123456 }), {
     head: "✓ reachable:",

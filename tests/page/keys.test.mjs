@@ -1,4 +1,4 @@
-// What each key does, on which page, and what keeps it for itself.
+// What each key does, on which page, and which elements handle keys themselves.
 
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
@@ -41,20 +41,20 @@ beforeEach(() => {
   there = player;
 });
 
-test("every tool has a key of its own, which no other thing has", () => {
+test("every tool has its own key, which nothing else uses", () => {
   const names = Object.keys(TOOLS);
   assert.deepEqual(names.map((name) => does(TOOLS[name][1])), names.map((name) => `tool ${name}`));
   assert.equal(new Set(names.map((name) => TOOLS[name][1])).size, names.length);
 });
 
-test("on the board keys undo, save, copy and go to the pages", () => {
+test("on the board, keys undo, save, copy and switch pages", () => {
   const keys = { z: "undo", y: "redo", s: "save", c: "act copy", x: "act cut", v: "act paste", m: "go draw,board", i: "go play", Enter: "run" };
   assert.deepEqual(Object.keys(keys).map((key) => does(key, CTRL)), Object.values(keys));
   assert.equal(does("Z", { ...CTRL, shiftKey: true }), "redo");
   assert.deepEqual(["1", "2", "3", "d"].map((key) => does(key)), ["go draw", "go play", "go campaign", "theme"]);
 });
 
-test("what is selected is filled by Enter, and cleared, mirrored and turned", () => {
+test("a selection can be filled with Enter, cleared, mirrored and turned", () => {
   assert.deepEqual(["Delete", "x", "y", "."].map((key) => does(key)), ["act clear", "act mirror", "act flip", "act turn"]);
   assert.equal(does("Enter"), "");
   Object.assign(draw, { tool: "select", board: { ...draw.board, selection: {} } });
@@ -62,7 +62,7 @@ test("what is selected is filled by Enter, and cleared, mirrored and turned", ()
   Object.assign(draw, { tool: "brush" });
 });
 
-test("the thesis's keys that a browser leaves to a page do what they did", () => {
+test("the thesis's keys do what they did, if the browser passes them to the page", () => {
   page = "play";
   assert.equal(does("p", CTRL), "play true");
   assert.equal(does("m", CTRL), "go draw,board");
@@ -72,7 +72,7 @@ test("the thesis's keys that a browser leaves to a page do what they did", () =>
   document.body.focus();
 });
 
-test("where robots drive keys play, step and switch layers", () => {
+test("on the Play page, keys play, step and switch layers", () => {
   page = "play";
   assert.deepEqual([" ", "ArrowRight", "Home"].map((key) => does(key)), ["play true", "play false,go 6", "play false,go 0"]);
   assert.equal(does("ArrowRight", { shiftKey: true }), "play false,go 15");
@@ -81,7 +81,7 @@ test("where robots drive keys play, step and switch layers", () => {
   assert.equal(does(" "), "");
 });
 
-test("Space plays after a click on a button or a tick, and presses what was reached by Tab", () => {
+test("Space plays after a click on a button or a box, and presses a control that was reached with Tab", () => {
   page = "play";
   const box = element("box", "input");
   box.type = "checkbox";
@@ -99,7 +99,7 @@ test("a key of one page does nothing on another", () => {
   assert.deepEqual([does("s", CTRL), does("z", CTRL)], ["", ""]);
 });
 
-test("who types in a field means letters, and Ctrl+Z is the field's", () => {
+test("in a field, keys type letters, and Ctrl+Z belongs to the field", () => {
   const field = element("field", "input");
   field.type = "text";
   assert.deepEqual(["b", "1", "?"].map((key) => does(key, {}, field)), ["", "", ""]);
@@ -107,14 +107,14 @@ test("who types in a field means letters, and Ctrl+Z is the field's", () => {
   assert.equal(does("s", CTRL, field), "save");
 });
 
-test("while the keys are shown no key does anything else", () => {
+test("while the list of keys is open, no key does anything else", () => {
   element("keys").open = true;
   assert.equal(does("b"), "");
   element("keys").open = false;
   assert.equal(does("b"), "tool brush");
 });
 
-test("arrow keys go around among tools and among tabs, and open a tab at once", () => {
+test("arrow keys cycle through tools and tabs, and open a tab at once", () => {
   const opened = [];
   const group = (role, tabs) => {
     const place = element(role);
@@ -137,7 +137,7 @@ test("arrow keys go around among tools and among tabs, and open a tab at once", 
   assert.deepEqual([document.activeElement.id, opened], ["files", ["files"]]);
 });
 
-test("the Tab key stops at one tab, the one that is open", () => {
+test("the Tab key stops only at the open tab", () => {
   const tabs = ["a", "b"].map((id) => Object.assign(document.createElement("button"), { id }));
   showTabs(tabs, "b");
   assert.deepEqual(tabs.map((tab) => [tab.tabIndex, tab.getAttribute("aria-selected")]), [[-1, "false"], [0, "true"]]);

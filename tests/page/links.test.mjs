@@ -5,12 +5,12 @@ import { test } from "node:test";
 import "./stand_in.mjs";
 import { linkTo, readLink } from "#studio/shared/links.js";
 
-test("a link is read as it was written, whatever the names are", () => {
+test("links survive writing and reading, whatever the names are", () => {
   const shows = { world: "found/loop & turn=1.grid", robots: "./mine.py:Robot+gain=0.5,bug1", motion: "swept" };
   assert.deepEqual(readLink(linkTo("play", shows)), { page: "play", shows });
 });
 
-test("what is empty is left out, and a page alone is a link", () => {
+test("empty values are omitted, and a page without values is a link", () => {
   assert.equal(linkTo("draw", { world: "", step: null }), "#draw");
   assert.deepEqual(readLink("#campaign"), { page: "campaign", shows: {} });
   assert.deepEqual(readLink(""), { page: "", shows: {} });

@@ -19,20 +19,20 @@ function stroke(model, label, ...boxes) {
   model.lift(label);
 }
 
-test("an empty world has a border of walls where there is room for one", () => {
+test("an empty world has a border of walls if there is room for one", () => {
   assert.equal(drawing().model.solid, 156);
   assert.equal(bordered(2, 5).reduce((sum, cell) => sum + cell), 4); // the two rows at the ends
   assert.equal(bordered(1, 1)[0], 0);
 });
 
-test("start and target of an empty world are in it, in opposite corners, however small it is", () => {
+test("an empty world's start and target are in opposite corners, however small it is", () => {
   for (const [width, height] of [[1, 1], [2, 7], [5, 5], [40, 30]]) {
     const { start, target, cell_size: cell } = blank(width, height);
     for (const [x, y] of [start, target]) assert.ok(x > 0 && x < width * cell && y > 0 && y < height * cell);
   }
 });
 
-test("every stroke is undone and done again, each by itself", () => {
+test("each stroke is undone and redone separately", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
   stroke(model, "line", box(5, 10, 1, 10));
@@ -43,7 +43,7 @@ test("every stroke is undone and done again, each by itself", () => {
   assert.deepEqual([model.redo(), model.redo(), model.redo(), model.solid], ["brush", "line", null, 171]);
 });
 
-test("what is drawn after an undo takes the place of what was undone", () => {
+test("drawing after an undo replaces what was undone", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
   model.undo();
@@ -52,13 +52,13 @@ test("what is drawn after an undo takes the place of what was undone", () => {
   assert.equal(model.solid, 157);
 });
 
-test("a stroke that changes nothing is no step of the history", () => {
+test("a stroke that changes nothing is not a step of the history", () => {
   const { model } = drawing();
   stroke(model, "brush", box(0, 0, 40, 1));
   assert.equal(model.undo(), null);
 });
 
-test("a stroke that was not lifted is undone alone", () => {
+test("an unfinished stroke is undone separately", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
   model.paint([box(5, 8, 3, 1)], 1);
@@ -66,13 +66,13 @@ test("a stroke that was not lifted is undone alone", () => {
   assert.equal(model.solid, 161);
 });
 
-test("cells outside of the world are passed over", () => {
+test("cells outside the world are ignored", () => {
   const { model } = drawing(10, 10);
   stroke(model, "brush", box(-3, -3, 5, 5), box(8, 8, 5, 5), box(20, 20, 2, 2));
   assert.equal(model.solid, 36 + 2); // (1, 1) and (8, 8); the rest is border
 });
 
-test("changes of one kind that follow each other are one step, as of a slider", () => {
+test("consecutive changes of one kind, such as a slider's, are one step", () => {
   const { model } = drawing();
   for (const radius of [0.08, 0.09, 0.1]) model.change("radius", { robot_radius: radius }, true);
   model.change("speed", { robot_speed: 3 }, true);
@@ -82,7 +82,7 @@ test("changes of one kind that follow each other are one step, as of a slider", 
   assert.equal(model.world.robot_radius, 0.07);
 });
 
-test("a change after saving is a step of its own", () => {
+test("a change after saving is a separate step", () => {
   const { model } = drawing();
   model.change("radius", { robot_radius: 0.08 }, true);
   model.markSaved("mine.grid", null, "digest", model.mark());
@@ -93,7 +93,7 @@ test("a change after saving is a step of its own", () => {
   assert.deepEqual([model.unsaved, model.world.robot_radius], [false, 0.08]);
 });
 
-test("what is drawn while a file is being saved counts as changed", () => {
+test("drawing while a file is being saved counts as a change", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
   const mark = model.mark();
@@ -104,7 +104,7 @@ test("what is drawn while a file is being saved counts as changed", () => {
   assert.ok(!model.unsaved);
 });
 
-test("undo after opening brings the drawing back and its name", () => {
+test("undo after opening brings back the drawing and its name", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
   model.change("open", worldOf(messageOf(blank(9, 9)), "other.grid", "digest"));
@@ -113,7 +113,7 @@ test("undo after opening brings the drawing back and its name", () => {
   assert.deepEqual([model.world.name, model.solid], ["", 161]);
 });
 
-test("saving names all that the drawing has been, and no other one", () => {
+test("saving names all versions of the drawing, and no other drawing", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
   model.change("open", worldOf(messageOf(blank(9, 9)), "other.grid", "digest"));
@@ -125,8 +125,8 @@ test("saving names all that the drawing has been, and no other one", () => {
   assert.equal(model.world.name, "");
 });
 
-test("the cells of a world come back from its message", () => {
-  // Also where a row, and the whole, ends within a byte: eight cells at a time are packed.
+test("a world's cells survive its message", () => {
+  // Even if a row, or the whole world, ends within a byte: eight cells are packed into each.
   for (const [width, height] of [[1, 1], [3, 5], [7, 9], [8, 8], [200, 131]]) {
     const world = blank(width, height);
     world.cells = world.cells.map((_, k) => Number((k * k + k) % 7 < 3));
@@ -134,17 +134,17 @@ test("the cells of a world come back from its message", () => {
   }
 });
 
-test("a message holds nothing that is the page's alone", () => {
+test("a message has nothing that only the page uses", () => {
   const sent = JSON.parse(JSON.stringify(messageOf(worldOf(messageOf(blank(9, 9)), "mine.grid", "digest"))));
   assert.deepEqual(["name", "file", "sheet"].filter((name) => name in sent), []);
 });
 
-test("a world grows where it does not stay", () => {
+test("a world grows away from the corner that stays", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
   const grown = resized(model.world, 44, 30, [1, 1]); // the upper right stays
   assert.equal(grown.cells.reduce((sum, cell) => sum + cell), 161 - 40 - 2 * 9 - 5); // below, border and stroke are gone
-  assert.deepEqual(grown.start.slice(0, 2), [0.65, 0.05]); // it has moved with its cells, and is kept inside
+  assert.deepEqual(grown.start.slice(0, 2), [0.65, 0.05]); // it moved with its cells, and was kept inside
   assert.equal(grown.cells[29 * 44 + 43], 1);
 });
 
@@ -157,14 +157,14 @@ test("a world that grows and shrinks around the same corner is as it was", () =>
   }
 });
 
-test("changes of cells go with their cells, and are gone where those are", () => {
+test("changes move with their cells, and are deleted with them", () => {
   const world = { ...blank(9, 9), events: { times: [1, 2], ix: [2, 7], iy: [2, 7], state: [2, 0] } };
   assert.deepEqual(resized(world, 5, 5).events, { times: [1], ix: [2], iy: [2], state: [2] });
   assert.deepEqual(resized(world, 5, 5, [1, 1]).events, { times: [2], ix: [3], iy: [3], state: [0] });
   assert.equal(resized({ ...world, events: { times: [1], ix: [8], iy: [8], state: [2] } }, 5, 5).events, null);
 });
 
-test("what has changed since a version is inside of a box, also after many strokes", () => {
+test("a box contains all changes since a version, even after many strokes", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
   const then = model.version;
@@ -172,10 +172,10 @@ test("what has changed since a version is inside of a box, also after many strok
   const { x, y, width, height } = model.boxSince(then);
   assert.ok(x <= 10 && y <= 12 && x + width >= 12 && y + height >= 15 && y > 5);
   for (let k = 0; k < 100; k += 1) stroke(model, "brush", box(k % 40, 20, 1, 1));
-  assert.equal(model.boxSince(then), null); // not known any more: all is drawn again
+  assert.equal(model.boxSince(then), null); // no longer known: everything is drawn again
 });
 
-test("start and target have their names where they are", () => {
+test("start and target have their names next to them", () => {
   const world = blank(40, 40);
   const cells = ([x, y]) => [x / world.cell_size, y / world.cell_size];
   assert.deepEqual([cells(world.start), cells(world.target), [20, 20], null].map((at) => markAt(world, at)), ["Start", "Target", "", ""]);

@@ -23,13 +23,13 @@ function played(drawn) {
   return { stage, under, made, readout: () => under.querySelector("#readout")?.textContent, scrub: under.querySelector("#scrub") };
 }
 
-test("a run is shown at its end, and its step and time are told", () => {
+test("a run is shown at its end, with its step and time", () => {
   const { readout, made } = played({ run: still(300) });
   assert.equal(made.step, 300);
   assert.equal(readout(), "step 300 of 300, 30.000 s");
 });
 
-test("the next mark is shown with its words, and after the last the first again", () => {
+test("the next mark is shown with its words; the first one follows the last", () => {
   const marks = [...MARKS, { step: 77, kind: "novel", name: "Last new cell", text: "the last new cell" }];
   const { readout, made } = played({ run: { ...loop(), marks } });
   made.go(0);
@@ -43,7 +43,7 @@ test("the next mark is shown with its words, and after the last the first again"
   assert.match(readout(), /^step 29 /);
 });
 
-test("scrubbing is told to a screen reader, also within a period", () => {
+test("scrubbing is announced to screen readers, even within a period", () => {
   const { scrub, made } = played({ run: loop() });
   made.go(40);
   assert.equal(scrub.getAttribute("aria-valuetext"), "step 40 of 133, 11 into the period");
@@ -58,7 +58,7 @@ test("entry and period are marked on the bar", () => {
   assert.ok(Math.abs(x - (1000 * 29) / 133) < 1e-9 && Math.abs(width - (1000 * 104) / 133) < 1e-9);
 });
 
-test("a breach has its tick where it happens", () => {
+test("a breach has a tick at its step", () => {
   const marks = [{ step: 30, kind: "breach", name: "Breach", text: "goes through this wall", cell: [4, 2] }];
   const tick = played({ run: { ...still(60), marks } }).under.querySelector(".breach");
   assert.equal(Number(tick.getAttribute("x")) + Number(tick.getAttribute("width")) / 2, 500);
@@ -81,7 +81,7 @@ test("a played loop continues at its entry, one period later", () => {
   assert.ok(back > 0 && steps[back] >= 29 && steps[back] < 60, `${steps[back]}`);
 });
 
-test("one period alone is played from its entry, and again", () => {
+test("a single period is played repeatedly from its entry", () => {
   const { made, under } = played({ run: loop() });
   clockKeys(made, 1).l();
   assert.deepEqual([made.step, made.playing], [29, true]);
@@ -100,7 +100,7 @@ test("a run that ends stops there, and play begins it again", () => {
   made.play(false);
 });
 
-test("arrows step and shift steps ten, within the run", () => {
+test("arrows move one step, or ten with Shift, within the run", () => {
   const { made } = played({ run: still(300) });
   clockKeys(made, 1).Home();
   clockKeys(made, 1).ArrowRight();
@@ -113,7 +113,7 @@ test("arrows step and shift steps ten, within the run", () => {
   assert.equal(made.step, 300);
 });
 
-test("from within a step an arrow goes to the next whole one", () => {
+test("from the middle of a step, an arrow moves to the next whole step", () => {
   const { made } = played({ run: still(300) });
   made.go(10.4);
   clockKeys(made, 1).ArrowRight();
@@ -123,23 +123,23 @@ test("from within a step an arrow goes to the next whole one", () => {
   assert.equal(made.step, 10);
 });
 
-test("of several robots the whole of the longest run is played, at a speed for that", () => {
+test("with several robots, the longest run is played to its end, at a speed that suits it", () => {
   const { made, readout } = played({ run: still(20), others: [{ run: still(4_000), number: 2 }] });
   assert.match(readout(), /^step 4,000 of 4,000/);
   assert.equal(made.speed, usualSpeed(4_000, 0.1));
 });
 
-test("a loop next to a robot that drives longer is told within its period", () => {
+test("a loop next to a longer run is described within its period", () => {
   const { made, readout } = played({ run: loop(), others: [{ run: still(20_000), number: 2 }] });
   made.go(20_000);
   assert.match(readout(), new RegExp(`, ${(20_000 - 29) % 104} into the period$`));
 });
 
-test("a replay takes twelve seconds at most, at the slowest speed that does that", () => {
+test("a replay takes at most twelve seconds, at the slowest possible speed", () => {
   assert.deepEqual([usualSpeed(100, 0.1), usualSpeed(600, 0.1), usualSpeed(10, 0.01), usualSpeed(1e9, 1)], [1, 5, 0.05, 500]);
 });
 
-test("every layer that the run has can be switched by its key", () => {
+test("each of the run's layers can be switched by its key", () => {
   const { made, under } = played({ run: loop(), sensors: { beams: 4, field: 0, range: 3, signal: true } });
   const names = ["trail", "touched", "sensors", "signal"];
   assert.equal(under.querySelectorAll(".layers input").length, names.length);
@@ -150,19 +150,19 @@ test("every layer that the run has can be switched by its key", () => {
   }
 });
 
-test("what was chosen before stays for the next run", () => {
+test("earlier choices stay for the next run", () => {
   const { made } = played({ run: loop() });
   made.show.trail = false;
   const next = buildPlayer(document.createElement("canvas"), document.createElement("div"), { world, run: still(5) }, made);
   assert.equal(next.show.trail, false);
 });
 
-test("a world without a run says why it has none", () => {
+test("a world without a run explains why", () => {
   const { under } = played({ run: null });
   assert.match(under.textContent, /could not be run here/);
 });
 
-test("zooming out ends with the whole world, and following ends with it", () => {
+test("zooming out ends at the whole world, which also ends following", () => {
   const { made } = played({ run: loop() });
   clockKeys(made, 1).r();
   assert.ok(made.follow && made.view.scale > 0);
@@ -170,7 +170,7 @@ test("zooming out ends with the whole world, and following ends with it", () => 
   assert.deepEqual([made.view, made.follow], [null, false]);
 });
 
-test("who types, moves a slider or presses a button means that", () => {
+test("typing, moving a slider or pressing a button does nothing else", () => {
   const field = (tag, type) => {
     const one = document.createElement(tag);
     if (type) one.type = type;
@@ -184,13 +184,13 @@ test("who types, moves a slider or presses a button means that", () => {
   assert.deepEqual(["d", " ", "Enter"].map((key) => keepsKey(field("canvas"), key)), [false, false, false]);
 });
 
-test("instruments tell place, heading and where in a loop the robot is", () => {
+test("the instruments show the robot's place, heading and step in a loop", () => {
   const line = document.createElement("p");
   showInstruments(line, { drawn: { run: loop(), world }, step: 40 });
   assert.match(line.textContent, /time 4\.000 s.*x, y 0\.200, 0\.100 m.*heading 0\.0°.*collision no.*loop period 104, step 11 of it/);
 });
 
-test("a robot that could not drive says why, and the others their results", () => {
+test("a robot that could not drive shows the reason, and the others show their results", () => {
   const list = document.createElement("ol");
   const good = { name: "thesis-1+slip=0.2", verdict: "loop", why: "for ever, every 104 steps", steps: 1331, time: 1.5, path: 2, collisions: 3, digest: "abc" };
   let looked = null;
@@ -201,25 +201,25 @@ test("a robot that could not drive says why, and the others their results", () =
   assert.equal(looked, 0);
 });
 
-test("each robot has a number of its own, unless it is alone", () => {
+test("each robot has its own number, unless there is only one", () => {
   const robots = [{ run: loop() }, { run: still(5) }, { error: "no" }];
   const { number, others } = sceneOf(world, robots, 1);
   assert.deepEqual([number, others.map((one) => one.number)], [2, [1]]);
   assert.equal(sceneOf(world, [robots[0]], 0).number, null);
 });
 
-test("numbers and counts have the words of one and of many", () => {
+test("counts are followed by the singular or plural", () => {
   assert.deepEqual([plural(1, "failure"), plural(0, "failure"), plural(2345, "class", "classes")], ["1 failure", "0 failures", "2,345 classes"]);
   assert.deepEqual([grouped(1234567.6), short(1234567), short(12345), short(0.12345), rounded(1 / 3)], ["1,234,568", "1.23 M", "12.3 k", "0.123", "0.3333"]);
   assert.deepEqual([0, 1, 2].map((k) => rangeOf([1.5, 2], k)), ["below 1.5", "1.5 to 2", "2 and above"]);
   assert.equal(rangeOf([], 0), "any");
 });
 
-test("a name without its options is that of a registered robot or of a class, also in a folder with a plus", () => {
+test("removing the options leaves a registered name or a class, even if a folder has a plus", () => {
   const names = ["vfh+radius=2+noise", "./a+b/mine.py:Robot+learned=taught/x.json", "mine.robots:Robot+noise", "./a+b/mine.py:Robot", "lib:./a+b/mine.so:mine+slip=0.1", "cmd:./run +x"];
   assert.deepEqual(names.map(plainName), ["vfh", "./a+b/mine.py:Robot", "mine.robots:Robot", "./a+b/mine.py:Robot", "lib:./a+b/mine.so:mine", "cmd:./run "]);
 });
 
-test("a name with options may go on in another line at each of them", () => {
+test("a name can be wrapped before each of its options", () => {
   assert.deepEqual(breakable("thesis-1+slip=0.2+noise").filter((part) => typeof part === "string"), ["thesis-1", "+slip=0.2", "+noise"]);
 });

@@ -8,7 +8,8 @@ import { seriesOf } from "#player/series.js";
 import { drawnOf } from "#studio/draw/drawn_world.js";
 import { blank } from "./samples.mjs";
 
-// A run straight to the right in a world of 9 x 5 cells of 0.1 m, one cell in each step of 0.1 s; the last one is idle.
+// A run straight to the right in a world of 9 x 5 cells of 0.1 m, one cell per step of 0.1 s;
+// the last step is idle.
 function straight() {
   const world = { ...drawnOf({ ...blank(9, 5), target: [0.75, 0.25, 0.05], robot_radius: 0.05 }) };
   const at = Float64Array.of(0, 1, 2, 3),
@@ -38,7 +39,7 @@ test("a contact just after a step does not make the robot seem fast", () => {
   assert.ok(speed.most < 1.03, String(speed.most));
 });
 
-test("the legend explains the marks that are there, and no others", () => {
+test("the legend explains only the marks that are drawn", () => {
   const words = (drawn) => legendOf(drawn).querySelectorAll("li").map((item) => item.textContent);
   const { world, run } = straight();
   assert.deepEqual(words({ world, run }), ["start", "target", "the robot's path", "still to be driven", "wall touched"]);

@@ -28,7 +28,7 @@ const set = (words, value) => type(list.querySelectorAll(".field").find((one) =>
 const find = (words) => type(list.querySelector("#find"), words);
 const headings = () => list.querySelectorAll("h2").map((one) => one.textContent);
 
-test("failures are in groups by cause, each with how many it has", () => {
+test("failures are grouped by cause, each group with its number of failures", () => {
   assert.deepEqual(headings(), ["circles a wall 1", "wanders 1", "steps over a wall 2"]);
   set("Group by", "verdict");
   assert.deepEqual(headings(), ["loop 1", "stalled 1", "tunnel 2"]);
@@ -38,23 +38,29 @@ test("failures are in groups by cause, each with how many it has", () => {
   assert.deepEqual(headings(), []);
 });
 
-test("groups of causes come in the order of the answer, the worst first", () => {
+test("groups of causes have the answer's order, the worst first", () => {
   list.replaceChildren();
   makeOverview(list, FAILURES, ["steps-over-a-wall", "circles-a-wall"]);
   assert.deepEqual(headings(), ["steps over a wall 2", "circles a wall 1", "wanders 1"]);
 });
 
-test("the answer gives every cause its advice, and a command where no change was tried", () => {
-  const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, natural: 2, classes: ["a"], file: "one.grid", why: "", ...more });
+test("the answer has advice for every cause, and a command if no change was tried", () => {
+  const cause = (name, more) => ({ cause: name, sentence: `It ${name}.`, advice: `Mend ${name}.`, severity: "never-arrives", state: "", met: 3, verdicts: { loop: 2, stalled: 1 }, natural: 2, classes: ["a"], file: "one.grid", why: "", ...more });
   const natural = { worlds: 40, arrived: 4, unsensed: 0, share: 0.1, low: 0.03, high: 0.24, families: { trap: { worlds: 40, arrived: 4 } }, clearances: { "1 to 2": { worlds: 40, arrived: 4 }, "2 to 3": { worlds: 0, arrived: 0 } }, turns: {} };
   const answer = { controller: "c", motion: "m", causes: [cause("circles-a-wall"), cause("wanders", { file: "", why: "arrives if cell (1, 1) is free" })], natural, comparison: null, campaign: 0 };
   const shown = element("answer");
   makeAnswer(shown, { failures: [failure("one", "loop", 20, { explain: "worldgen explain one.grid", replay: "worldgen replay one.grid", test: "" })], extras: [], campaigns: [], answers: [answer] });
-  for (const words of ["It rarely arrives.", "Mend circles-a-wall.", "Mend wanders.", "worldgen explain one.grid", "It arrives if cell (1, 1) is free.", "Never tried: paths with room for 2 to 3 robot radii."])
+  for (const words of ["It rarely arrives.", "examined: 2 loop, 1 stalled", "Mend circles-a-wall.", "Mend wanders.", "worldgen explain one.grid", "Never tried: paths with room for 2 to 3 robot radii."])
     assert.ok(shown.textContent.includes(words), words);
+  // Only the first cause shows what its example depends on.
+  assert.ok(!shown.textContent.includes("arrives if cell (1, 1) is free"));
+  answer.causes.reverse();
+  answer.causes[0].file = "one.grid";
+  makeAnswer(shown, { failures: [failure("one", "loop", 20, { explain: "worldgen explain one.grid", replay: "worldgen replay one.grid", test: "" })], extras: [], campaigns: [], answers: [answer] });
+  assert.ok(shown.textContent.includes("In its example it arrives if cell (1, 1) is free."));
 });
 
-test("verdicts and a search choose cards, and none says so", () => {
+test("verdicts and a search filter the cards, and a note says if none match", () => {
   const chip = list.querySelectorAll(".chips button").find((one) => one.textContent === "tunnel 2");
   chip.click();
   assert.deepEqual(cards(), ["two", "three"]);
@@ -69,7 +75,7 @@ test("verdicts and a search choose cards, and none says so", () => {
   assert.equal(cards().length, 4);
 });
 
-test("cards are ordered as is asked for", () => {
+test("cards are sorted as requested", () => {
   set("Group by", "none");
   const orders = { small: "one,three,four,two", large: "two,four,three,one", steps: "one,three,four,two", met: "two,one,three,four" };
   for (const [order, names] of Object.entries(orders)) {
@@ -78,13 +84,13 @@ test("cards are ordered as is asked for", () => {
   }
 });
 
-test("a card says what it is, and that it was not confirmed here", () => {
+test("a card names its failure, and says that it was not confirmed here", () => {
   const [card] = list.querySelectorAll(".card").filter((one) => one.id === "card-four");
   assert.match(card.textContent, /stalled-a9 x 3, 9 solid90 stepsmet 1×turn-right, sweptas found, not shrunknot confirmed here/);
   assert.equal(card.getAttribute("href"), "#four");
 });
 
-test("names of strangers are only text", () => {
+test("markup in names is only text", () => {
   list.replaceChildren();
   const hostile = "<img src=x onerror=alert(1)></script>";
   makeOverview(list, [failure("one", "loop", 20, { bucket: hostile })]);
@@ -92,7 +98,7 @@ test("names of strangers are only text", () => {
   assert.equal(list.querySelectorAll("img, script").length, 0);
 });
 
-test("arrow keys go from card to card", () => {
+test("arrow keys move from card to card", () => {
   const [first, second] = list.querySelectorAll(".card");
   first.focus();
   assert.ok(press("ArrowRight"));
@@ -100,7 +106,7 @@ test("arrow keys go from card to card", () => {
   press("ArrowLeft");
   assert.equal(document.activeElement, first);
   press("ArrowLeft");
-  assert.equal(document.activeElement, first); // it is the first
+  assert.equal(document.activeElement, first); // already the first one
 });
 
 const CAMPAIGN = {
@@ -122,7 +128,7 @@ function charts(campaigns = [CAMPAIGN]) {
   return place;
 }
 
-test("a campaign has its charts, each with a label and its table", () => {
+test("a campaign has charts, each with a label and a table", () => {
   const place = charts();
   const titles = place.querySelectorAll("h3").map((one) => one.textContent);
   assert.deepEqual(titles, ["Found over time", "By search strategy", "Archive: detour and density", "Classes, by how often they were met", "Verdicts at screening"]);
@@ -130,19 +136,19 @@ test("a campaign has its charts, each with a label and its table", () => {
   assert.deepEqual([place.querySelectorAll(".heat").length, place.querySelectorAll(".first").length, place.querySelectorAll(".later").length], [2, 2, 1]);
 });
 
-test("the curve goes up at each new class, and its words say when the last one came", () => {
+test("the curve rises at each new class, and its text says when the last one was found", () => {
   const place = charts();
   assert.match(place.textContent, /2 classes; the last new one after 300 of 900 worlds\./);
   assert.match(place.textContent, /Strategy archive was the first to find 2 classes\./);
 });
 
-test("a class of which the page has a failure leads to it", () => {
+test("a class links to its failure on the page", () => {
   const place = charts();
   const links = place.querySelectorAll("a").map((one) => [one.textContent, one.getAttribute("href")]);
   assert.ok(links.length > 1 && links.every(([name, to]) => name === "loop-a" && to === "#one"));
 });
 
-test("of several campaigns each has its name", () => {
+test("several campaigns are each shown with their names", () => {
   const place = charts([CAMPAIGN, { ...CAMPAIGN, found: [], folder: "other" }]);
   assert.deepEqual(place.querySelectorAll("h2").map((one) => one.textContent), ["turn-right under swept, mine", "turn-right under swept, other"]);
   assert.match(place.textContent, /Nothing was found\./);

@@ -1,4 +1,4 @@
-// The panel that says which robots drive, and how: names, settings, what a failure's file brings.
+// The panel of robots and their settings, including those from a failure's file.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -49,11 +49,11 @@ function panel({ controllers = CONTROLLERS, answer = async () => ({}) } = {}) {
 
 const next = () => new Promise((done) => setImmediate(done));
 
-test("a robot of two names is offered once under the thesis's model, with both", () => {
+test("a robot with two names is offered once under the thesis's model, with both", () => {
   assert.deepEqual(panel().labels(), ["thesis-1 (turn-right)", "thesis-2 (turn-left)"]);
 });
 
-test("which controllers the list does not have is said with the model that they need", () => {
+test("a note names the controllers that are not in the list, and the model that they need", () => {
   assert.equal(panel().part("#other-controllers").textContent, "1 more under swept. ");
   const named = CONTROLLERS.map((one) => (one.name === "bug1" ? { ...one, named: true } : one));
   const { robots, part } = panel({ controllers: named });
@@ -69,16 +69,16 @@ test("a controller that was named at the start is the first to drive, in its own
   assert.deepEqual([controllers, motion], [["bug2"], "swept"]);
 });
 
-test("run can be pressed whenever a robot is chosen", () => {
+test("Run can be pressed whenever a robot is chosen", () => {
   const { box, part, robots } = panel();
   tick(box("thesis-2"), false);
   assert.ok(part("#run").disabled);
-  type(robots.element.querySelector(".motion select"), "swept"); // one of this model's is chosen
+  type(robots.element.querySelector(".motion select"), "swept"); // one of this model's robots is chosen
   assert.ok(!part("#run").disabled);
   assert.equal(robots.message().controllers.length, 1);
 });
 
-test("what is chosen and not run is due", () => {
+test("robots that are chosen but not yet run are due", () => {
   const { robots, box, part } = panel();
   robots.running(robots.message());
   assert.equal(part("#run-due").textContent, "");
@@ -88,7 +88,7 @@ test("what is chosen and not run is due", () => {
   assert.equal(part("#run-due").textContent, "");
 });
 
-test("a robot with options is added by its words, changed by them, and is there once", async () => {
+test("a robot with options is added and changed as text, and is listed once", async () => {
   const { part, asked, robots } = panel();
   const field = part("#another");
   const add = async (label) => {
@@ -106,7 +106,7 @@ test("a robot with options is added by its words, changed by them, and is there 
   assert.deepEqual(robots.message().controllers, ["thesis-2"]);
 });
 
-test("what is no robot is refused at its field, and not added", async () => {
+test("an invalid robot is refused at its field, and not added", async () => {
   const { part, robots } = panel({ answer: async () => Promise.reject(new Refused("no controller is called 'nope'")) });
   part("#another").value = "nope";
   part(".another").dispatchEvent(new Event("submit", { cancelable: true }));
@@ -115,7 +115,7 @@ test("what is no robot is refused at its field, and not added", async () => {
   assert.deepEqual(robots.message().controllers, ["thesis-2"]);
 });
 
-test("a failure's settings come with its file and go with it", () => {
+test("a failure's settings come and go with its file", () => {
   const { robots } = panel();
   const usual = robots.message();
   robots.prefer({ controller: "thesis-1", motion: "stepped", seed: 7, parameters: { steps: 300, time_step: 0.01, noise: true } });
@@ -125,7 +125,7 @@ test("a failure's settings come with its file and go with it", () => {
   assert.deepEqual([robots.message().seed, robots.message().steps], [usual.seed, usual.steps]);
 });
 
-test("what was typed since stays when the failure goes", () => {
+test("settings typed since then stay when the failure is closed", () => {
   const { robots, part } = panel();
   robots.prefer({ controller: "thesis-1", motion: "stepped", seed: 7, parameters: { steps: 300 } });
   const seed = robots.element.querySelectorAll(".triple input")[2];
@@ -142,7 +142,7 @@ test("a failure of a controller that is not offered changes nothing", () => {
   assert.deepEqual(robots.message(), before);
 });
 
-test("walls are let change places once, and what came too late is not taken", async () => {
+test("walls are allowed to change places once, and a late answer is ignored", async () => {
   const waiting = [];
   const { robots, part, model, runs } = panel({ answer: (kind) => (kind === "shift" ? new Promise((done) => waiting.push(done)) : Promise.resolve({})) });
   const events = { times: [1], ix: [2], iy: [2], state: [1] };
@@ -161,7 +161,7 @@ test("walls are let change places once, and what came too late is not taken", as
   assert.equal(robots.message().still, true);
 });
 
-test("angles are told in degrees and sent in radians, and how many settings are changed is said", () => {
+test("angles are shown in degrees and sent in radians, with the number of changed settings", () => {
   let changes = 0;
   const settings = makeSettings(() => (changes += 1));
   const values = {};
@@ -201,7 +201,7 @@ function sizes() {
   return { model, form, press, sized, said: () => form.querySelector("#size-said").textContent };
 }
 
-test("a schedule that goes with its cells is told, and undo brings it back", () => {
+test("deleting a schedule with its cells is reported, and undo restores it", () => {
   for (const [act, words] of [
     [({ press }) => press("Clear"), "The world no longer changes: undo restores its 2 changes."],
     [({ press, sized }) => (sized(10, 10), press("New")), "The world no longer changes: undo restores its 2 changes."],
@@ -216,7 +216,7 @@ test("a schedule that goes with its cells is told, and undo brings it back", () 
   }
 });
 
-test("a world is of one row up to four million cells, and no more", () => {
+test("a world has at least one row and at most four million cells", () => {
   const { model, press, sized, said } = sizes();
   for (const [width, height] of [[50, 1], [1, 50], [20_000, 209]]) {
     sized(width, height);
@@ -231,7 +231,7 @@ test("a world is of one row up to four million cells, and no more", () => {
   }
 });
 
-test("before the server has told its limits no size is taken", () => {
+test("before the server has sent its limits, no size is accepted", () => {
   const model = new Model(blank(9, 9), () => {}),
     parts = {},
     form = sizePart({ model, limits: null }, { board: {} }, parts);
@@ -242,7 +242,7 @@ test("before the server has told its limits no size is taken", () => {
   assert.equal(model.world.width, 9);
 });
 
-test("as many robots can be chosen as the server takes", () => {
+test("as many robots can be chosen as the server accepts", () => {
   const { robots, studio, box } = panel();
   studio.limits = { ...LIMITS, robots: 1 };
   robots.refresh();

@@ -1,4 +1,4 @@
-// Small worlds and runs in the form in which the server packs them.
+// Small worlds and runs as the server packs them.
 
 import { emptyWorld } from "#studio/draw/model.js";
 
@@ -6,7 +6,8 @@ export function base64(bytes) {
   return btoa(String.fromCharCode(...bytes));
 }
 
-/* Whole numbers as fuzz/player/streams.py packs them: the differences of their differences, zigzag, seven bits a byte. */
+/* Packs whole numbers like fuzz/player/streams.py: second differences, zigzag,
+   seven bits per byte. */
 export function numbers(values) {
   const bytes = [];
   let before = 0,
@@ -31,14 +32,14 @@ export function bits(flags) {
   return base64(bytes);
 }
 
-/* A world of cells, row by row from the lowest. */
+/* Makes a world from cells, row by row from the lowest. */
 export function worldOf(cells, width, more = {}) {
   const height = cells.length / width;
   const usual = { cell: 0.1, radius: 0.7, start: [1.5, 1.5, 0], target: [width - 1.5, height - 1.5, 0.5], events: null, witness: null };
   return { width, height, cells: bits(cells), ...usual, ...more };
 }
 
-/* An empty world with a border of walls, and more walls in it. */
+/* Makes an empty world with a border of walls, and other walls in it. */
 export function roomOf(width, height, walls = [], more = {}) {
   const border = (ix, iy) => ix === 0 || iy === 0 || ix === width - 1 || iy === height - 1;
   const cells = Array.from({ length: width * height }, (_, k) => border(k % width, Math.floor(k / width)));
@@ -46,10 +47,11 @@ export function roomOf(width, height, walls = [], more = {}) {
   return worldOf(cells, width, more);
 }
 
-/** Parts of a step, of a cell and of a turn in what is packed; other numbers than the server's would do. */
+/** Units of packed runs, as parts of a step, a cell and a turn;
+ * they may differ from the server's. */
 export const PER = { step: 16, cell: 100, turn: 3600 };
 
-/* A run through places in cells, at times in steps. */
+/* Makes a run through places in cells, at times in steps. */
 export function runOf({ at, x, y = x.map(() => 1), heading = x.map(() => 0), bump = x.map(() => 0), ...more }) {
   const scaled = (values, by) => numbers(values.map((value) => Math.round(value * by)));
   const columns = { per: PER, at: scaled(at, PER.step), x: scaled(x, PER.cell), y: scaled(y, PER.cell), heading: scaled(heading, PER.turn / (2 * Math.PI)), bump: bits(bump) };
@@ -57,7 +59,7 @@ export function runOf({ at, x, y = x.map(() => 1), heading = x.map(() => 0), bum
   return { ...columns, ...usual, ...more };
 }
 
-/** Limits as the server tells them. */
+/** Limits as the server sends them. */
 export const LIMITS = {
   message: 32 * 2 ** 20, dropped: 16 * 2 ** 20, side: 20_000, cells: 4_194_304, lengths: [0.0001, 10_000], robots: 6,
   seed: "18446744073709551615", steps: 1_000_000, time_steps: [0.001, 10], seconds: 604_800, units: 1_000_000, workers: 256, examples: 100_000, epoch: 100_000,

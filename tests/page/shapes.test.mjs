@@ -1,4 +1,4 @@
-// Cells by geometry, and what is done with a selection.
+// Shapes of cells, and the actions on a selection.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -8,7 +8,7 @@ import { withSelection } from "#studio/draw/selection.js";
 import { KEEP, STAMPS, brushBox, flipped, floodCells, lineCells, mirrored, patternIn, rectangleBoxes, rectangleOf, turned } from "#studio/draw/shapes.js";
 import { blank } from "./samples.mjs";
 
-const L = { width: 2, height: 3, cells: Uint8Array.from([1, 1, 1, 0, 1, 0]) }; // as the letter, seen from above: rows go up
+const L = { width: 2, height: 3, cells: Uint8Array.from([1, 1, 1, 0, 1, 0]) }; // the letter L; rows go up
 
 function kitOf(selection) {
   const said = [];
@@ -20,7 +20,7 @@ function drawn(kit, { x, y, width, height }) {
   return [...patternIn(kit.model.world, { x, y, width, height }).cells];
 }
 
-test("a line has both its ends and no gap, whichever way it is drawn", () => {
+test("a line has both ends and no gap, in whichever direction it is drawn", () => {
   for (const [from, to] of [[[0, 0], [9, 3]], [[9, 3], [0, 0]], [[2, 8], [1, -3]], [[4, 4], [4, 4]]]) {
     const cells = lineCells(from, to);
     assert.deepEqual([cells[0], cells.at(-1)], [from, to]);
@@ -45,18 +45,18 @@ test("an outline is the border of its rectangle, each cell once", () => {
   assert.ok(!count.has("1,1"));
 });
 
-test("a brush is around its cell", () => {
+test("a brush is centred on its cell", () => {
   assert.deepEqual([1, 2, 3].map((size) => brushBox([5, 5], size)), [{ x: 5, y: 5, width: 1, height: 1 }, { x: 5, y: 5, width: 2, height: 2 }, { x: 4, y: 4, width: 3, height: 3 }]);
 });
 
-test("a flood fills all that hangs together by sides, and nothing by corners", () => {
+test("a fill spreads across sides, but not across corners", () => {
   const { cells, width, height } = blank(8, 8);
   for (let k = 1; k < 7; k += 1) cells[k * 8 + k] = 1; // a diagonal: the halves touch by corners only
   assert.equal(floodCells({ cells, width, height }, [5, 1]).length, 15);
-  assert.equal(floodCells({ cells, width, height }, [0, 0]).length, 30); // the border, and of the diagonal its two ends alone
+  assert.equal(floodCells({ cells, width, height }, [0, 0]).length, 30); // the border, and only the two ends of the diagonal
 });
 
-test("a flood does not go from the end of a row to the beginning of the next", () => {
+test("a fill does not spread from the end of a row to the beginning of the next", () => {
   assert.deepEqual([...floodCells({ width: 3, height: 2, cells: Uint8Array.from([0, 1, 0, 0, 1, 1]) }, [2, 0])], [2]);
 });
 
@@ -70,7 +70,7 @@ test("a turn is a quarter turn to the left", () => {
   assert.deepEqual([width, height, [...cells]], [3, 2, [1, 1, 1, 0, 0, 1]]);
 });
 
-test("outside of the map a pattern changes nothing", () => {
+test("outside the map, a pattern changes nothing", () => {
   const map = { width: 2, height: 1, cells: Uint8Array.from([1, 0]) };
   assert.deepEqual([...patternIn(map, { x: -1, y: 0, width: 4, height: 1 }).cells], [KEEP, 1, 0, KEEP]);
 });
@@ -84,7 +84,7 @@ test("every stamp of every size has walls and room for a robot", () => {
     }
 });
 
-test("a selection is mirrored, flipped and turned in its place, each one step of the history", () => {
+test("mirroring, flipping and turning a selection are one step of the history each", () => {
   const box = { x: 3, y: 3, width: 2, height: 3 };
   for (const [what, act] of [["mirror", mirrored], ["flip", flipped], ["turn", turned]]) {
     const kit = kitOf(box);
@@ -97,7 +97,7 @@ test("a selection is mirrored, flipped and turned in its place, each one step of
   }
 });
 
-test("what is copied stays, what is cut or cleared goes", () => {
+test("copied cells stay; cut or cleared ones are deleted", () => {
   for (const [what, solid, copied] of [["copy", 4, true], ["cut", 0, true], ["clear", 0, false], ["fill", 6, false]]) {
     const kit = kitOf({ x: 3, y: 3, width: 2, height: 3 });
     kit.model.put(L, [3, 3]);
@@ -108,13 +108,13 @@ test("what is copied stays, what is cut or cleared goes", () => {
   }
 });
 
-test("with the stamp in hand that is turned, and not what is selected", () => {
+test("while stamping, the stamp is turned and not the selection", () => {
   const kit = kitOf({ x: 3, y: 3, width: 2, height: 3 });
   assert.ok(withSelection(kit, "turn", true));
   assert.deepEqual([kit.turns, kit.model.solid], [[turned], 44]);
 });
 
-test("without a selection nothing is done", () => {
+test("without a selection, nothing happens", () => {
   const kit = kitOf(null);
   assert.equal(withSelection(kit, "clear", false), false);
   assert.equal(kit.model.past.length, 0);

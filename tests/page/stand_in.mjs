@@ -1,12 +1,13 @@
-/* What the pages' scripts need of a browser to run in Node: a tree of elements with events, a canvas that writes down
-   what is drawn, storage, frames that a test asks for. It lays out nothing and judges nothing; whatever depends on how
-   a browser shows a page, or on its rules for fields, is tested in a browser. */
+/* The parts of a browser that the pages' scripts need in Node: a tree of elements with events, a
+   canvas that records what is drawn, storage, frames that a test asks for. It lays out nothing and
+   judges nothing; whatever depends on how a browser shows a page, or on its rules for fields,
+   is tested in a browser. */
 
 const SVG = "the namespace of SVG";
 const FLAGS = new Set(["checked", "disabled", "hidden", "open", "required"]);
 const TEXTS = ["id", "type", "min", "max", "step", "title", "role", "name", "placeholder"];
 
-// Calls listeners at once, so that what goes wrong in one fails the test that caused it.
+// Calls listeners at once, so that an error in one fails the test that caused it.
 class Listened {
   #acts = new Map();
 
@@ -81,7 +82,8 @@ export class Element_ extends Listened {
     this.replaceChildren(text);
   }
 
-  // A list's value is that of what is chosen in it; a field's what was typed, or else its attribute.
+  // The value of a list is its selected option's; that of a field is its text,
+  // or else its attribute.
   get value() {
     if (this.tagName !== "SELECT") return this.typed ?? this.getAttribute("value") ?? "";
     const options = this.querySelectorAll("option");
@@ -139,7 +141,7 @@ export class Element_ extends Listened {
     return this.querySelectorAll(selector)[0] ?? null;
   }
 
-  // Events go up to the window, as in a browser.
+  // Events bubble up to the window, as in a browser.
   dispatchEvent(event) {
     if (event.target === null) Object.defineProperty(event, "target", { value: this });
     Object.defineProperty(event, "currentTarget", { value: this, configurable: true });
@@ -166,7 +168,7 @@ export class Element_ extends Listened {
     if (!this.disabled) this.dispatchEvent(new Event_("click"));
   }
 
-  // Of fields it knows one rule: what the page itself has found wrong.
+  // The only rule for fields is the error that the page itself has set.
   get validity() {
     return { customError: Boolean(this.validationMessage) };
   }
@@ -210,7 +212,7 @@ for (const name of FLAGS)
 
 const dataName = (name) => `data-${name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`)}`;
 
-// The parts of a selector between separators that are in no brackets.
+// Splits a selector at separators outside brackets.
 function partsOf(selector, separator) {
   const parts = [""];
   let depth = 0;
@@ -254,7 +256,7 @@ class Event_ extends Event {
   constructor(type, { silent = false, ...parts } = {}) {
     super(type, { cancelable: true });
     Object.assign(this, parts);
-    this.stopped = silent; // it does not go up
+    this.stopped = silent; // does not bubble
   }
 
   stopPropagation() {
@@ -262,7 +264,8 @@ class Event_ extends Event {
   }
 }
 
-/* A context that writes down what is drawn: `calls` has [name, ...arguments, settings] of each. */
+/* Makes a context that records what is drawn: `calls` has [name, ...arguments,
+   settings] of each. */
 export class Context {
   constructor(canvas) {
     Object.assign(this, { canvas, calls: [], fillStyle: "", strokeStyle: "", lineWidth: 1, globalAlpha: 1, font: "", saved: [], dash: [] });
@@ -305,7 +308,7 @@ export class Context {
     return { addColorStop() {} };
   }
 
-  /** The arguments of all calls of a name. */
+  /** Returns the arguments of all calls of a name. */
   of(name) {
     return this.calls.filter((call) => call.name === name);
   }
@@ -350,19 +353,19 @@ class Storage_ {
 const heard = new Listened();
 const frames = [];
 
-/** Has the page draw its next frame, at that time in ms. */
+/** Makes the page draw its next frame, at a time in ms. */
 export function frame(now) {
   for (const act of frames.splice(0)) act(now);
 }
 
-/** Presses a key where the focus is, or at an element; says whether the page took it. */
+/** Presses a key at the focus, or at an element; returns whether the page handled it. */
 export function press(key, { at = document.activeElement, ...held } = {}) {
   const event = new Event_("keydown", { key, ctrlKey: false, shiftKey: false, altKey: false, metaKey: false, ...held });
   at.dispatchEvent(event);
   return event.defaultPrevented;
 }
 
-/** Does something with a pointer at a place of an element. */
+/** Performs a pointer action at a place in an element. */
 export function point(element, type, [clientX, clientY], more = {}) {
   element.dispatchEvent(new Event_(type, { clientX, clientY, pointerId: 1, button: 0, buttons: 1, altKey: false, ...more }));
 }
@@ -379,7 +382,7 @@ export function tick(box, on = true) {
   box.dispatchEvent(new Event_("change"));
 }
 
-/** An element of the page with this id, made if it is not there. */
+/** Returns the page's element with this id, created if missing. */
 export function element(id, tag = "div") {
   const known = document.getElementById(id);
   if (known) return known;

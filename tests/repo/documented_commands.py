@@ -292,7 +292,7 @@ def run_parts(path: Path, folder: Path) -> Iterator[Done]:
 def run(command: Command, in_this_process: bool = True) -> Done:
     """Run one command in the current folder.
 
-    ``worldgen`` runs in this process, which is quicker, everything else as a program.
+    ``worldgen`` runs in this process, which is quicker; everything else runs as a program.
     """
     text = os.path.expandvars(command.text) if command.hidden else command.text
     words = shlex.split(_BUDGET.sub(r"\1--units 1", text), comments=True)

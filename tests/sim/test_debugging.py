@@ -129,8 +129,7 @@ def test_a_program_that_cannot_reserve_its_memory_at_the_start_gets_the_option_t
     tmp_path,
 ):
     said = (
-        "==7==ERROR: AddressSanitizer failed to allocate; ReserveShadowMemoryRange failed "
-        "while "
+        "==7==ERROR: AddressSanitizer failed to allocate; ReserveShadowMemoryRange failed while "
         "trying"
     )
     name = program(tmp_path, f"sys.exit({said!r})", step=1)

@@ -45,15 +45,15 @@ def test_a_world_of_several_robots_names_the_planner_that_made_it(name):
         generate(name, 7, **{**alone, "planner": PLANNER_VERSION})
 
 
-# By planner version, the digest of some worlds with their witnesses. If it changes on purpose, raise
-# PLANNER_VERSION and add the new digest.
+# By planner version, the digest of some worlds with their witnesses. If it changes on purpose,
+# raise PLANNER_VERSION and add the new digest.
 PLANNED = {
     1: "30c224c69c5498fb",
 }
 
 
-# By version of the planner for crowds, the digest of some worlds with their witnesses. If it changes
-# on purpose, raise CROWD_PLANNER_VERSION and add the new digest.
+# By version of the planner for crowds, the digest of some worlds with their witnesses. If it
+# changes on purpose, raise CROWD_PLANNER_VERSION and add the new digest.
 CROWDS = {
     2: "12d8e7280407ed75",
 }
@@ -104,7 +104,7 @@ def test_a_set_says_that_another_planner_made_it(tmp_path, monkeypatch):
     assert made.code == 0
     monkeypatch.setattr("worldgen.family.PLANNER_VERSION", PLANNER_VERSION + 1)
     again = worldgen("regenerate", str(tmp_path / "set"), "--out", str(tmp_path / "again"))
-    assert again.code == 2 and "planner is '1', here it is '2'" in again.err
+    assert again.code == 2 and "planner is '1', but here it is '2'" in again.err
 
 
 def test_the_first_robot_is_placed_as_ever():

@@ -47,7 +47,7 @@ def test_a_world_without_walls_around_it_has_a_frame():
 
 
 def test_starts_and_targets_of_several_robots_are_numbered():
-    # Robot 3 has its target where robot 1 starts, and a start is drawn above a target.
+    # Robot 3 has its target where robot 1 starts, so only the start can be seen.
     second = Robot(Pose(0.35, 0.15), Target(0.15, 0.15, 0.05), 0.04)
     third = Robot(Pose(0.65, 0.35), Target(0.15, 0.35, 0.05), 0.04)
     picture = draw_terminal(tiny_world(others=(second, third)), color=False, width=80)
@@ -57,7 +57,7 @@ def test_starts_and_targets_of_several_robots_are_numbered():
         "#....#.#",
         "#B.2.#A#",
         "########",
-        "1-3 starts  A-C their targets",
+        "1-3 starts  A-B their targets",
     ]
 
 

@@ -19,6 +19,7 @@ from worldgen.interop import (
     ImportedRobot,
     export_world,
     import_world,
+    read_map,
 )
 from worldgen.interop.formats.thesis import MAX_SIZE, filtered, read_thesis_map, signal
 from worldgen.interop.readers.java_stream import read_ints, write_ints
@@ -322,7 +323,7 @@ FAULTS = [
 def test_a_damaged_file_is_refused_in_one_line(write, tmp_path, data, expected):
     path = write(data)
     with raises(FormatError, **expected) as caught:
-        read_thesis_map(path)
+        read_map(path, "thesis")
     assert str(caught.value).startswith(f"{path}: ") and "\n" not in str(caught.value)
     result = worldgen("import", path, "--from", "thesis", "--out", tmp_path / "w.grid")
     assert (result.code, result.err.count("\n")) == (2, 1) and not (tmp_path / "w.grid").exists()

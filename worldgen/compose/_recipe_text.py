@@ -44,7 +44,7 @@ ROBOT: dict[str, tuple[float, str]] = {
 # Names that provenance already uses next to the parameters.
 _RESERVED = ("recipe", "files", "made_with")
 _NOTES = {
-    MARGIN: "How much later the robot may set out on its witness, s.",
+    MARGIN: "How much later the robot may start on its witness, s.",
     **{name: note for name, (_, note) in ROBOT.items()},
 }
 _TOP = ("recipe", "version", "about", "world", "parameters", "part")
@@ -387,7 +387,7 @@ def _declared(raw: Any) -> Declared:
     )
     _check(
         isinstance(choices, list) and all(isinstance(word, str) for word in choices),
-        Message("wrong-type", "choices are a list of texts", 'write choices = ["U", "V"]'),
+        Message("wrong-type", "choices must be a list of strings", 'write choices = ["U", "V"]'),
     )
     _check(
         not choices or default in choices,
@@ -514,7 +514,7 @@ def _read_part(
         )
         _check(
             isinstance(table.get("steps", []), list),
-            Message("wrong-type", "steps are a list", "write steps = [ {{ rotate = 1 }} ]"),
+            Message("wrong-type", "steps must be a list", "write steps = [ {{ rotate = 1 }} ]"),
         )
 
     # Parse the source's value. Here, names of families and parts only have to be words. The caller

@@ -81,11 +81,11 @@ def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
         depth: Current nesting depth.
 
     Raises:
-        InvalidParameter: If it is not one of these, or nested too deep.
+        InvalidParameter: If it is not one of these, or nested too deeply.
     """
     # Nobody needs deeper nesting, and the limit keeps a hostile file from exhausting the stack.
     if depth > 4:
-        raise InvalidParameter("nested-too-deep", "values are nested too deep", "flatten them")
+        raise InvalidParameter("nested-too-deep", "values are nested too deeply", "flatten them")
     if isinstance(raw, str) and raw.lstrip().startswith("="):
         text = raw.strip()[1:].strip()
         return Formula(text, parse_number(text, replace(_FORMULAS, variables=tuple(names))))

@@ -1,5 +1,5 @@
-// Finds the nodes of a graph that are connected to a source. It fills whole rows at a time, in any order, which is
-// ten times faster than a search.
+// Finds the nodes of a graph that are connected to a source. It fills whole rows at a time, in any
+// order, which is ten times faster than a search.
 
 #include <stdbool.h>
 #include <stdlib.h>
@@ -28,7 +28,8 @@ static bool stack_reserve(Stack *stack, int64_t more)
     return true;
 }
 
-// Reads eight bytes at a time, each 0 or 1. Together with the stops, this made floods three times as fast.
+// Reads eight bytes at a time, each 0 or 1. Together with the stops,
+// this made floods three times as fast.
 static uint64_t eight(const uint8_t *bytes)
 {
     uint64_t word;
@@ -38,7 +39,8 @@ static uint64_t eight(const uint8_t *bytes)
 
 static const uint64_t ALL_CLEAR = 0x0101010101010101;
 
-// Returns the last clear node of a run, to the right. The rim is not clear, so the run ends inside the grid.
+// Returns the last clear node of a run, to the right. The rim is not clear,
+// so the run ends inside the grid.
 static int64_t right_end(const uint8_t *clear, int64_t nodes, int64_t node)
 {
     while (node + 9 <= nodes && eight(clear + node + 1) == ALL_CLEAR) {
@@ -127,7 +129,8 @@ WgStatus wg_flood(const uint8_t *clear, const uint8_t *middle, int64_t nodes, in
             free(stack.nodes);
             return WG_OUT_OF_MEMORY;
         }
-        // The whole run connects to the rows next to it; beyond its ends it connects only by a clear diagonal.
+        // The whole run connects to the rows next to it; beyond its ends it connects only by a
+        // clear diagonal.
         for (int side = 0; side < 2; side++) {
             int64_t shift = side == 0 ? stride : -stride;
             int64_t below = shift < 0 ? shift : 0;

@@ -70,7 +70,8 @@ static bool list_rows(DiscRows *all, int64_t k, int64_t limit)
     return true;
 }
 
-// Counts the free cells to the right of each cell, up to 255 or 65,535, so that many can be compared at a time.
+// Counts the free cells to the right of each cell, up to 255 or 65,535,
+// so that many can be compared at a time.
 #define COUNT_GAPS(NAME, TYPE, MOST)                                                                        \
     static void NAME(const uint8_t *solid, int64_t height, int64_t width, int64_t pad, TYPE *gaps)          \
     {                                                                                                       \
@@ -99,7 +100,8 @@ COUNT_GAPS(count_gaps_16, uint16_t, 65535)
 COMPARE_ROW(compare_row_8, uint8_t)
 COMPARE_ROW(compare_row_16, uint16_t)
 
-// Puts the lines of one height within a cell next to each other: line a has the points at a/k of each cell.
+// Puts the lines of one height within a cell next to each other:
+// line a has the points at a/k of each cell.
 static void interleave(const uint8_t *restrict lines, int64_t room, int64_t k, int64_t width, uint8_t *restrict out)
 {
     // Half cells are the usual case, which the compiler vectorises to 16 at a time.

@@ -45,8 +45,8 @@ static inline bool wg_is_solid(const WgWalls *walls, int64_t ix, int64_t iy)
     return !inside || walls->solid[iy * walls->width + ix] != 0;
 }
 
-// Offsets that the eight steps add to a node's number, the four along the axes first, and offsets of the middles of
-// the other four.
+// Offsets that the eight steps add to a node's number, the four along the axes first, and offsets
+// of the middles of the other four.
 static inline void wg_eight_steps(int64_t stride, int64_t shifts[8], int64_t corners[8])
 {
     const int64_t steps[8] = {1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, 1 - stride};
@@ -57,7 +57,8 @@ static inline void wg_eight_steps(int64_t stride, int64_t shifts[8], int64_t cor
     }
 }
 
-// Returns the first entry from ``v`` on that is its own root, and halves the path there for later calls.
+// Returns the first entry from ``v`` on that is its own root,
+// and halves the path there for later calls.
 static inline int64_t wg_next_unseen(int32_t *skip, int64_t v)
 {
     while (skip[v] != v) {

@@ -1,12 +1,14 @@
-// Finds the shortest path over the eight neighbours of a graph's nodes, with buckets and bits instead of a heap.
+// Finds the shortest path over the eight neighbours of a graph's nodes,
+// with buckets and bits instead of a heap.
 //
 // The search takes the node with the lowest estimate; ties go to the lowest number. Estimates
-// never fall, and a step raises one by at most 198. So waiting nodes are in a ring of buckets, one for each estimate,
-// and those with the current estimate are bits in a tree of words, 64 to a word, which yields the
-// lowest in a few steps. A heap took two to four times as long on open ground.
+// never fall, and a step raises one by at most 198. So waiting nodes are in a ring of buckets, one
+// for each estimate, and those with the current estimate are bits in a tree of words, 64 to a word,
+// which yields the lowest in a few steps. A heap took two to four times as long on open ground.
 //
-// Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost Paths" (1968).
-// Dial, "Algorithm 360: Shortest-Path Forest with Topological Ordering" (1969), for the buckets.
+// Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost Paths"
+// (1968). Dial, "Algorithm 360: Shortest-Path Forest with Topological Ordering" (1969),
+// for the buckets.
 
 #include <stdlib.h>
 #include <string.h>
@@ -301,7 +303,8 @@ WgStatus wg_search_new(const WgGraph *graph, const int64_t *sources, int64_t sou
     return WG_OK;
 }
 
-// Restarts on the far sides of all bridges that the search has reached; returns true if there are any.
+// Restarts on the far sides of all bridges that the search has reached;
+// returns true if there are any.
 static bool cross_bridges(WgSearch *search, bool *has_room)
 {
     int64_t *crossed = search->crossed + 2 * search->crossed_count;

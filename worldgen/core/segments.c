@@ -1,10 +1,10 @@
-// Tests straight pieces of a path against solid cells with integers and floats; doubtful cases are left to the
-// caller.
+// Tests straight pieces of a path against solid cells with integers and floats; doubtful cases are
+// left to the caller.
 //
-// All lengths are whole lu. Intersections of pieces with boxes, and distances between boxes, are exact in 64 bits.
-// The distance of a slanted piece from a corner is side / length, both whole; only its comparison with the radius
-// uses floats, with an error below 1e-15. If the two are within 1e-13 of each other, the answer is "unsure", and the
-// caller compares fractions.
+// All lengths are whole lu. Intersections of pieces with boxes, and distances between boxes, are
+// exact in 64 bits. The distance of a slanted piece from a corner is side / length, both whole;
+// only its comparison with the radius uses floats, with an error below 1e-15. If the two are within
+// 1e-13 of each other, the answer is "unsure", and the caller compares fractions.
 
 #include <math.h>
 
@@ -124,7 +124,8 @@ static WgScan scan_piece(const WgWalls *walls, WgPiece piece, Bound bound)
         }
     }
 
-    // Keep the corner next to the line if it is nearer than everything else, or if floats cannot tell.
+    // Keep the corner next to the line if it is nearer than everything else,
+    // or if floats cannot tell.
     WgScan found = {scan.least, 0, 0, scan.least < bound.limit};
     if (scan.nearest_side >= 0) {
         double square = (double)scan.nearest_side * (double)scan.nearest_side;
@@ -156,7 +157,8 @@ WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, 
     int64_t far = state[2];
     int64_t found = state[3];
     WgAnswer answer = (WgAnswer)state[4];
-    // Corners kept never outnumber corners passed, so there is always room; and the search only looks ahead.
+    // Corners kept never outnumber corners passed, so there is always room;
+    // and the search only looks ahead.
     if (at < 0 || at >= count || found < 1 || found > at + 1 || seen <= at || far <= at) {
         return WG_BAD_VALUE;
     }

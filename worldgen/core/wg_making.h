@@ -73,7 +73,8 @@ int64_t wg_maze_work_bytes(const WgMaze *maze);
 
 // Sets up the board and everything in a maze that the caller has not set.
 //
-// mask:   (rows, columns) 1 where there is a chamber; connected. Algorithms that go row by row need all of them.
+// mask:   (rows, columns) 1 where there is a chamber; connected.
+//         Algorithms that go row by row need all of them.
 // number: the chamber to begin with, counted in rows.
 // board:  (places,) to be filled.
 // work:   (work_bytes,) work space, aligned for int64_t.
@@ -82,7 +83,8 @@ WgStatus wg_maze_begin(WgMaze *maze, const uint8_t *mask, int64_t number, int8_t
 
 // Writes the keys of all edges between chambers, to be sorted for Kruskal's algorithm.
 //
-// words:    (places,) random bits; the low half of a chamber's word weighs its edge east, the high half its edge north.
+// words:    (places,) random bits; the low half of a chamber's word weighs its edge east,
+//           the high half its edge north.
 // board:    (places,) as wg_maze_begin left it.
 // keys:     (2 * places,) to be filled: the weight, then the number of the edge, in 63 bits.
 // returned: number of keys.
@@ -105,7 +107,8 @@ WgStatus wg_maze_grow(WgMaze *maze, const uint64_t *words, int64_t word_count, i
 WgStatus wg_maze_cells(const int8_t *links, int64_t rows, int64_t columns, const int64_t *across, const int64_t *up,
                        uint8_t *walls, int64_t cells);
 
-// making/ground.c: open ground. A place is the first cell of a window; a step moves the window by one cell.
+// making/ground.c: open ground. A place is the first cell of a window;
+// a step moves the window by one cell.
 
 // Marks where a box is free, at its first cell.
 //
@@ -118,7 +121,7 @@ WgStatus wg_free_windows(const uint8_t *walls, int64_t rows, int64_t columns, in
 //
 // windows: (size,) 1 where one may be; 0 on the rim.
 // came:    (size,) work space.
-// path:    (size,) to be filled: the places from start to goal, both included.
+// path:    (size,) to be filled: the places from start to goal, including both.
 // length:  number of places; 0 if there is no path.
 WgStatus wg_shortest_path(const uint8_t *windows, int64_t size, int64_t stride, int64_t start, int64_t goal,
                           int32_t *came, int32_t *path, int64_t *length);
@@ -161,7 +164,8 @@ typedef struct WgRegions {
 
 // clear: (size,) 1 where one may be; 0 on the rim.
 // seen:  (size,) gets stamp at every place reached; holds no place with it before.
-// queue: (size,) to be filled: the places of the last region flooded, in the order of steps from its root.
+// queue: (size,) to be filled: the places of the last region flooded,
+//        in the order of steps from its root.
 WgStatus wg_regions(const uint8_t *clear, int64_t size, int64_t stride, int64_t first, int64_t last, uint8_t stamp,
                     uint8_t *seen, int32_t *queue, WgRegions *found);
 
@@ -188,7 +192,8 @@ WgStatus wg_plant(uint8_t *barred, int64_t size, const int64_t *places, const in
 //
 // marked: (rows, columns) 1 where a node is marked.
 // most:   squares above this may be reported as any number above it, which takes less time.
-// found:  (rows, columns) to be filled; above 2^30 if none is marked, or (rows + columns)^2 if that is less.
+// found:  (rows, columns) to be filled; above 2^30 if none is marked,
+//         or (rows + columns)^2 if that is less.
 WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t columns, int64_t most, int32_t *found);
 
 // Marks the nodes that are clear, have no larger free disc next to them, and are within two radii
@@ -228,14 +233,17 @@ WgStatus wg_by_distance(const uint8_t *clear, int64_t rows, int64_t columns, int
 // middle:   (size,) 1 where the disc is clear half a step right of and above each node.
 // role:     (size,) 1 for what is at the target, 2 for what is at the start, 3 for both.
 // at_start: squared distance of the start.
-// top:      squared distance to which the robot must go on any path; -1 if the start is never joined.
-// joined:   (2 * count,) pairs of squared pass and squared bottom of the pockets that joined the target's.
+// top:      squared distance to which the robot must go on any path;
+//           -1 if the start is never joined.
+// joined:   (2 * count,) pairs of squared pass and squared bottom of the pockets
+//           that joined the target's.
 // pairs:    how many.
 WgStatus wg_pockets(const int64_t *places, const int64_t *squared, int64_t count, const uint8_t *middle,
                     const uint8_t *role, int64_t size, int64_t stride, int64_t at_start, int64_t *top, int64_t *joined,
                     int64_t *pairs);
 
-// Counts the paths that lead from places: the parts of the ring around each that reach its outer circle.
+// Counts the paths that lead from places: the parts of the ring around each
+// that reach its outer circle.
 //
 // clear:  (size,) 1 where the disc is clear; 0 on the rim.
 // middle: (size,) 1 where it is clear half a step right of and above each node.
@@ -268,7 +276,8 @@ WgStatus wg_nearest_walls(const uint8_t *solid, int64_t rows, int64_t columns, c
 // Finds how far rays get before they touch a wall, in steps of their directions.
 //
 // directions: (rays, 2) steps in x and y, in cells.
-// reach:      cells along the longer axis, beyond which rays between the axes and diagonals are not followed.
+// reach:      cells along the longer axis, beyond which rays between the axes
+//             and diagonals are not followed.
 // far:        (count, rays) to be filled; infinity beyond the reach.
 WgStatus wg_rays(const uint8_t *solid, int64_t rows, int64_t columns, const double *x, const double *y, int64_t count,
                  const int64_t *directions, int64_t rays, double reach, double *far);

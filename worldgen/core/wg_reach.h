@@ -1,7 +1,7 @@
 // Proofs of reachability.
 //
-// Arrays are row-major. Functions check the sizes they are given; they keep no pointer longer than stated. Lengths in
-// lu are 1/1024 of a cell's side. A graph has nodes at multiples of 1/k cell.
+// Arrays are row-major. Functions check the sizes they are given; they keep no pointer longer than
+// stated. Lengths in lu are 1/1024 of a cell's side. A graph has nodes at multiples of 1/k cell.
 
 #ifndef WG_REACH_H
 #define WG_REACH_H
@@ -16,7 +16,8 @@
 //
 // solid:      (height, width) 1 is solid; everything outside is solid.
 // k:          nodes in a cell's side, 1 to 64.
-// limit:      smallest squared distance, in 1/(2 k) cell, at which the disc is clear; at most (2 k * 20,000)^2.
+// limit:      smallest squared distance, in 1/(2 k) cell, at which the disc is clear;
+//             at most (2 k * 20,000)^2.
 // clear:      (k height + 1, k width + 1) gets 1 where the disc is clear at the node, else 0.
 // middle:     the same, half a step right of and above each node; 0 in the last row and column.
 WgStatus wg_disc_rasters(const uint8_t *solid, int64_t height, int64_t width, int64_t k, int64_t limit,
@@ -60,8 +61,8 @@ typedef struct WgSearch WgSearch;
 // ends:       (end_count,) nodes at which the search stops.
 // spare:      (spare_count,) nodes to accept if no end can be reached.
 // toward_x:   column of the node that guides the search; toward_y: its row.
-// bridges:    (bridge_count, 2) pairs of clear nodes that are also connected, in both directions; used only when
-//             nothing else is left.
+// bridges:    (bridge_count, 2) pairs of clear nodes that are also connected, in both directions;
+//             used only when nothing else is left.
 // made:       receives the search, to be released by wg_search_free.
 WgStatus wg_search_new(const WgGraph *graph, const int64_t *sources, int64_t source_count, const int64_t *ends,
                        int64_t end_count, const int64_t *spare, int64_t spare_count, int64_t toward_x,
@@ -73,7 +74,8 @@ WgStatus wg_search_advance(WgSearch *search, int64_t most, WgProgress *progress)
 // Declares that no end can be reached, so that the first spare one is enough.
 void wg_search_be_content(WgSearch *search);
 
-// Returns the number of nodes of the path found, without those in the middle of a straight line; 0 if none was found.
+// Returns the number of nodes of the path found, without those in the middle of a straight line;
+// 0 if none was found.
 int64_t wg_search_path_length(const WgSearch *search);
 
 // Copies these nodes, from source to end.
@@ -107,10 +109,12 @@ typedef enum WgAnswer {
 // decide.
 //
 // x, y:       (count,) corners, lu, rounded down.
-// whole:      (count,) 0 where a corner is not an integer point: the caller decides each piece there.
+// whole:      (count,) 0 where a corner is not an integer point:
+//             the caller decides each piece there.
 // patience:   limit on consecutive hidden corners.
-// state:      (5,) index of the current corner, of the farthest one seen, of the one being tested; number of corners
-//             kept; the caller's WgAnswer, WG_UNSURE for none. At first 0, 1, 2, 1, WG_UNSURE.
+// state:      (5,) index of the current corner, of the farthest one seen, of the one being tested;
+//             number of corners kept; the caller's WgAnswer, WG_UNSURE for none. At first 0, 1,
+//             2, 1, WG_UNSURE.
 // kept:       (count,) receives the indices of the corners kept; the first is 0.
 // done:       1; or 0 if the caller must decide the piece from state[0] to state[2].
 WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, const int64_t *y,
@@ -120,7 +124,8 @@ WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, 
 // Finds the smallest distance from a path to a solid cell, up to ``reach``.
 //
 // x, y:       (count,) integer corners, lu; at least one.
-// sides:      (count,) receives, for pieces that may be nearest to a corner next to them, distance times length.
+// sides:      (count,) receives, for pieces that may be nearest to a corner next to them,
+//             distance times length.
 // lengths_sq: (count,) receives the squared lengths of these pieces.
 // found:      receives their number.
 // least:      receives the smallest other square, lu^2; at most reach^2.
@@ -172,8 +177,8 @@ typedef struct WgPoseOf {
     int64_t side;   // 1 or -1: which of two points
 } WgPoseOf;
 
-// Lists the poses. made receives them, to be freed by wg_poses_free; listed receives the outcome. The walls must
-// outlive the call.
+// Lists the poses. made receives them, to be freed by wg_poses_free; listed receives the outcome.
+// The walls must outlive the call.
 WgStatus wg_poses_new(const WgWalls *walls, const WgTarget *target, WgPoses **made, WgListed *listed);
 
 int64_t wg_poses_count(const WgPoses *poses);
@@ -181,8 +186,8 @@ int64_t wg_poses_count(const WgPoses *poses);
 // Describes one of them; index is below their number.
 void wg_poses_describe(const WgPoses *poses, int64_t index, WgPoseOf *described);
 
-// Returns the first pose, from ``begin`` on, that a chain winds around as often as ``winds``; the number of poses if
-// there is none.
+// Returns the first pose, from ``begin`` on, that a chain winds around as often as ``winds``; the
+// number of poses if there is none.
 int64_t wg_poses_next(const WgPoses *poses, const int64_t *cells, int64_t count, int64_t winds, int64_t begin);
 
 void wg_poses_free(WgPoses *poses);
@@ -238,8 +243,8 @@ typedef struct WgStill {
     int64_t corners;     // number of sides
 } WgStill;
 
-// Searches for a path over half cells from a lattice pose to the target; if there is none, searches for chains unless
-// the cut itself is wanted.
+// Searches for a path over half cells from a lattice pose to the target; if there is none, searches
+// for chains unless the cut itself is wanted.
 WgStatus wg_still_decide(const WgWalls *walls, WgStill *still);
 
 // Releases what an answer holds.
@@ -264,8 +269,8 @@ typedef struct WgBlocked {
     int64_t most;  // limit on the spans around one point
 } WgBlocked;
 
-// Counts the safe intervals of the points ``from`` to ``to - 1``, each in first[point + 1], or writes them starting
-// at first[point].
+// Counts the safe intervals of the points ``from`` to ``to - 1``, each in first[point + 1], or
+// writes them starting at first[point].
 //
 // writes:     0 to count.
 // begin, end: ticks; unused while counting.
@@ -310,7 +315,8 @@ void wg_timed_free(WgTimedSearch *search);
 
 // confine.c
 
-// Tiles with the intervals in which they are alive, in slabs of time. All arrays must outlive a spread.
+// Tiles with the intervals in which they are alive, in slabs of time.
+// All arrays must outlive a spread.
 typedef struct WgTiles {
     int64_t rows;
     int64_t columns;
@@ -360,9 +366,9 @@ void wg_cut_cells(const WgCutSearch *search, int64_t *cells);
 
 void wg_cut_search_free(WgCutSearch *search);
 
-// Reports whether a chain winds around a pose an even (0) or odd (1) number of times, and whether its line stays
-// outside a radius. Lengths are multiples of 1/scale half cell, less than 2^59; so are scale times a chain's
-// coordinates.
+// Reports whether a chain winds around a pose an even (0) or odd (1) number of times, and whether
+// its line stays outside a radius. Lengths are multiples of 1/scale half cell, less than 2^59; so
+// are scale times a chain's coordinates.
 //
 // cells:      (count, 2) ix, iy in chain order, -2 to 20,001.
 // radius:     -1 if it is not a multiple.
@@ -380,14 +386,15 @@ int64_t wg_chain_gap_sq(const int64_t *cells, int64_t count);
 typedef struct WgSquares WgSquares;
 
 // side:       of the squares, cells.
-// source:     where to start: (row + 1) (width + 2) + column + 1 of a square's first cell; goal: where to end.
+// source:     where to start: (row + 1) (width + 2) + column + 1 of a square's first cell;
+//             goal: where to end.
 WgStatus wg_squares_new(const WgWalls *walls, int64_t side, int64_t source, int64_t goal, WgSquares **made);
 
 // Processes about ``most`` more cells.
 WgStatus wg_squares_advance(WgSquares *squares, int64_t most, WgProgress *progress);
 
-// Returns the number of squares from source to goal, without those in the middle of a straight line; 0 if there is no
-// path.
+// Returns the number of squares from source to goal, without those in the middle of a straight
+// line; 0 if there is no path.
 int64_t wg_squares_way_length(const WgSquares *squares);
 
 // Copies these squares.
@@ -397,13 +404,14 @@ void wg_squares_free(WgSquares *squares);
 
 // joint.c
 
-// Several robots on one lattice of nodes, in ticks: in each tick every robot waits or takes one of eight steps, all at
-// the same speed. All arrays must outlive a search.
+// Several robots on one lattice of nodes, in ticks: in each tick every robot waits or takes one of
+// eight steps, all at the same speed. All arrays must outlive a search.
 //
-// Robots with equal radii are in the same class. Two robots are clear of each other in a tick if the segment that one
-// traces relative to the other stays away from the origin: the squared distance, in nodes, times the squared length
-// of that segment (0, 1, 2, 4, 5 or 8) is at least a whole number. limits[(a classes + b) 9 + length squared] is that
-// number for two classes, with 1 for the ends.
+// Robots with equal radii are in the same class. Two robots are clear of each other in a tick if
+// the segment that one traces relative to the other stays away from the origin: the squared
+// distance, in nodes, times the squared length of that segment (0, 1, 2, 4, 5 or 8) is at least a
+// whole number. limits[(a classes + b) 9 + length squared] is that number for two classes,
+// with 1 for the ends.
 typedef struct WgJoint {
     int64_t robots;   // at most 32,767
     int64_t classes;
@@ -422,8 +430,8 @@ typedef struct WgJoint {
                                // no steps lead there
     const int64_t *crossed_from;  // (robots + 1,) where each robot's crossings begin
     const int64_t *crossings;     // (crossed_from[robots],) rising for each robot: 8 times a node outside its target, plus
-                                  // the number of a step from there to another such node, across the target: the
-                                  // robot would park on the way
+                                  // the number of a step from there to another such node, across
+                                  // the target: the robot would park on the way
 } WgJoint;
 
 // Paths of all robots: for each tick the node of each.
@@ -441,7 +449,8 @@ typedef struct WgJointRobot {
 // Robots that are planned one after the other, each around those before it, by safe intervals.
 typedef struct WgJointOrder WgJointOrder;
 
-// Begins without a robot. Of the robots in ``joint``, only the number and classes count; it must outlive the order.
+// Begins without a robot. Of the robots in ``joint``, only the number and classes count;
+// it must outlive the order.
 WgStatus wg_joint_order_new(const WgJoint *joint, WgJointOrder **made);
 
 // Plans one more robot.
@@ -468,7 +477,8 @@ WgStatus wg_joint_prioritised(const WgJoint *joint, const int64_t *order, int64_
 //
 // most:       limit on joint states examined.
 // made:       receives the plan, or NULL.
-// progress:   WG_FOUND; WG_EXHAUSTED if there is no plan at all; WG_GOING if there were too many states.
+// progress:   WG_FOUND; WG_EXHAUSTED if there is no plan at all;
+//             WG_GOING if there were too many states.
 WgStatus wg_joint_exhaust(const WgJoint *joint, int64_t most, WgJointPlan **made, WgProgress *progress);
 
 // Does the same depth first with lazily added constraints (LaCAM), for many robots.

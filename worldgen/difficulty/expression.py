@@ -81,7 +81,7 @@ def parse(text: str) -> Expression:
 
 
 def _violation(condition: Node, values: Values, *, holds: bool) -> float:
-    """Return how far the values are from fulfilling a condition, or its negation."""
+    """Return how far the values are from satisfying a condition, or its negation."""
     assert isinstance(condition, Operation), "a number is not a condition"
     mark = condition.mark
     if mark == "not":
@@ -98,7 +98,7 @@ def _violation(condition: Node, values: Values, *, holds: bool) -> float:
 
 
 def _distance(mark: str, one: float, other: float) -> float:
-    """Return how far two numbers are from fulfilling a comparison."""
+    """Return how far two numbers are from satisfying a comparison."""
     if not (math.isfinite(one) and math.isfinite(other)):
         return _EMPTY
     if _HOLDS[mark](one, other):

@@ -253,7 +253,7 @@ def _tar_members(stream: SupportsRead, source: str, packed: int) -> Iterator[Mem
             left -= size
             return data
 
-        # Yield regular files, and skip what was not read.
+        # Yield regular files; skip any bytes that the caller did not read.
         if entry.type in (tarfile.REGTYPE, tarfile.AREGTYPE):
             yield Member(entry.name, packed, read)
         while left > 0:

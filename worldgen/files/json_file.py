@@ -59,7 +59,7 @@ class JsonFile(Generic[T]):
                     f"its version is {version}, but this program reads version {self.version}"
                 )
             return msgspec.json.decode(text, type=self.kind)
-        # A nested list can be too deep for any reader.
+        # A list can be nested too deeply for any reader.
         except (ValueError, RecursionError) as error:
             raise FormatError(
                 self.code,

@@ -9,10 +9,10 @@ Contents:
     export_world, write_export: the other direction (``exporting``).
     place: choose start and target for a map that has none (``place``).
 
-Facts that a file cannot store are written to a sidecar next to it (``sidecar``). A reader says what
-is wrong in which line; the importer adds the file's name, and records it with format and digest
-(``foreign_map``, ``recognising``). The formats share code for boxes and the coordinates of cells
-(``boxes``, ``placed_boxes``), polygons (``polygons``), shapes that become cells (``raster``),
+Facts that a file cannot store are written to a sidecar next to it (``sidecar``). A reader reports
+what is wrong, and in which line; the importer adds the file's name, and records it with format and
+digest (``foreign_map``, ``recognising``). The formats share code for boxes and the coordinates of
+cells (``boxes``, ``placed_boxes``), polygons (``polygons``), shapes that become cells (``raster``),
 pictures (``grey_image``), YAML (``yaml_table``), XML (``xml_tree``) and meshes (``mesh_slice``).
 """
 

@@ -78,7 +78,7 @@ FLOOR_ROBOT = UsualRobot(Fraction(11, 50), False, "Nav2's default, a TurtleBot's
 
 
 class ForeignRobot(NamedTuple):
-    """A robot of a file with several.
+    """One of several robots in a file.
 
     Args:
         start: x and y, m, and, if the file has it, the heading, rad.
@@ -113,8 +113,8 @@ class ForeignMap:
         unread: Obstacles in the file that ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A path
             through such a map is no proof.
         others: The robots after the first, if the file has several.
-        numbers: For each robot, counted from 1, its number in the file, if it has a place of its own
-            there; empty if the file just lists its robots.
+        numbers: For each robot, counted from 1, its number in the file, if it has a place of its
+            own there; empty if the file just lists its robots.
     """
 
     walls: npt.NDArray[np.bool_]

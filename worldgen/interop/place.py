@@ -101,10 +101,8 @@ def place(
         warnings.append("the largest region is a single place; start and target coincide")
     if region.share < _SCATTERED:
         warnings.append(
-            f"for a disc of radius {radius:g} m there are {region.regions} separate regions; start "
-            "and "
-            f"target are in the largest, which has {100 * region.share:.0f} % of the free space; "
-            "a "
+            f"for a disc of radius {radius:g} m there are {region.regions} separate regions; "
+            f"start and target are in the largest, which has {100 * region.share:.0f} % of the free space; a "
             f"smaller radius may join them"
         )
     return Placement(places.metres(first), places.metres(last), tuple(warnings))

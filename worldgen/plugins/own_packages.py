@@ -81,8 +81,7 @@ def check_hidden() -> None:
         "your {kind} {place} hides the package {name!r} of worldgen, because {parent} comes first "
         "on Python's path",
         "remove that folder from Python's path (PYTHONPATH; call `pytest --import-mode=importlib`, "
-        "not "
-        "`python -m pytest`), or rename {folder}",
+        "not `python -m pytest`), or rename {folder}",
         at_terminal=True,
         kind=kind,
         place=place,

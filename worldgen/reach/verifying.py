@@ -34,12 +34,13 @@ def verify_world(
         deadline: Time, s, by which the robot must be in the target; None for any time.
 
     Returns:
-        ``result``, ``certificate`` (witness, cut, confinement, swap or None), ``certificate_valid``,
-        ``decided`` (again, or read from the file), ``clearance``, ``radius`` and ``reason``;
-        ``deadline`` if there is one; ``robots``, their number, if there are several, and then
-        ``radius`` is the largest of theirs; of a witness in a world that changes, or under a deadline,
-        also ``margin`` and ``latest_start``: s by which it may begin later, and until which the
-        robot may wait at the start if it may take any path; None for any time.
+        ``result``, ``certificate`` (witness, cut, confinement, swap or None),
+        ``certificate_valid``, ``decided`` (again, or read from the file), ``clearance``, ``radius``
+        and ``reason``; ``deadline`` if there is one; ``robots``, their number, if there are
+        several, and then ``radius`` is the largest of theirs; for a witness in a world that changes
+        or under a deadline, also ``margin`` (s by which it may begin later) and ``latest_start`` (s
+        until which the robot may wait at the start, on the best path); both None
+        if there is no limit.
 
     Raises:
         InvalidParameter: If the radius or the deadline isn't a finite number above 0.
@@ -47,7 +48,7 @@ def verify_world(
     asked = max(robot.radius for robot in world.robots) if radius is None else radius
     check_radius(asked, world.cell_size)
     check_deadline(deadline)
-    # Use the file's own certificate if it is about this question; otherwise decide.
+    # Use the file's own certificate if it answers this question; otherwise decide.
     decision = Decision(UNDECIDED, world.certificate, "")
     decided = not _answers(world, radius, deadline)
     if decided:
@@ -79,7 +80,7 @@ def verify_world(
     }
     answer |= {} if deadline is None else {"deadline": deadline}
     answer |= {"robots": len(world.robots)} if world.others else {}
-    # How late the robot may begin is a question only if something changes, or time is short.
+    # How late the robot may begin matters only if something changes or there is a deadline.
     is_timed = world.is_dynamic or deadline is not None
     if is_timed and report.valid and isinstance(certificate, Witness):
         answer |= _lateness(world, certificate, asked, deadline)
@@ -87,7 +88,7 @@ def verify_world(
 
 
 def _answers(world: World, radius: float | None, deadline: float | None) -> bool:
-    """Return True if the certificate in the file is about the question.
+    """Return True if the certificate in the file answers the question.
 
     It may still be invalid.
     """
@@ -101,7 +102,7 @@ def _answers(world: World, radius: float | None, deadline: float | None) -> bool
 def _lateness(
     world: World, witness: Witness, radius: float, deadline: float | None
 ) -> dict[str, float | None]:
-    """Return how much later the witness may begin, and any path."""
+    """Return how much later the witness may begin, and how late the robot may on any path."""
     margin = witness_margin(world, witness, radius=radius) if world.is_dynamic else math.inf
     if deadline is not None:
         margin = min(margin, deadline - witness.duration)

@@ -48,8 +48,8 @@ MOST_LINES = 3
 ICON = 26.0
 # Distance between two keys, units.
 GAP = 18.0
-# Largest share of a map's width that its scale bar takes. Round lengths are up to 2.5 times apart, so
-# it takes at least a seventh.
+# Largest share of a map's width that its scale bar takes. Round lengths are up to 2.5 times apart,
+# so it takes at least a seventh.
 BAR = 0.35
 
 Sample = Callable[[float, float, float], list[Primitive]]

@@ -51,8 +51,8 @@ class Panel:
     Args:
         world: What to draw.
         title: Text above it.
-        trails: The robots' paths, in the sheet's order; ``None`` for a robot without one, and a list
-            for the paths that several robots drive with one controller, all in one colour.
+        trails: The robots' paths, in the sheet's order; ``None`` for a robot without one, and a
+            list for the paths that several robots drive with one controller, all in one colour.
         notes: A line below it for each robot, in the robot's colour.
     """
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import shutil
-from collections.abc import Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TextIO
 
@@ -134,7 +134,14 @@ def draw_terminal(
     )
     if has_frame:
         lines = _framed(lines)
-    key = _key(dots, _robots_with_signs(world, color=color), color=color, deep=deep)
+    robots = _robots_with_signs(world, color=color)
+    # A start or a target may be hidden by another one.
+    drawn = set("".join(lines)) if robots else set()
+    own = {
+        START_DOT: f"{_span('123456789', drawn)} starts",
+        TARGET_DOT: f"{_span(_TARGETS, drawn)} their targets",
+    }
+    key = _key(dots, own if robots else {}, color=color, deep=deep)
     scale = (
         f"; 1 character is {grid.cells} x {grid.cells * (2 if color else 1)} cells"
         if grid.cells > 1
@@ -346,23 +353,25 @@ def _xterm(colour: list[int]) -> int:
     return 232 + grey if off_grey < off_cube else 16 + 36 * steps[0] + 6 * steps[1] + steps[2]
 
 
-def _key(dots: Dots, robots: int, *, color: bool, deep: bool) -> str:
+def _span(letters: str, drawn: Container[str]) -> str:
+    """Return those of some letters that are drawn: ``A-C``, or ``A C`` if one between is not."""
+    found = "".join(letter for letter in letters if letter in drawn)
+    return f"{found[0]}-{found[-1]}" if found in letters and len(found) > 1 else " ".join(found)
+
+
+def _key(dots: Dots, own: Mapping[int, str], *, color: bool, deep: bool) -> str:
     """Return what the signs mean.
 
     Args:
         dots: The picture.
-        robots: Number of robots that have their own signs.
+        own: Entries of signs that several robots have instead of the usual ones.
         color: True if the signs are colours.
         deep: True for 24-bit colours.
     """
-    own = {
-        START_DOT: f"1-{robots} starts",
-        TARGET_DOT: f"{_TARGETS[0]}-{_TARGETS[robots - 1]} their targets",
-    }
     words = []
     for sign in (START_DOT, TARGET_DOT, WITNESS, WAY, LOOPS, TUNNELS, PARTLY, CLOSES, OPENS, BURNS):
         if (dots == sign).any():
-            if robots and sign in own:
+            if sign in own:
                 words.append(own[sign])
                 continue
             shown = SIGNS[sign]

@@ -33,20 +33,20 @@ MANIFEST = "manifest.jsonl"
 # Limit on the bytes of a line, as for a .grid file's header.
 _LONGEST = 1 << 20
 
-# What the keys of a line hold; a description completes the sentence about one that does not.
+# Types of a line's keys; if a value has another type, the description completes the message.
 _Text = Annotated[str, Meta(description="must be text")]
 _Flag = Annotated[bool, Meta(description="must be true or false")]
 _Table = Annotated[Mapping[str, Any], Meta(description="must be an object")]
 _Whole = Annotated[int, Meta(ge=0, description="must be a whole number of 0 or more")]
 _Count = Annotated[int, Meta(ge=1, description="must be a whole number of 1 or more")]
 _Hex = Annotated[str, Meta(pattern=r"^[0-9a-f]{64}\Z", description="must be 64 hex digits")]
-_Ends = Annotated[tuple[int | float, ...], Meta(description="must be numbers in a list")]
+_Ends = Annotated[tuple[int | float, ...], Meta(description="must be a list of numbers")]
 # A name with another separator could write outside the set's folder.
 _File = Annotated[
     str,
     Meta(
         pattern=r"^(?:[0-9]{1,12}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,200}\.grid\Z",
-        description="is not a name of a world's file in a set, such as maze-7.grid or "
+        description="is not the name of a world's file in a set, such as maze-7.grid or "
         "0012/maze-7.grid",
     ),
 ]
@@ -287,7 +287,7 @@ def _entry(line: bytes, header: ManifestHeader, number: int, source: str) -> Man
     _check(found, "stratum", entry.stratum, entry.seed, line=number, source=source)
     if entry.family != header.family:
         return entry
-    # 100,000 worlds share the set's parameters.
+    # Share the set's parameters, because a set may have 100,000 worlds.
     own = _differing(entry.params, header)
     params = {**header.params, **own} if own else header.params
     return msgspec.structs.replace(entry, params=params)
@@ -297,7 +297,7 @@ def _content(found: Mapping[str, Any], kind: type[L], **place: Any) -> L:
     """Return the content of a line in the form that its type declares.
 
     Raises:
-        FormatError: About the first key that is wrong or missing.
+        FormatError: If a key is missing or wrong; the message names the first one.
     """
     try:
         return converted(found, kind)

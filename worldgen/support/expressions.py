@@ -1,9 +1,9 @@
 """Expressions over named numbers, such as ``size // 2 - 3`` or ``detour > 3 and bottleneck < 1.2r``.
 
 Python's own parser reads the text, which is never run as code. Grammar, loosest first: ``or``,
-``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``, ``* / // %``, signs,
-calls, parentheses, names, numbers. The caller decides which names, functions and units there are,
-and whether an expression is a number or a condition.
+``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``, ``* / // %``,
+signs, calls, parentheses, names, numbers. The caller decides which names, functions and units there
+are, and whether an expression is a number or a condition.
 """
 
 from __future__ import annotations
@@ -187,7 +187,7 @@ class _Reader:
         try:
             tree = ast.parse(f"({structure})", mode="eval").body
         except (SyntaxError, MemoryError, RecursionError):
-            # After the scan, the only thing left to refuse is endless signs.
+            # After the scan, the only thing left to refuse is too many signs.
             tree = None
         if tree is None or _levels(tree) > _DEEPEST:
             self._fail(_too_deep(_DEEPEST), 0)

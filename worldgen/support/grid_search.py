@@ -130,7 +130,7 @@ def _grid(windows: Bools) -> tuple[Any, int, int]:
 
 
 def shortest_path(windows: Bools, start: int, goal: int) -> list[int]:
-    """Return the flat cells of a shortest path over free windows, both ends included.
+    """Return the flat cells of a shortest path over free windows, including both ends.
 
     It is empty if there is no path.
     """

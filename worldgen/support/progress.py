@@ -266,7 +266,7 @@ _display: Display | None = None
 
 @contextmanager
 def working(message: str, *, often: bool = False) -> Iterator[Work]:
-    """Report the activity if it takes long; the body may add details.
+    """Report the activity if it takes a while; the body may add details.
 
     Args:
         message: The activity, such as ``"loading the simulator"``.

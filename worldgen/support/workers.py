@@ -34,10 +34,11 @@ _TO_TERMINATE = 1.0
 def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Callable[[], None]]:
     """Hold back Ctrl-C until the yielded function is called, which raises ``KeyboardInterrupt``.
 
-    Every driver of work handles Ctrl-C in this one way. An exception between any two instructions
-    could leave locks of queues and futures locked forever, or be swallowed by other code. A second
-    Ctrl-C is raised immediately, in case something hangs. Outside the main thread, which is the
-    only one that receives Ctrl-C, this does nothing; the same is true if Ctrl-C is ignored.
+    All code that distributes work handles Ctrl-C this way. An exception between any two
+    instructions could leave locks of queues and futures locked forever, or be swallowed by other
+    code. A second Ctrl-C is raised immediately, in case something hangs. Outside the main thread,
+    which is the only one that receives Ctrl-C, this does nothing; the same is true
+    if Ctrl-C is ignored.
 
     Args:
         at_once: Called when Ctrl-C comes.

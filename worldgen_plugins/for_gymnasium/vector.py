@@ -40,7 +40,7 @@ _MASK = "reset_mask"
 class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     """Many robots that should reach the targets of their worlds.
 
-    Robot i with seed s behaves, to the bit, like the single environment with seed s + i.
+    Robot i with seed s behaves exactly like the single environment with seed s + i.
 
     Args:
         num_envs: Number of robots.

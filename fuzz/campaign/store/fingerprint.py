@@ -73,11 +73,14 @@ class Fingerprint:
         """Describe how another fingerprint differs from this one: ``seed is 5, not 6``."""
         was = dict(_leaves(self.configuration))
         is_now = dict(_leaves(now.configuration))
-        found = [
-            f"{name} is {quote(was.get(name), _LONGEST)}, not {quote(is_now.get(name), _LONGEST)}"
-            for name in sorted(was.keys() | is_now.keys())
-            if was.get(name) != is_now.get(name)
-        ]
+        found = []
+        for path in sorted(was.keys() | is_now.keys()):
+            before = was.get(path)
+            after = is_now.get(path)
+            if before != after:
+                # Of a nested name, the ends suffice: "scenario beams".
+                name = " ".join(dict.fromkeys((path[0], path[-1])))
+                found.append(f"{name} is {quote(before, _LONGEST)}, not {quote(after, _LONGEST)}")
         # Another configuration has other code, such as another controller's: naming it says nothing
         # more.
         names = self.code.keys() & now.code.keys() if found else self.code.keys() | now.code.keys()
@@ -89,13 +92,15 @@ class Fingerprint:
         return found
 
 
-def _leaves(configuration: Mapping[str, Any], of: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the values inside nested configurations: ``scenario motion``, ``scenario beams``."""
+def _leaves(
+    configuration: Mapping[str, Any], path: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield the values inside nested configurations, each with the names that lead to it."""
     for name, value in configuration.items():
         if isinstance(value, Mapping):
-            yield from _leaves(value, of or f"{name} ")
+            yield from _leaves(value, (*path, name))
         else:
-            yield of + name, value
+            yield (*path, name), value
 
 
 def fingerprint_of(config: CampaignConfig) -> Fingerprint:

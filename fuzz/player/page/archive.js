@@ -1,4 +1,5 @@
-// The archive of behaviours as a map: one square for each kind, with a stronger colour for a higher quality.
+// The archive of behaviours as a map: one square for each kind,
+// with a stronger colour for a higher quality.
 
 import { svg } from "#player/dom.js";
 

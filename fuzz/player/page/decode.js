@@ -1,4 +1,5 @@
-// Unpacks numbers and bits written by fuzz/player/streams.py, and prepares worlds and runs for drawing, once each.
+// Unpacks numbers and bits written by fuzz/player/streams.py,
+// and prepares worlds and runs for drawing, once each.
 
 /**
  * @param {string} text

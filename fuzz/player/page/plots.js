@@ -104,7 +104,8 @@ function drawPlots(canvas, player, run, view) {
     colours = palette();
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   const across = (step) => LEFT + ((step - view.from) / (view.to - view.from)) * (width - 2 * LEFT);
-  // From the lowest layer to the highest: the period, each plot with its name, marks, the current time.
+  // From the lowest layer to the highest: the period, each plot with its name, marks,
+  // the current time.
   if (run.loop) {
     context.globalAlpha = 0.15;
     context.fillStyle = colours.loop;

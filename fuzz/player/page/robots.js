@@ -1,4 +1,5 @@
-// Several robots in one world: which one is in front, the result of each, the instruments of the one in front.
+// Several robots in one world: which one is in front, the result of each,
+// the instruments of the one in front.
 
 import { behaviourAt, poseAt, rowAt, stepWithin } from "#player/decode.js";
 import { breakable, el, grouped, shortName, verdictSign } from "#player/dom.js";

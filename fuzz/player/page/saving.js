@@ -84,7 +84,8 @@ async function keepPicture(player) {
   keep(nameOf(player, "png"), await new Promise((done) => canvas.toBlob(done, "image/png")));
 }
 
-// Returns the canvas or, for two runs side by side, a canvas that shows both and is updated with each frame.
+// Returns the canvas or, for two runs side by side, a canvas that shows both and is updated
+// with each frame.
 async function together(player) {
   const { canvas, drawn } = player;
   if (!drawn.beside) return canvas;
@@ -120,7 +121,8 @@ function ending(kind) {
   return kind.startsWith("video/mp4") ? "mp4" : "webm";
 }
 
-/* Plays the run from start to end, or a loop once, at the chosen speed, and records the canvas. Pausing ends the film. */
+/* Plays the run from start to end, or a loop once, at the chosen speed,
+   and records the canvas. Pausing ends the film. */
 async function keepFilm(player, request) {
   const recorder = new MediaRecorder((await together(player)).captureStream(FILM_RATE), {
     mimeType: filmKind(),

@@ -1,4 +1,5 @@
-// What a run's plots show: speed, distance to the target and clearance, one value for each row of the run.
+// What a run's plots show: speed, distance to the target and clearance,
+// one value for each row of the run.
 
 import { FREE, cellsAt, openRun, stateAt } from "#player/decode.js";
 
@@ -45,7 +46,8 @@ function speedAt({ at, x, y }, row, dt) {
   return passed > 0 ? path / passed : 0;
 }
 
-// Returns the distance in cells from the edge of the robot's disc to the nearest wall or fire; negative inside of one.
+// Returns the distance in cells from the edge of the robot's disc to the nearest wall
+// or fire; negative inside one.
 function clearanceAt(world, cells, x, y) {
   const reach = Math.min(40, Math.ceil(world.radius + FAR));
   let least = world.radius + FAR;

@@ -1,4 +1,5 @@
-// Dark or light colours: those of the system, until the page's button changes them. The browser keeps that choice.
+// Dark or light colours: those of the system, until the page's button changes them.
+// The browser keeps that choice.
 
 const KEPT = "worldgen-theme"; // key in the browser's storage
 

@@ -1,4 +1,5 @@
-// Types of the server's data and of objects that the pages' scripts share. Only `npm run check` reads this file.
+// Types of the server's data and of objects that the pages' scripts share.
+// Only `npm run check` reads this file.
 
 /** Whole numbers as `fuzz/player/streams.py` packs them. */
 type Packed = string;
@@ -77,7 +78,8 @@ interface OpenWorld {
   done: number;
   /** What happens next to each cell, and which floor has burnt, at `done`. */
   coming?: { next: Uint8Array; burnt: Uint8Array; done: number };
-  /** In a world that is being edited: a box of all cells changed after a version, null for all cells. */
+  /** In a world that is being edited: a box of all cells changed after a version,
+   * null for all cells. */
   boxSince?: (version: number) => Box | null;
 }
 
@@ -97,7 +99,8 @@ interface DrawnRun {
   steps: number;
   /** Time step, s. */
   dt: number;
-  /** Units of the columns: parts of a step in `at`, of a cell in `x` and `y`, of a turn in `heading`. */
+  /** Units of the columns: parts of a step in `at`, of a cell in `x` and `y`,
+   * of a turn in `heading`. */
   per: { step: number; cell: number; turn: number };
   at: Packed;
   x: Packed;
@@ -107,7 +110,8 @@ interface DrawnRun {
   active?: Packed | null;
   behaviours?: string[];
   memory: DrawnMemory | null;
-  /** If the robot has entered a wall: the depth in cells beyond which its motion model reports that; else null. */
+  /** If the robot has entered a wall: the depth in cells beyond
+   * which its motion model reports that; else null. */
   tolerance: number | null;
   /** One in this many steps is included, at the coarsest. */
   thinned: number;
@@ -149,7 +153,8 @@ interface DrawnMemory {
 
 /** Shapes with the steps between which they exist: fuzz/player/memory.py. */
 interface MemoryMap extends Record<"kind" | "x0" | "y0" | "x1" | "y1" | "since" | "until", Packed> {
-  /** Names of the kinds by number; the numbers after them are rectangles by degree, the worst first. */
+  /** Names of the kinds by number; the numbers after them are rectangles by degree,
+   * the worst first. */
   kinds: string[];
   degrees: number;
   /** Names of the places. */
@@ -204,7 +209,8 @@ interface FlowChart {
   /** px. */
   width: number;
   height: number;
-  /** Tag, attributes and text; `data-part` is the name of the behaviour of which a shape is the box. */
+  /** Tag, attributes and text; `data-part` is the name of the behaviour of
+   * which a shape is the box. */
   shapes: ["rect" | "polygon" | "polyline" | "text", Record<string, string>, string][];
 }
 

@@ -34,7 +34,8 @@ const COLOURS = {
 // the user.
 const EXPLAINED = new Set(["through-walls", "harmed", "never-arrives", "too-slow"]);
 
-// Causes that are described; the names of the others follow. The first has its example too, so that all fits a screen.
+// Causes that are described; the names of the others follow. The first has its example too,
+// so that all fits a screen.
 const MOST_SHOWN = 3;
 
 /**
@@ -146,7 +147,8 @@ function doubtPart(campaign) {
   return el("p", {}, `It did not arrive in ${grouped(late)} of ${plural(campaign.worlds, "world")} searched; none of these is proved to be a failure.`);
 }
 
-// A robot arrives rarely if its rate is surely below the first, and nearly always if it is surely above the second.
+// A robot arrives rarely if its rate is surely below the first,
+// and nearly always if it is surely above the second.
 const RARE = 0.5;
 const NEARLY_ALWAYS = 0.95;
 
@@ -161,7 +163,7 @@ function headline(worst, natural) {
 // How often it arrives in natural worlds, as a sentence and as a bar with the interval.
 function ratePart(natural) {
   const [low, high] = [natural.low, natural.high].map((share) => Math.round(100 * share));
-  // 100 % only if it is all.
+  // 100 % only if the robot arrives in all worlds.
   const arrives = Math.min(Math.round(100 * natural.share), natural.arrived === natural.worlds ? 100 : 99);
   const bar = el("span", { class: "rate", role: "img", "aria-label": `95 % interval: ${low} % to ${high} %` });
   const range = el("i", { class: "range" }),

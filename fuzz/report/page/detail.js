@@ -1,4 +1,5 @@
-// One failure: its replay, the world before and after shrinking, numbers, the command to replay it, its file.
+// One failure: its replay, the world before and after shrinking, numbers,
+// the command to replay it, its file.
 
 import { buildPlayer, dragToMove } from "#player/controls.js";
 import { byId, el, grouped, plural, say, verdictDot } from "#player/dom.js";

@@ -1,4 +1,5 @@
-// The studio: everything that the pages share, which page is visible, and whether the server answers.
+// The studio: everything that the pages share, which page is visible,
+// and whether the server answers.
 
 import { byId, el, keyButton, say, shortName } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
@@ -213,7 +214,8 @@ function notice(words, closable = true) {
   told.hidden = words === "";
 }
 
-// Called when the connection is established, for the first time or again; repeats requests that failed.
+// Called when the connection is established, for the first time or again;
+// repeats requests that failed.
 async function begun(begins) {
   const first = studio.offered === null;
   const moved = !first && begins.folder !== studio.folder;
@@ -309,8 +311,9 @@ function lost(forbidden, why) {
   );
 }
 
-// The first click into a number's field selects its contents, so that typing replaces them. A panel may have moved when
-// the button is released, so the element under the pointer does not matter then.
+// The first click into a number's field selects its contents, so that typing replaces them. A panel
+// may have moved when the button is released, so the element under the pointer does not matter
+// then.
 function selectNumbers() {
   /** @type {HTMLInputElement | null} */
   let fresh = null;

@@ -4,7 +4,8 @@
 /** A refusal of the server: fuzz/studio/refusals.py. */
 interface Refusal {
   code: string;
-  /** Where the user's code has failed, the innermost last; empty if the error is about something else. */
+  /** Where the user's code has failed, the innermost last;
+   * empty if the error is about something else. */
   frames: Frame[];
   problem: string;
   remedy: string;
@@ -102,7 +103,8 @@ interface OfferedController {
   fault: Refusal | null;
 }
 
-/** A file whose code the studio runs, and the named controllers that may run it: fuzz/studio/edits.py. */
+/** A file whose code the studio runs, and the named controllers
+ * that may run it: fuzz/studio/edits.py. */
 interface CodeFile {
   file: string;
   name: string;
@@ -146,7 +148,8 @@ interface Parameter {
   bounds?: string;
   unit?: string;
   group?: string;
-  /** The parameter `by` and its values with which this one has no effect; null if it always has one. */
+  /** The parameter `by` and its values with which this one has no effect;
+   * null if it always has one. */
   idle?: { by: string; values: string[] } | null;
 }
 

@@ -4,7 +4,8 @@
 worldgen run w.grid --controller cmd:./example.py --trail run.png
 
 It reads lines of JSON and must answer each observation within a second, with one line that holds
-the command. Its stderr is kept, and shown if it fails. docs/reference/controllers.md describes the protocol.
+the command. Its stderr is kept, and shown if it fails. docs/reference/controllers.md describes the
+protocol.
 """  # noqa: D415 - a command has no full stop
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What many controllers of the library declare: their senses, and numbers of a user's own.
 
-``sim/core/controllers/shared/boundary.h`` describes those that follow a wall by touch. The memory of each
-of them begins with the fields of ``WgWallBody``.
+``sim/core/controllers/shared/boundary.h`` describes those that follow a wall by touch. The memory
+of each of them begins with the fields of ``WgWallBody``.
 """
 
 from __future__ import annotations

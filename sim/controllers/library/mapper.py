@@ -50,8 +50,8 @@ MOST_SIDE = 1024
 _START = 0.0
 _GO = 1.0
 
-# ``sim/core/controllers/shared/lattice_map.c`` packs several entries of the map into each number: moves,
-# at 3 bits each, and nodes, at 4 bits each.
+# ``sim/core/controllers/shared/lattice_map.c`` packs several entries of the map into each number:
+# moves, at 3 bits each, and nodes, at 4 bits each.
 _MOVES_A_WORD = 16
 _NODES_A_WORD = 12
 

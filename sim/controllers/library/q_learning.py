@@ -6,8 +6,8 @@ situation the table holds the values of six turns, and the robot takes the best.
 how to follow a wall. It must treat situations that it cannot distinguish alike, so in worlds where
 the table is right on average but wrong locally, it drives in circles forever.
 
-``python -m benchmarks.train_q_learning`` writes the table to ``sim/core/controllers/shared/q_table.c``,
-and gives the same bits every time.
+``python -m benchmarks.train_q_learning`` writes the table to
+``sim/core/controllers/shared/q_table.c``, and gives the same bits every time.
 
 Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College,
     Cambridge (1989); Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8

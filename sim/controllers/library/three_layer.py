@@ -8,7 +8,7 @@ it to the target. The next cell of the plan is the next waypoint.
 
 By trial and error it gets out of cups and through most mazes. Its map is a square of 48 x 48 cells
 around the middle between start and target, with a bit for each border between two cells. It does
-not find paths outside of the map, or passages that the map's cells cannot resolve. When the map
+not find paths outside the map, or passages that the map's cells cannot resolve. When the map
 leaves no path, the robot forgets everything and tries again with more patience.
 
 Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots

@@ -224,7 +224,7 @@ class ProcessController:
             out.flush()
 
     def reset(self) -> Memory:
-        """Begin an episode; the program is told with the first observation."""
+        """Begin an episode; the program learns of it from the first observation."""
         self._first = True
         return ()
 
@@ -263,7 +263,8 @@ class ProcessController:
         except ControllerError as found:
             if not served or found.verdict != Verdict.CRASH:
                 raise
-        # It may serve a single episode and then end. Starting it again shows if it really crashes.
+        # It may serve a single episode and then end.
+        # Starting it again shows whether it really crashes.
         self._start()
         self._served = True
         return self._ask(lines, self.limits.start_deadline, is_first=True)
@@ -294,7 +295,7 @@ class ProcessController:
             raise program.ended_by(found) from None
 
     def begin_batch(self, robots: int) -> None:
-        """Begin to drive many robots; the program is told with the first observations.
+        """Begin to drive many robots; the program learns of it from the first observations.
 
         Args:
             robots: The largest number of robots; they are numbered from 0.

@@ -1,8 +1,8 @@
 // Behaviours by signal, by sight, by knowing the target, and by chance.
 //
-// Sources: wander is layer 1 of Rodney A. Brooks, "A robust layered control system for a mobile robot", IEEE Journal of
-// Robotics and Automation 2 (1986); approach and swerve are vehicles 2 and 3 of Valentino Braitenberg, "Vehicles:
-// experiments in synthetic psychology" (1984).
+// Sources: wander is layer 1 of Rodney A. Brooks, "A robust layered control system for a mobile
+// robot", IEEE Journal of Robotics and Automation 2 (1986); approach and swerve are vehicles 2 and
+// 3 of Valentino Braitenberg, "Vehicles: experiments in synthetic psychology" (1984).
 
 #include "behaviours.h"
 #include "directions.h"
@@ -59,7 +59,8 @@ static int64_t wander_on(const WgSituation *now)
     return 0;
 }
 
-// Returns the nearest beam ahead that is shorter than the robot's radius plus options[0], m; -1 if there is none.
+// Returns the nearest beam ahead that is shorter than the robot's radius plus options[0], m;
+// -1 if there is none.
 static int64_t beam_in_the_way(const WgSituation *now)
 {
     const WgObservation *seen = now->seen;

@@ -1,8 +1,9 @@
 // Behaviours by touch: turn away from a wall, or follow it.
 //
-// Sources: avoid is layer 0 of Rodney A. Brooks, "A robust layered control system for a mobile robot", IEEE Journal of
-// Robotics and Automation 2 (1986); follow leaves its wall as I-Bug does, Kamilah Taylor and Steven M. LaValle, "I-Bug:
-// an intensity-based bug algorithm", IEEE International Conference on Robotics and Automation (2009).
+// Sources: avoid is layer 0 of Rodney A. Brooks, "A robust layered control system for a mobile
+// robot", IEEE Journal of Robotics and Automation 2 (1986); follow leaves its wall as I-Bug does,
+// Kamilah Taylor and Steven M. LaValle, "I-Bug: an intensity-based bug algorithm", IEEE
+// International Conference on Robotics and Automation (2009).
 
 #include "behaviours.h"
 #include "boundary.h"
@@ -43,8 +44,8 @@ static int64_t avoid_on(const WgSituation *now)
     return 0;
 }
 
-// Returns true if the robot touches a wall in the direction of the signal. It also touches a wall that it has just
-// left.
+// Returns true if the robot touches a wall in the direction of the signal. It also touches a wall
+// that it has just left.
 static int64_t is_barred(const WgSituation *now)
 {
     const WgObservation *seen = now->seen;
@@ -61,7 +62,8 @@ static void begin_wall(const WgSituation *now)
     wg_begin_following(&own->body, wg_touched(now->seen));
 }
 
-// Returns true if the signal is stronger than where the wall was hit, and the wall does not block its direction.
+// Returns true if the signal is stronger than where the wall was hit,
+// and the wall does not block its direction.
 static bool may_leave(const WgObservation *seen, const Follow *own)
 {
     bool away = fabs(wg_wrap(seen->signal_heading - own->body.wall)) > 0.5 * WG_PI;

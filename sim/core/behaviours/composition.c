@@ -1,11 +1,12 @@
-// A composition of the library's behaviours: the parts are stored as numbers in its memory, so any combination runs
-// at full speed.
+// A composition of the library's behaviours: the parts are stored as numbers in its memory, so any
+// combination runs at full speed.
 //
-// The arbiter decides by priority (worldgen_behaviours.h), lets the parts vote, or learns when each part is useful.
+// The arbiter decides by priority (worldgen_behaviours.h), lets the parts vote,
+// or learns when each part is useful.
 //
-// Sources: the vote is that of Julio K. Rosenblatt, "DAMN: a distributed architecture for mobile navigation", Journal of
-// Experimental & Theoretical Artificial Intelligence 9 (1997); learning is that of Pattie Maes and Rodney A. Brooks,
-// "Learning to coordinate behaviors", AAAI (1990).
+// Sources: the vote is that of Julio K. Rosenblatt, "DAMN: a distributed architecture for mobile
+// navigation", Journal of Experimental & Theoretical Artificial Intelligence 9 (1997); learning is
+// that of Pattie Maes and Rodney A. Brooks, "Learning to coordinate behaviors", AAAI (1990).
 
 #include <assert.h>
 #include <math.h>
@@ -80,8 +81,8 @@ static Composed composed_of(double *memory, const WgBehaviour *others)
     return made;
 }
 
-// Returns the direction of vote number k from the heading, rad: 0, then alternately to the left and to the right, so
-// that the smallest turn wins a tie.
+// Returns the direction of vote number k from the heading, rad: 0, then alternately to the left and
+// to the right, so that the smallest turn wins a tie.
 static double voted_direction(int64_t k)
 {
     double away = wg_bearing_of((k + 1) / 2, WG_VOTE_DIRECTIONS);
@@ -95,7 +96,8 @@ static double vote_for(double direction, double turn)
     return wg_higher(0.0, 1.0 - fabs(wg_wrap(direction - turn)) / SPREAD);
 }
 
-// Lets every part that applies act on its own command. Returns the number of them; `who` receives their indices.
+// Lets every part that applies act on its own command. Returns the number of them;
+// `who` receives their indices.
 static int64_t let_all_act(Composed *made, const WgObservation *seen, WgCommand *commands, int64_t *who)
 {
     WgShared *shared = &made->own->shared;
@@ -127,8 +129,8 @@ static int64_t let_all_act(Composed *made, const WgObservation *seen, WgCommand 
     return count;
 }
 
-// Lets all parts that apply vote for directions, with their priorities as weights; returns the part that gave the
-// winner the most votes, or -1.
+// Lets all parts that apply vote for directions, with their priorities as weights; returns the part
+// that gave the winner the most votes, or -1.
 static int64_t vote(Composed *made, const WgObservation *seen, WgCommand *command)
 {
     WgCommand commands[WG_MOST_PARTS];
@@ -155,8 +157,8 @@ static int64_t vote(Composed *made, const WgObservation *seen, WgCommand *comman
         }
     }
 
-    // Its speed is the mean over the parts that voted for it; a part that wants nearly that direction contributes its
-    // own speed.
+    // Its speed is the mean over the parts that voted for it; a part that wants nearly that
+    // direction contributes its own speed.
     double weights = 0.0;
     double speed = 0.0;
     double heaviest = -INFINITY;
@@ -181,7 +183,8 @@ static int64_t vote(Composed *made, const WgObservation *seen, WgCommand *comman
     return winner;
 }
 
-// Returns how strongly being active correlates with a feedback, -1 to 1: the correlation of two Boolean series.
+// Returns how strongly being active correlates with a feedback, -1 to 1:
+// the correlation of two Boolean series.
 //
 // with:  share of steps with the feedback; acted_with: share of steps in which the part also acted.
 static double correlation(double with, double acted, double acted_with)

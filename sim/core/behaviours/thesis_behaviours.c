@@ -1,7 +1,8 @@
-// The thesis's three behaviours on the pose lattice: turn and get away after a collision, turn to the signal, drive.
+// The thesis's three behaviours on the pose lattice: turn and get away after a collision,
+// turn to the signal, drive.
 //
-// Source: the thesis on behaviour-based search and rescue robots that this program descends from (2005-2006), sections 3
-// and 4 and its listing.
+// Source: the thesis on behaviour-based search and rescue robots that this program descends from
+// (2005-2006), sections 3 and 4 and its listing.
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 // Bug1: goes around each obstacle once, and leaves it where it was nearest to the target.
 //
-// Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton moving amidst
-// unknown obstacles of arbitrary shape", Algorithmica 2 (1987), section 4.
+// Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
+// moving amidst unknown obstacles of arbitrary shape", Algorithmica 2 (1987), section 4.
 
 #include "boundary.h"
 #include "directions.h"
@@ -34,7 +34,8 @@ static WgWallPlace place_here(const WgObservation *seen, const WgBug1Memory *own
     return (WgWallPlace){seen->x, seen->y, own->body.wall};
 }
 
-// Makes one step around the obstacle: updates the nearest place, and checks if the hit point is reached again.
+// Makes one step around the obstacle: updates the nearest place,
+// and checks if the hit point is reached again.
 static void go_round(const WgObservation *seen, WgBug1Memory *own, bool touches)
 {
     own->path += wg_distance(own->body.x, own->body.y, seen->x, seen->y);
@@ -44,7 +45,8 @@ static void go_round(const WgObservation *seen, WgBug1Memory *own, bool touches)
         own->leave_path = own->path;
     }
 
-    // The first touch is the hit point; later it counts as reached only after the robot has been away from it.
+    // The first touch is the hit point; later it counts as reached only after the robot has been
+    // away from it.
     if (touches && own->mode == MEET) {
         own->hit = place_here(seen, own);
         own->mode = ROUND;

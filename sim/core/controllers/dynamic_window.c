@@ -1,9 +1,10 @@
 // Dynamic window: of the speeds and turn rates the robot can reach next, choose the best that lets
 // it stop in time.
 //
-// Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to collision avoidance", IEEE
-// Robotics & Automation Magazine 4(1), 1997: admissible velocities (equation 14), the dynamic window (equation 15) and
-// the objective (equation 13). Departures: obstacles are the ends of range beams, arcs are judged for the whole disc,
+// Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to
+// collision avoidance", IEEE Robotics & Automation Magazine 4(1), 1997: admissible velocities
+// (equation 14), the dynamic window (equation 15) and the objective (equation 13). Departures:
+// obstacles are the ends of range beams, arcs are judged for the whole disc,
 // and the objective is not smoothed over the window.
 
 #include "directions.h"
@@ -86,7 +87,8 @@ static double facing(const WgObservation *seen, Arc arc, const WgDynamicWindow *
     return 1.0 - fabs(wg_wrap(wg_angle_of(x, y) - turned)) / WG_PI;
 }
 
-// Makes one step: judges every pair in the window and commands the best; brakes and turns if none is admissible.
+// Makes one step: judges every pair in the window and commands the best;
+// brakes and turns if none is admissible.
 static void drive(const WgObservation *seen, WgDynamicWindowMemory *own, WgCommand *command,
                   const WgDynamicWindow *tuned)
 {

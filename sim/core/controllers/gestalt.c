@@ -1,10 +1,11 @@
-// GESTALT: keeps a small grid of how well the ground around it can be driven on, scores arcs by it, and drives the best one
-// for a fixed length before it looks again.
+// GESTALT: keeps a small grid of how well the ground around it can be driven on, scores arcs by it,
+// and drives the best one for a fixed length before it looks again.
 //
-// Source: Steven B. Goldberg, Mark W. Maimone and Larry Matthies, "Stereo vision and rover navigation software for planetary
-// exploration", IEEE Aerospace Conference (2002), section 4: goodness of cells, votes for arcs, and their merging with votes
-// for the waypoint. Departures: cells are judged by range beams and by touch instead of by stereo, and the robot may begin
-// an arc in any of 17 directions, because it turns on the spot.
+// Source: Steven B. Goldberg, Mark W. Maimone and Larry Matthies, "Stereo vision and rover
+// navigation software for planetary exploration", IEEE Aerospace Conference (2002), section 4:
+// goodness of cells, votes for arcs, and their merging with votes for the waypoint. Departures:
+// cells are judged by range beams and by touch instead of by stereo, and the robot may begin an arc
+// in any of 17 directions, because it turns on the spot.
 
 #include <stdbool.h>
 
@@ -35,7 +36,7 @@ typedef struct Arc {
     double length;   // m
 } Arc;
 
-// The cell's number in the grid; -1 outside of the window.
+// The cell's number in the grid; -1 outside the window.
 static int64_t number_of(const WgGestaltMemory *own, int64_t column, int64_t row)
 {
     int64_t side = (int64_t)own->side;
@@ -131,7 +132,8 @@ static void look(const WgObservation *seen, WgGestaltMemory *own)
     }
 }
 
-// Marks the ground as bad where the robot touched something, if the robot would cover that spot when it drives there.
+// Marks the ground as bad where the robot touched something,
+// if the robot would cover that spot when it drives there.
 static void feel(const WgObservation *seen, WgGestaltMemory *own)
 {
     double touched = seen->heading + seen->bump_bearing;
@@ -158,8 +160,8 @@ static int64_t degree_under(const WgGestaltMemory *own, double x, double y, doub
     return least;
 }
 
-// Returns how good an arc is: the mean goodness along it plus the progress that it makes, or -INFINITY if it starts
-// with a bad cell. The arc ends before its first bad cell.
+// Returns how good an arc is: the mean goodness along it plus the progress that it makes, or
+// -INFINITY if it starts with a bad cell. The arc ends before its first bad cell.
 static double score(const WgObservation *seen, const WgGestaltMemory *own, Arc *arc)
 {
     double target_x = seen->x + seen->target_distance * wg_cos(seen->target_heading);
@@ -192,7 +194,8 @@ static double score(const WgObservation *seen, const WgGestaltMemory *own, Arc *
     return TO_GOOD * sum / (double)MOST_DEGREE / whole + TO_TARGET * progress / whole;
 }
 
-// Chooses the best arc; if all are bad, forgets the grid and takes the direction after the last one.
+// Chooses the best arc; if all are bad, forgets the grid and takes the direction after the last
+// one.
 static void choose(const WgObservation *seen, WgGestaltMemory *own)
 {
     double whole = ARC * seen->radius;

@@ -1,9 +1,10 @@
 // Mapping: keeps a small coarse map of where it could not pass, and drives the shortest path that
 // the map leaves open.
 //
-// Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and Automation 8 (1992);
-// for the proof of arrival and its time bound, S. Koenig, C. Tovey and Y. Smirnov, "Performance bounds for planning
-// in unknown terrain", Artificial Intelligence 147 (2003).
+// Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and
+// Automation 8 (1992); for the proof of arrival and its time bound, S. Koenig, C. Tovey and Y.
+// Smirnov, "Performance bounds for planning in unknown terrain",
+// Artificial Intelligence 147 (2003).
 
 #include "boundary.h"
 #include "directions.h"
@@ -131,8 +132,8 @@ static void feel(const WgObservation *seen, WgMapperMemory *own)
     wg_map_block_near(own, x, y, own->no_room * radius / own->grid);
 }
 
-// Records what blocked the path, and heads back; returns true if the robot has tried this often enough to start again
-// from its position.
+// Records what blocked the path, and heads back; returns true if the robot has tried this often
+// enough to start again from its position.
 static bool turn_back(const WgObservation *seen, WgMapperMemory *own, bool barred)
 {
     if (own->mode == GO) {

@@ -1,15 +1,16 @@
-// Optimal reciprocal collision avoidance: chooses, among the velocities that stay clear of all others for a while if
-// each robot does half, the one nearest to driving straight at the target.
+// Optimal reciprocal collision avoidance: chooses, among the velocities that stay clear of all
+// others for a while if each robot does half, the one nearest to driving straight at the target.
 //
-// Each neighbour forbids a cone of relative velocities, truncated by the time for which clearance is required. The
-// smallest change that leads out of it (or would lead into it) is shared: it defines a half-plane of allowed own
-// velocities. The nearest velocity in all half-planes and within the top speed is found by trying all candidate
-// points. If there is none, as in a dense crowd, all half-planes are relaxed by the smallest common amount.
+// Each neighbour forbids a cone of relative velocities, truncated by the time for which clearance
+// is required. The smallest change that leads out of it (or would lead into it) is shared: it
+// defines a half-plane of allowed own velocities. The nearest velocity in all half-planes and
+// within the top speed is found by trying all candidate points. If there is none, as in a dense
+// crowd, all half-planes are relaxed by the smallest common amount.
 //
 // It does not see walls; the robot slides along them.
 //
-// Source: Jur van den Berg, Stephen J. Guy, Ming Lin and Dinesh Manocha, "Reciprocal n-body collision avoidance", in
-// Robotics Research (2011), sections 4 and 5.
+// Source: Jur van den Berg, Stephen J. Guy, Ming Lin and Dinesh Manocha, "Reciprocal n-body
+// collision avoidance", in Robotics Research (2011), sections 4 and 5.
 
 #include <stdbool.h>
 
@@ -123,8 +124,8 @@ static void consider(const Allowed *allowed, Vector velocity, Vector wanted, dou
     }
 }
 
-// Tries the candidate points on the border of a half-plane: the projection of the preferred velocity, the points at
-// top speed, and the intersections with earlier borders.
+// Tries the candidate points on the border of a half-plane: the projection of the preferred
+// velocity, the points at top speed, and the intersections with earlier borders.
 static void consider_border(const Allowed *allowed, int64_t which, Vector wanted, double *best_sq, Vector *best)
 {
     const HalfPlane *plane = &allowed->planes[which];

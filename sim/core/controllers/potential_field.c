@@ -2,8 +2,9 @@
 //
 // Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The
 // International Journal of Robotics Research 5(1), 1986: the attraction of equation 10 with the
-// limited speed of equation 13, and the repulsion "FIRAS" of equation 18, summed over obstacles. A robot with range
-// beams treats the ends of those beams that are shorter than their neighbours as its obstacles.
+// limited speed of equation 13, and the repulsion "FIRAS" of equation 18, summed over obstacles. A
+// robot with range beams treats the ends of those beams that are shorter than their neighbours as
+// its obstacles.
 
 #include "directions.h"
 #include "library.h"

@@ -1,10 +1,11 @@
-// A Q-learning robot that keeps learning while it drives: each result changes the value of the turn that led to it.
-// All values are integers, so a run that repeats itself repeats its table too, and a loop can be proved.
+// A Q-learning robot that keeps learning while it drives: each result changes the value of the turn
+// that led to it. All values are integers, so a run that repeats itself repeats its table too,
+// and a loop can be proved.
 //
-// Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College, Cambridge (1989);
-// Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992), equation 1. For rewarding a
-// smaller distance as a potential: Andrew Y. Ng, Daishi Harada and Stuart Russell, "Policy invariance under reward
-// transformations" (1999).
+// Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's
+// College, Cambridge (1989); Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine
+// Learning 8 (1992), equation 1. For rewarding a smaller distance as a potential: Andrew Y. Ng,
+// Daishi Harada and Stuart Russell, "Policy invariance under reward transformations" (1999).
 
 #include <stddef.h>
 

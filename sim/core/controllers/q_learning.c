@@ -1,8 +1,9 @@
 // Q-learning: a table of the value of each turn in each situation, learnt by driving in the
 // simulator.
 //
-// Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College, Cambridge (1989);
-// Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992).
+// Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's
+// College, Cambridge (1989); Christopher J. C. H. Watkins and Peter Dayan, "Q-learning",
+// Machine Learning 8 (1992).
 
 #include <stddef.h>
 

@@ -1,10 +1,10 @@
-// Controllers that do not know where they are, or where the target is, but estimate it from the wheels and from the
-// strength of the signal. Each estimates first and then drives like a controller of the library, which receives the
-// estimates in place of the simulator's true values.
+// Controllers that do not know where they are, or where the target is, but estimate it from the
+// wheels and from the strength of the signal. Each estimates first and then drives like a
+// controller of the library, which receives the estimates in place of the simulator's true values.
 //
-// Sources: position from the wheels is odometry as in Johann Borenstein, H. R. Everett and Liqiang Feng, "Where am I?
-// Sensors and methods for mobile robot positioning", University of Michigan (1996), chapter 1; a place from the distances
-// to a known one is trilateration, chapter 6 there.
+// Sources: position from the wheels is odometry as in Johann Borenstein, H. R. Everett and Liqiang
+// Feng, "Where am I? Sensors and methods for mobile robot positioning", University of Michigan
+// (1996), chapter 1; a place from the distances to a known one is trilateration, chapter 6 there.
 
 #include "directions.h"
 #include "library.h"
@@ -17,7 +17,8 @@ static const double THERE = 0.15;    // m: closer than this to the end of that p
 
 enum { SEARCHES = 8 };  // directions of a search before they repeat, three eighths of a turn apart
 
-// Returns the distance to the source, m, from the strength of its signal: 1 / (1 + squared distance in cells).
+// Returns the distance to the source, m, from the strength of its signal:
+// 1 / (1 + squared distance in cells).
 static double distance_by_signal(double signal, double cell)
 {
     return cell * sqrt(wg_higher(0.0, 1.0 / signal - 1.0));
@@ -32,7 +33,8 @@ static void show_target(WgObservation *seen, double x, double y)
     seen->target_distance = sqrt(dx * dx + dy * dy);
 }
 
-// Returns the observation of a robot that trusts its odometry, and notes in the first step where the target is.
+// Returns the observation of a robot that trusts its odometry,
+// and notes in the first step where the target is.
 static WgObservation by_odometry(const WgObservation *seen, WgReckoning *own)
 {
     WgObservation estimated = *seen;
@@ -100,8 +102,8 @@ void wg_signal_mapper_act(const WgObservation *seen, double *memory, WgCommand *
     wg_mapper_act(&estimated, (double *)(own + 1), command);
 }
 
-// Estimates the target from two distances to it, measured BASE apart: of the two places that fit both, it takes the
-// one closer to the direction of the signal.
+// Estimates the target from two distances to it, measured BASE apart: of the two places that fit
+// both, it takes the one closer to the direction of the signal.
 static void cross_distances(const WgObservation *seen, WgReckoning *own, double far)
 {
     double dx = seen->x - own->odometry_x;

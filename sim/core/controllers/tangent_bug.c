@@ -1,7 +1,7 @@
 // TangentBug: looks ahead with range beams, and goes around obstacles along their tangents.
 //
-// Source: I. Kamon, E. Rimon and E. Rivlin, "TangentBug: a range-sensor-based navigation algorithm", The International
-// Journal of Robotics Research 17 (1998).
+// Source: I. Kamon, E. Rimon and E. Rivlin, "TangentBug: a range-sensor-based navigation
+// algorithm", The International Journal of Robotics Research 17 (1998).
 
 #include "boundary.h"
 #include "directions.h"
@@ -39,7 +39,8 @@ static double sight_of(const WgObservation *seen)
     return wg_lower(RANGE, APART * seen->radius * (double)seen->beam_count / WG_WHOLE_TURN);
 }
 
-// Returns how far, m, the disc can go in a direction from the heading, rad, past all points that beams hit.
+// Returns how far, m, the disc can go in a direction from the heading, rad,
+// past all points that beams hit.
 static double free_path(const WgObservation *seen, double bearing)
 {
     double sight = sight_of(seen);
@@ -150,7 +151,8 @@ static void go(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *co
     wg_drive(seen, &own->body, command, direction, wg_lower(step, chosen.length));
 }
 
-// Updates how near the followed wall comes to the target, from the points seen on one side, 1 or -1.
+// Updates how near the followed wall comes to the target, from the points seen on one side,
+// 1 or -1.
 static void see_wall(const WgObservation *seen, WgTangentBugMemory *own, int64_t side)
 {
     int64_t beams = seen->beam_count;
@@ -170,7 +172,8 @@ static void see_wall(const WgObservation *seen, WgTangentBugMemory *own, int64_t
     }
 }
 
-// Records a visible place to leave the wall for, if one is nearer to the target than the whole wall was.
+// Records a visible place to leave the wall for, if one is nearer to the target than the whole wall
+// was.
 static void see_whether_to_leave(const WgObservation *seen, WgTangentBugMemory *own)
 {
     see_wall(seen, own, 1);

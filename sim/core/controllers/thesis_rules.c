@@ -1,9 +1,9 @@
 // The thesis's robot on the pose lattice: a composition of its three behaviours, in which the one
 // that takes control keeps it until it is done.
 //
-// Source: the thesis on behaviour-based search and rescue robots that this program descends from (2005-2006), sections 3
-// and 4 and its listing; the arbiter is reconstructed from the prose, where the last in the list
-// has the highest priority.
+// Source: the thesis on behaviour-based search and rescue robots that this program descends from
+// (2005-2006), sections 3 and 4 and its listing; the arbiter is reconstructed from the prose, where
+// the last in the list has the highest priority.
 
 #include "behaviours.h"
 #include "library.h"

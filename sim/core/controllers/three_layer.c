@@ -1,9 +1,10 @@
 // Three layers: one that reacts, one that supervises progress, and one that plans ahead.
 //
-// Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots (1998); R. Peter
-// Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack, "Experiences with an
-// architecture for intelligent, reactive agents", Journal of Experimental & Theoretical Artificial Intelligence 9
-// (1997). The map, the plan and the steering are our own, as simple as they can be.
+// Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots
+// (1998); R. Peter Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc
+// G. Slack, "Experiences with an architecture for intelligent, reactive agents", Journal of
+// Experimental & Theoretical Artificial Intelligence 9 (1997). The map, the plan and the steering
+// are our own, as simple as they can be.
 
 #include <stdbool.h>
 #include <string.h>
@@ -97,8 +98,8 @@ static bool spread(const WgThreeLayerMemory *own, uint64_t *flooded)
     return grown;
 }
 
-// Makes the deliberator's plan: floods the map from the target, a whole row of cells at a time, until the flood is
-// next to the robot's cell.
+// Makes the deliberator's plan: floods the map from the target, a whole row of cells at a time,
+// until the flood is next to the robot's cell.
 WgMapCell wg_next_cell(const WgThreeLayerMemory *own, WgMapCell here, WgMapCell target)
 {
     int64_t column = here.column;
@@ -160,7 +161,8 @@ static void set_waypoint(WgThreeLayerMemory *own, WgMapCell there)
     own->to_y = (double)there.row;
 }
 
-// Runs the sequencer: checks if the waypoint is reached or abandoned, and asks the deliberator for the next one.
+// Runs the sequencer: checks if the waypoint is reached or abandoned,
+// and asks the deliberator for the next one.
 static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const WgThreeLayer *tuned)
 {
     WgMapCell here = cell_at(own, seen->x, seen->y);
@@ -203,7 +205,8 @@ static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const W
     set_waypoint(own, there);
 }
 
-// Returns true if the beams show that the disc can drive this far straight, m, in a direction from the heading.
+// Returns true if the beams show that the disc can drive this far straight, m,
+// in a direction from the heading.
 static bool is_free(const WgObservation *seen, double turn, double look, const WgThreeLayer *tuned)
 {
     double radius = seen->radius + tuned->margin;
@@ -223,7 +226,8 @@ static bool is_free(const WgObservation *seen, double turn, double look, const W
     return true;
 }
 
-// Runs the controller: drives in the free direction nearest to the waypoint's, or to the target's in the last cell.
+// Runs the controller: drives in the free direction nearest to the waypoint's,
+// or to the target's in the last cell.
 static void react(const WgObservation *seen, const WgThreeLayerMemory *own, WgCommand *command,
                   const WgThreeLayer *tuned)
 {

@@ -2,11 +2,13 @@
 // explores from place to place, the most promising exit first, and drives back along its map when a
 // place has no exits left.
 //
-// Sources: Benjamin Kuipers and Yung-Tai Byun, "A robot exploration and mapping strategy based on a semantic hierarchy of
-// spatial representations", Robotics and Autonomous Systems 8 (1991), for places that the sensors single out, joined by ways
-// that the robot can repeat; Brian Yamauchi, "A frontier-based approach for autonomous exploration", IEEE International
-// Symposium on Computational Intelligence in Robotics and Automation (1997), for exits into what is unexplored. The shortest
-// way is Dijkstra's. Departures: places have coordinates, because the robot knows where it is.
+// Sources: Benjamin Kuipers and Yung-Tai Byun, "A robot exploration and mapping strategy based on a
+// semantic hierarchy of spatial representations", Robotics and Autonomous Systems 8 (1991), for
+// places that the sensors single out, joined by paths that the robot can repeat; Brian Yamauchi, "A
+// frontier-based approach for autonomous exploration", IEEE International Symposium on
+// Computational Intelligence in Robotics and Automation (1997), for exits into what is unexplored.
+// The shortest way is Dijkstra's. Departures: places have coordinates,
+// because the robot knows where it is.
 
 #include <stdbool.h>
 
@@ -129,7 +131,7 @@ static bool join(WgTopologicalMemory *own, int64_t one, int64_t other)
     return true;
 }
 
-// Returns whether a point is near a place or a way of the map.
+// Returns whether a point is near a place or a path of the map.
 static bool is_explored(const WgTopologicalMemory *own, double x, double y, double near)
 {
     for (int64_t k = 0; k < (int64_t)own->count; k++) {
@@ -187,7 +189,8 @@ static void find_ways(const WgTopologicalMemory *own, Ways *ways)
 
 // ---- What is open
 
-// Returns whether the disc can drive straight on so far, m, in a world direction given by its cosine and sine.
+// Returns whether the disc can drive straight on so far, m,
+// in a world direction given by its cosine and sine.
 static bool is_free(const WgPoints *points, double cosine, double sine, double radius, double far)
 {
     for (int64_t k = 0; k < points->count; k++) {
@@ -229,8 +232,8 @@ static double open_exits(const WgObservation *seen, const WgPoints *points, doub
     return (double)bits;
 }
 
-// Returns true if an exit leads somewhere new: away from the map, and from the path driven since the last place. The
-// target itself is always new.
+// Returns true if an exit leads somewhere new: away from the map, and from the path driven since
+// the last place. The target itself is always new.
 static bool is_new(const WgObservation *seen, const WgTopologicalMemory *own, int64_t exit, double stride)
 {
     double far = look_of(seen, exit, stride);
@@ -257,8 +260,8 @@ static double new_exits(const WgObservation *seen, const WgTopologicalMemory *ow
     return open;
 }
 
-// Returns whether an exit has opened at the robot's side since the step before, or the way to the target has, and leads to
-// where it has not been.
+// Returns whether an exit has opened at the robot's side since the step before, or the path to the
+// target has, and whether it leads somewhere new.
 static bool has_opened(const WgObservation *seen, const WgTopologicalMemory *own, double open, double stride)
 {
     double opened = (double)((int64_t)open & ~(int64_t)own->open);
@@ -309,7 +312,8 @@ static void close_exits(const WgObservation *seen, WgTopologicalMemory *own, int
     }
 }
 
-// Returns the number of a new place. If the map is full, the oldest place is forgotten, unless the robot comes from it.
+// Returns the number of a new place. If the map is full, the oldest place is forgotten,
+// unless the robot comes from it.
 static int64_t make_place(WgTopologicalMemory *own)
 {
     int64_t most = (int64_t)own->most;
@@ -328,8 +332,8 @@ static int64_t make_place(WgTopologicalMemory *own)
     return number;
 }
 
-// Makes the robot's position a place, joined to the place that it comes from and to those in sight nearby. If the robot
-// has hardly moved, it stays at the place that it comes from.
+// Makes the robot's position a place, joined to the place that it comes from and to those in sight
+// nearby. If the robot has hardly moved, it stays at the place that it comes from.
 static void settle(const WgObservation *seen, WgTopologicalMemory *own, const WgPoints *points, double open)
 {
     double stride = stride_of(seen, own);
@@ -366,7 +370,8 @@ static void settle(const WgObservation *seen, WgTopologicalMemory *own, const Wg
 
 // ---- Decisions
 
-// Returns the exit with the shortest known path to the target: along the map to its place, and then straight on.
+// Returns the exit with the shortest known path to the target: along the map to its place,
+// and then straight on.
 static Choice best_exit(const WgObservation *seen, const WgTopologicalMemory *own, const Ways *ways, double stride)
 {
     Choice best = {-1, 0};
@@ -403,8 +408,8 @@ static void leave(const WgObservation *seen, WgTopologicalMemory *own, int64_t e
     own->open = open;
 }
 
-// Chooses where to go from the robot's place. When the map has no exits left, it is forgotten, and the next map is
-// finer; the coarsest follows the finest.
+// Chooses where to go from the robot's place. When the map has no exits left, it is forgotten, and
+// the next map is finer; the coarsest follows the finest.
 static void decide(const WgObservation *seen, WgTopologicalMemory *own, const WgPoints *points, double open)
 {
     Ways ways = {0};

@@ -27,10 +27,11 @@ static double half_angle(double radii, double distance)
 
 // Keeps to the right, as ships do.
 //
-// It passes an oncoming or standing robot with that robot on its left. A robot that crosses from the right goes
-// first. It ignores all others, which are overtaken or cross from the left.
+// It passes an oncoming or standing robot with that robot on its left. A robot that crosses from
+// the right goes first. It ignores all others, which are overtaken or cross from the left.
 //
-// Source: International Regulations for Preventing Collisions at Sea (1972), rules 14 (head-on) and 15 (crossing).
+// Source: International Regulations for Preventing Collisions at Sea (1972),
+// rules 14 (head-on) and 15 (crossing).
 void wg_right_hand_act(const WgObservation *seen, double *memory, WgCommand *command)
 {
     (void)memory;
@@ -41,8 +42,8 @@ void wg_right_hand_act(const WgObservation *seen, double *memory, WgCommand *com
     double ahead_y = seen->neighbour_count > 0 ? wg_sin(turn) : 0.0;
     for (int64_t k = 0; k < seen->neighbour_count; k++) {
         const WgNeighbour *other = &seen->neighbours[k];
-        // Most robots are clearly not in the way: behind, or too far from the straight path. Angles decide about the
-        // others, with their own rounding.
+        // Most robots are clearly not in the way: behind, or too far from the straight path. Angles
+        // decide about the others, with their own rounding.
         double along = other->x * ahead_x + other->y * ahead_y;
         double across = other->y * ahead_x - other->x * ahead_y;
         if (along < -ROUNDING || fabs(across) > MARGIN * (seen->radius + other->radius) + ROUNDING) {
@@ -66,7 +67,8 @@ void wg_right_hand_act(const WgObservation *seen, double *memory, WgCommand *com
             speed = 0.0;
         }
     }
-    // Never turn farther than a right angle from the target, or it would drive in circles around a crowd.
+    // Never turn farther than a right angle from the target,
+    // or it would drive in circles around a crowd.
     if (wg_wrap(turn - target) < -WG_PI / 2.0 || wg_wrap(turn - target) > WG_PI / 2.0) {
         turn = wg_wrap(target - WG_PI / 2.0);
     }

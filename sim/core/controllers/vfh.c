@@ -1,10 +1,11 @@
 // VFH+: the robot drives through the opening between obstacles that requires the least turning.
 //
-// Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile robots", IEEE
-// International Conference on Robotics and Automation, 1998: the four stages and the weights of section 3. Departures:
-// the histogram is filled from the scan of one step rather than from a certainty grid, so the nearest obstacle of a
-// sector counts, not a sum; the speed falls with the density in the chosen direction as in their "The vector field
-// histogram" (1991), equation 11.
+// Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile
+// robots", IEEE International Conference on Robotics and Automation, 1998: the four stages and the
+// weights of section 3. Departures: the histogram is filled from the scan of one step rather than
+// from a certainty grid, so the nearest obstacle of a sector counts, not a sum; the speed falls
+// with the density in the chosen direction as in their "The vector field histogram" (1991),
+// equation 11.
 
 #include <stdbool.h>
 
@@ -41,7 +42,8 @@ typedef struct Wanted {
     double last;  // negative: none
 } Wanted;
 
-// Stage 1: the polar histogram; each beam's obstacle covers the sectors that the widened obstacle covers.
+// Stage 1: the polar histogram; each beam's obstacle covers the sectors
+// that the widened obstacle covers.
 static void fill(const WgObservation *seen, double *density, const WgVfh *tuned)
 {
     double reach = seen->radius * (1.0 + tuned->safety);
@@ -78,7 +80,8 @@ static void block(const double *density, WgVfhMemory *own, const WgVfh *tuned)
     }
 }
 
-// Stage 3: find how far to the right and to the left the robot can turn before its circle meets an obstacle.
+// Stage 3: find how far to the right and to the left the robot can turn before its circle meets an
+// obstacle.
 static Sides reachable_sides(const WgObservation *seen, const WgVfh *tuned)
 {
     double turn = tuned->turning_radius;

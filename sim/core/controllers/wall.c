@@ -1,10 +1,10 @@
 // Wall following: drives to the target until it touches a wall, and then keeps its hand on that
 // wall forever.
 //
-// Source: the hand-on-wall rule, W. H. Matthews, "Mazes and Labyrinths: A General Account of Their History and
-// Developments" (1922), on the solution of mazes; for robots V. J. Lumelsky and A. A. Stepanov, "Path-planning
-// strategies for a point mobile automaton moving amidst unknown obstacles of arbitrary shape", Algorithmica 2 (1987),
-// for the step from a wall at hand to the next one.
+// Source: the hand-on-wall rule, W. H. Matthews, "Mazes and Labyrinths: A General Account of Their
+// History and Developments" (1922), on the solution of mazes; for robots V. J. Lumelsky and A. A.
+// Stepanov, "Path-planning strategies for a point mobile automaton moving amidst unknown obstacles
+// of arbitrary shape", Algorithmica 2 (1987), for the step from a wall at hand to the next one.
 
 #include "boundary.h"
 #include "library.h"

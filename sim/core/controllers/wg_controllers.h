@@ -1,7 +1,8 @@
 // The controllers of the library, and the layout of their memories.
 //
-// A memory is an array of float64; each struct here describes its layout, so that fields have names in C and in
-// Python. The numbers are part of the state that a loop repeats and a digest covers, so their order never changes.
+// A memory is an array of float64; each struct here describes its layout, so that fields have names
+// in C and in Python. The numbers are part of the state that a loop repeats and a digest covers,
+// so their order never changes.
 
 #ifndef WG_CONTROLLERS_H
 #define WG_CONTROLLERS_H
@@ -93,11 +94,12 @@ enum {
 // How an arbiter composes its parts: WgComposition.arbiter.
 enum { WG_BY_PRIORITY = 0, WG_BY_VOTE = 1, WG_BY_LEARNING = 2 };
 
-// Conditions that a learning arbiter distinguishes: if the robot touches a wall now, and if it has recently.
+// Conditions that a learning arbiter distinguishes: if the robot touches a wall now,
+// and if it has recently.
 enum { WG_CONDITIONS = 4 };
 
-// How often something has recently happened in a condition, for a learning arbiter. All are integers; a share of
-// WG_WHOLE_SHARE means always.
+// How often something has recently happened in a condition, for a learning arbiter. All are
+// integers; a share of WG_WHOLE_SHARE means always.
 enum { WG_WHOLE_SHARE = 65536 };
 
 typedef struct WgFeedback {
@@ -116,9 +118,10 @@ typedef struct WgStoredPart {
     double options[4];     // WG_PART_OPTIONS
 } WgStoredPart;
 
-// A composition's memory. Behind it are the parts (WgStoredPart[count]); then, for a vote, the steps that each part has
-// left; then, if the arbiter learns, WgLearning, and WgFeedback[WG_CONDITIONS] of all steps and of each part; then
-// the parts' own states, in their order.
+// A composition's memory. Behind it are the parts (WgStoredPart[count]); then, for a vote, the
+// steps that each part has left; then, if the arbiter learns, WgLearning, and
+// WgFeedback[WG_CONDITIONS] of all steps and of each part; then the parts' own states,
+// in their order.
 typedef struct WgComposition {
     WgShared shared;
     double acted;    // the part that acted in the last step; -1: none
@@ -175,7 +178,7 @@ typedef struct WgDynamicWindow {
     double turns;         // number of turn rates tried; an odd number includes the current one
     double ahead;         // s after which an arc's heading is compared with the target's direction
     double least;         // m: free path that an arc must have
-    double far;           // m: free path beyond which more makes no difference
+    double far;           // m: a longer free path makes no difference
     double to_target;     // weight of the heading
     double to_free;       // weight of the free path
     double to_speed;      // weight of the speed
@@ -242,8 +245,8 @@ typedef struct WgQTunedMemory {
     double best[768];  // the turn to take in each situation: its index among the six turns
 } WgQTunedMemory;
 
-// Estimates of a controller that does not know its place or the target's. The memory of the controller that drives by
-// it follows.
+// Estimates of a controller that does not know its place or the target's. The memory of the
+// controller that drives by it follows.
 typedef struct WgReckoning {
     double known;       // 1 once the target's place has been estimated
     double x;           // m: where the robot believes itself to be
@@ -353,10 +356,12 @@ const WgBehaviour *wg_behaviour_at(int64_t index);
 
 // Lets a composition act.
 //
-// others: the user's own behaviours, for parts whose kind is negative: -1 is the first. NULL if there are none.
+// others: the user's own behaviours, for parts whose kind is negative: -1 is the first.
+//         NULL if there are none.
 void wg_compose(const WgBehaviour *others, const WgObservation *seen, double *memory, WgCommand *command);
 
-// The number of the situation that the Q-learning robot sees, below WG_Q_SITUATIONS. It needs 8 beams.
+// The number of the situation that the Q-learning robot sees, below WG_Q_SITUATIONS.
+// It needs 8 beams.
 int64_t wg_q_situation(const WgObservation *seen, const WgQMemory *own);
 
 // The value, in thousandths, that the shipped table gives a turn in a situation.

@@ -116,7 +116,8 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
         return status;
     }
 
-    // The log is not cleared: a long one takes memory only as the run progresses, and no entry is read before it is written.
+    // The log is not cleared: a long one takes memory only as the run progresses,
+    // and no entry is read before it is written.
     void *block = calloc(1, (size_t)sizes[0]);
     void *log = sizes[1] > 0 ? malloc((size_t)sizes[1]) : NULL;
     if (block == NULL || (sizes[1] > 0 && log == NULL)) {

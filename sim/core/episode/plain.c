@@ -1,6 +1,6 @@
-// Plain runs: no events, disturbances, noise, dynamic limits, coarser lattice, digest or recording, little
-// memory, and a search for loops. Most runs are plain, and a specialised loop takes less than two
-// thirds of the time.
+// Plain runs: no events, disturbances, noise, dynamic limits, coarser lattice, digest or recording,
+// little memory, and a search for loops. Most runs are plain, and a specialised loop takes less
+// than two thirds of the time.
 //
 // The steps are those of step.h without the features that a plain run lacks, and without
 // recomputing what a step leaves unchanged: a robot that turns on the spot neither moves nor
@@ -67,7 +67,8 @@ static inline void move(Plain *plain, int64_t drive, int64_t step)
     observation->y = (double)state->y * settings->metres;
 }
 
-// Senses everything that changes without a move, and lets the controller act. Returns false if it failed.
+// Senses everything that changes without a move, and lets the controller act.
+// Returns false if it failed.
 static inline bool act(Plain *plain, bool touches, int64_t step)
 {
     const WgSettings *settings = plain->settings;
@@ -106,7 +107,8 @@ static inline bool act(Plain *plain, bool touches, int64_t step)
     return true;
 }
 
-// Runs the steps from `first` to `last` and logs their states. Returns the step that ended the run; 0 if none did.
+// Runs the steps from `first` to `last` and logs their states.
+// Returns the step that ended the run; 0 if none did.
 static int64_t run_steps(Plain *kept, uint64_t *log, int64_t first, int64_t last)
 {
     Plain plain = *kept;

@@ -71,10 +71,12 @@ static inline uint64_t wg_fingerprint_of_few(const void *state, int64_t words)
     return mixed;
 }
 
-// The sum of the blocks' fingerprints; blocks that have not changed since the last call keep theirs.
+// The sum of the blocks' fingerprints; blocks that have not changed since the last call keep
+// theirs.
 uint64_t wg_fingerprint_of_many(WgSearch *search, const void *state);
 
-// Begins with the state of step 0. `quiet` is the step of the last event: earlier states prove nothing.
+// Begins with the state of step 0. `quiet` is the step of the last event:
+// earlier states prove nothing.
 void wg_search_begin(WgSearch *search, const void *state, int64_t quiet);
 
 // Looks up the state of a step and decides when to look up the next one. Returns the fewest steps

@@ -209,7 +209,8 @@ static void push(const WgArena *arena, const WgSettings *settings, int64_t step,
     WgState *state = &robot->body->state;
     state->heading = wg_reduced_heading(state->heading + by->turn);
     bool stays = by->dx == 0 && by->dy == 0;
-    // Under `endpoint` a robot may stand in a wall, and then it can never move, because no path out is clear.
+    // Under `endpoint` a robot may stand in a wall, and then it can never move,
+    // because no path out is clear.
     if (stays || !wg_disc_is_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), state->x, state->y)) {
         return;
     }
@@ -334,8 +335,8 @@ void wg_flatten(WgWorkspace *workspace)
 
 void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double *memory)
 {
-    // Anything that a controller writes into the observation is cleared after the step, because otherwise it would be
-    // memory outside the state.
+    // Anything that a controller writes into the observation is cleared after the step, because
+    // otherwise it would be memory outside the state.
     wg_flatten(workspace);
     double command[3 + WG_MOST_MESSAGE] = {0.0};
     const WgObservation *seen = &workspace->observation;

@@ -2,8 +2,8 @@
 // time, then sensing, then the controller, whose turn takes effect immediately and whose speed
 // drives the next step.
 //
-// The code that every step needs is inline, so that the compiler keeps the loop around it in registers; the rest is in
-// step.c.
+// The code that every step needs is inline, so that the compiler keeps the loop around it in
+// registers; the rest is in step.c.
 
 #ifndef WG_STEP_H
 #define WG_STEP_H
@@ -100,8 +100,8 @@ void wg_catch(const WgArena *arena, const WgSettings *settings, int64_t step, Wg
 // The part of a displacement covered by a time in the step, lattice units.
 int64_t wg_share_of(int64_t whole, int64_t time);
 
-// Returns the nearest point of a coarser lattice that the robot can reach on a clear line, or its own place if there is
-// none.
+// Returns the nearest point of a coarser lattice that the robot can reach on a clear line, or its
+// own place if there is none.
 WgVector wg_rounded_place(const WgArena *arena, const WgSettings *settings, const WgState *state);
 
 // Moves the robot to the nearest point of a coarser lattice that it can reach on a clear line, if
@@ -125,7 +125,8 @@ void wg_measure_move(const WgArena *arena, const WgSettings *settings, int64_t s
 // Does the same for a turn, heading units.
 void wg_measure_turn(const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot);
 
-// Adds a step to the digest: whether a wall was touched, the corners of its path, the state after it.
+// Adds a step to the digest: whether a wall was touched, the corners of its path,
+// the state after it.
 void wg_hash_step(WgRobot *robot, int64_t words, bool bumped);
 
 // Adds a step to a recording: its state, and the corners of its path.
@@ -171,8 +172,8 @@ static inline void wg_add_corner(WgRobot *robot, int64_t x, int64_t y, int64_t t
     corner->time = time;
 }
 
-// Moves the robot to the end of a straight piece of its path, and updates if the target is reached on it, and the
-// path's length.
+// Moves the robot to the end of a straight piece of its path, and updates if the target is reached
+// on it, and the path's length.
 static inline void wg_arrive(const WgSettings *settings, int64_t x, int64_t y, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
@@ -210,7 +211,8 @@ static inline WgNormal wg_move(const WgArena *arena, const WgSettings *settings,
     return (WgNormal){0.0, 0.0};
 }
 
-// Counts the points of a step's path, and marks a cell that is new. Returns true if the centre is in the grid.
+// Counts the points of a step's path, and marks a cell that is new.
+// Returns true if the centre is in the grid.
 static inline bool wg_keep_books(const WgArena *arena, int64_t step, WgRobot *robot)
 {
     const WgState *state = &robot->body->state;
@@ -232,8 +234,9 @@ static inline bool wg_keep_books(const WgArena *arena, int64_t step, WgRobot *ro
     return true;
 }
 
-// Moves the robot for one step, with the events in it, and judges the path. Returns true if its centre is in the
-// grid. If the compiler is left to choose, it does not inline this, and a step takes 3 % longer.
+// Moves the robot for one step, with the events in it, and judges the path. Returns true if its
+// centre is in the grid. If the compiler is left to choose, it does not inline this,
+// and a step takes 3 % longer.
 __attribute__((always_inline)) static inline bool wg_advance(const WgArena *arena, const WgSettings *settings,
                                                              int64_t step, WgRobot *robot)
 {
@@ -263,8 +266,9 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
         robot->contact = wg_move(arena, settings, step, by.x, by.y, 0, WG_STEP_TIME, robot);
     }
 
-    // Features that few robots have: poses on a coarser lattice, wheels that measure with errors, or miss what pushes
-    // the robot. Against a wall the wheels do not turn, whatever the floor does.
+    // Features that few robots have: poses on a coarser lattice, wheels that measure with errors,
+    // or miss what pushes the robot. Against a wall the wheels do not turn,
+    // whatever the floor does.
     if (settings->lattice > 1 && report->ending == WG_LIMIT) {
         wg_round_pose(arena, settings, step, robot);
     }
@@ -281,8 +285,8 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     return wg_keep_books(arena, step, robot);
 }
 
-// Does the part of a step before the controller acts. Returns true if the controller must act: not if the run has
-// ended, nor outside the grid, where nothing can be sensed.
+// Does the part of a step before the controller acts. Returns true if the controller must act: not
+// if the run has ended, nor outside the grid, where nothing can be sensed.
 static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *settings, WgRobot *robot,
                                      WgWorkspace *workspace, int64_t step)
 {
@@ -297,7 +301,8 @@ static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *set
     return true;
 }
 
-// Returns the speed after a step: as commanded, or as near as the wheels' gain and the floor's friction allow.
+// Returns the speed after a step: as commanded, or as near as the wheels' gain
+// and the floor's friction allow.
 static inline int64_t wg_next_speed(int64_t now, int64_t wanted, const WgSettings *settings)
 {
     double gain = settings->gain;

@@ -9,11 +9,12 @@
 #include "step.h"
 #include "wg_fleet.h"
 
-// Phases that a move of robots near each other may have. A robot that has not arrived by then waits for the next
-// step.
+// Phases that a move of robots near each other may have. A robot that has not arrived by then waits
+// for the next step.
 enum { WG_MOST_PHASES = 12 };
 
-// The corners that one move may add to a robot's path: two for each phase, a wait, and a coarser lattice.
+// The corners that one move may add to a robot's path: two for each phase, a wait,
+// and a coarser lattice.
 enum { WG_FLEET_CORNERS = 2 * WG_MOST_PHASES + 2 };
 
 // Up to this many robots, all pairs are examined; above it, a grid is faster.
@@ -39,7 +40,7 @@ struct WgMover {
     int64_t next;        // index of the next robot of its cluster; -1
     bool is_active;      // it has neither parked nor ended the run
     bool is_clear;       // the path to `goal` is known to be clear of walls
-    bool is_violated;    // the path to `goal` is not clear of something
+    bool is_violated;    // something blocks the path to `goal`
 };
 
 // Two robots that may meet in a move.
@@ -101,8 +102,9 @@ typedef struct WgSpan {
     int64_t until;
 } WgSpan;
 
-// Finds the pairs that may meet, from `place` and `far` of each mover, and links them into clusters. A robot that
-// cannot meet another one has no cluster. Two robots that both stand still cannot meet.
+// Finds the pairs that may meet, from `place` and `far` of each mover, and links them into
+// clusters. A robot that cannot meet another one has no cluster.
+// Two robots that both stand still cannot meet.
 void wg_find_near(WgFleet *fleet);
 
 // Returns the word of the complete state that tells if a robot has parked.

@@ -1,13 +1,14 @@
 // Moves several robots at once: exactly, and independently of their numbering.
 //
-// Robots that cannot meet any other in a part of a step move as if alone. The others form clusters, and a cluster
-// moves in phases. In each phase all robots move uniformly along straight segments between lattice points, all in the
-// same time, so two discs touch exactly when the segment of their relative motion comes within the sum of their radii
-// of the origin. This is a test in integers, as for a wall's corner. Floating point only proposes the end of the phase,
-// the first contact, where robots that touch lose the part of their displacement that leads into each other.
+// Robots that cannot meet any other in a part of a step move as if alone. The others form clusters,
+// and a cluster moves in phases. In each phase all robots move uniformly along straight segments
+// between lattice points, all in the same time, so two discs touch exactly when the segment of
+// their relative motion comes within the sum of their radii of the origin. This is a test in
+// integers, as for a wall's corner. Floating point only proposes the end of the phase, the first
+// contact, where robots that touch lose the part of their displacement that leads into each other.
 //
-// No disc overlaps another disc or a wall: a segment that is not clear of everything is never driven, and robots that
-// stand still are clear of each other.
+// No disc overlaps another disc or a wall: a segment that is not clear of everything is never
+// driven, and robots that stand still are clear of each other.
 
 #include <math.h>
 
@@ -71,8 +72,8 @@ static WgNormal last_normal(const WgMover *mover)
     return mover->touching > 0 ? mover->touch : mover->normal;
 }
 
-// Sets the goal of a robot: the lattice point at a share of its remaining displacement, or a nearby one chosen by
-// `candidate`, nearest first; or its current place.
+// Sets the goal of a robot: the lattice point at a share of its remaining displacement, or a nearby
+// one chosen by `candidate`, nearest first; or its current place.
 static void set_goal(WgMover *mover, double share)
 {
     double dx = (double)mover->left.x;
@@ -96,7 +97,8 @@ static void set_goal(WgMover *mover, double share)
     mover->goal.y = y + (is_last ? sy : away * (fabs(normal.y) >= fabs(normal.x) ? sy : 0));
 }
 
-// Returns true if a robot has another goal to try: sideways only if it touches something, back only if that is allowed.
+// Returns true if a robot has another goal to try: sideways only if it touches something,
+// back only if that is allowed.
 static bool has_another_goal(const WgMover *mover, bool back)
 {
     if (!is_moving(mover) || mover->candidate >= STAND) {
@@ -113,8 +115,8 @@ static void try_another_goal(WgMover *mover, double share)
     set_goal(mover, share);
 }
 
-// Notes which robots' paths to their goals are not clear. Returns false if there are such robots, and none of them
-// has another goal.
+// Notes which robots' paths to their goals are not clear. Returns false if there are such robots,
+// and none of them has another goal.
 static bool look_for_violations(const WgFleet *fleet, WgCluster cluster, bool back, bool *found)
 {
     WgMover *movers = fleet->movers;
@@ -141,9 +143,9 @@ static bool look_for_violations(const WgFleet *fleet, WgCluster cluster, bool ba
     return true;
 }
 
-// Finds goals at a share of the displacements so that all paths to them are clear of walls and of each other. Robots
-// whose paths are not clear try their next goals together. If stepping back is allowed, the last
-// goal is to stay in place, so goals are always found.
+// Finds goals at a share of the displacements so that all paths to them are clear of walls and of
+// each other. Robots whose paths are not clear try their next goals together. If stepping back is
+// allowed, the last goal is to stay in place, so goals are always found.
 static bool find_goals(const WgFleet *fleet, WgCluster cluster, double share, bool back)
 {
     WgMover *movers = fleet->movers;
@@ -165,8 +167,8 @@ static bool find_goals(const WgFleet *fleet, WgCluster cluster, double share, bo
     return true;
 }
 
-// Notes a contact of this phase. Of several normals it keeps the largest, by x and then by y, which does not depend on
-// the robots' numbers.
+// Notes a contact of this phase. Of several normals it keeps the largest, by x and then by y, which
+// does not depend on the robots' numbers.
 static void touch(WgMover *mover, WgNormal normal)
 {
     bool greater = normal.x > mover->touch.x || (normal.x == mover->touch.x && normal.y > mover->touch.y);
@@ -176,7 +178,8 @@ static void touch(WgMover *mover, WgNormal normal)
     mover->touching++;
 }
 
-// The direction from the second robot of a pair to the first, at a share of their remaining displacements.
+// The direction from the second robot of a pair to the first,
+// at a share of their remaining displacements.
 static WgNormal between(const WgFleet *fleet, const WgPair *pair, double share)
 {
     const WgMover *one = &fleet->movers[pair->one];
@@ -187,7 +190,8 @@ static WgNormal between(const WgFleet *fleet, const WgPair *pair, double share)
     };
 }
 
-// Returns when two robots first touch if nothing stops them, as a share of their remaining displacements.
+// Returns when two robots first touch if nothing stops them,
+// as a share of their remaining displacements.
 static double pair_contact(const WgFleet *fleet, const WgPair *pair)
 {
     const WgMover *one = &fleet->movers[pair->one];
@@ -198,7 +202,8 @@ static double pair_contact(const WgFleet *fleet, const WgPair *pair)
     return wg_lower(1.0, wg_touch_time((double)pair->clear_sq, from, by));
 }
 
-// Finds the first contact in a cluster, and marks the robots in it. Returns its share of the displacements.
+// Finds the first contact in a cluster, and marks the robots in it.
+// Returns its share of the displacements.
 static double first_contact(const WgFleet *fleet, WgCluster cluster)
 {
     WgMover *movers = fleet->movers;
@@ -297,14 +302,15 @@ static void note_blocks(WgFleet *fleet, WgCluster cluster, int64_t step, double 
     }
 }
 
-// Removes from a robot's displacement the part that a phase has used up, and the part that would lead into whatever
-// it touches.
+// Removes from a robot's displacement the part that a phase has used up, and the part that would
+// lead into whatever it touches.
 static void slide(WgMover *mover, double share, double friction)
 {
     double dx = (1.0 - share) * (double)mover->left.x;
     double dy = (1.0 - share) * (double)mover->left.y;
     if (mover->touching == 0) {
-        // A robot that had to wait has lost that time; all others drive to the very end of their displacement.
+        // A robot that had to wait has lost that time; all others drive to the very end of their
+        // displacement.
         bool stood = is_at_goal(mover);
         mover->left.x = stood ? wg_round_away(dx) : mover->left.x - (mover->goal.x - mover->place.x);
         mover->left.y = stood ? wg_round_away(dy) : mover->left.y - (mover->goal.y - mover->place.y);
@@ -319,8 +325,8 @@ static void slide(WgMover *mover, double share, double friction)
         dx = dx - into * normal.x;
         dy = dy - into * normal.y;
     }
-    // It stops if it touches two things at once, is pushed back into what it touched before, or has touched things
-    // too often.
+    // It stops if it touches two things at once, is pushed back into what it touched before, or has
+    // touched things too often.
     bool is_wedged = mover->contacts > 1 && dx * before.x + dy * before.y < 0.0;
     bool stops = mover->touching > 1 || is_wedged || mover->contacts >= TRIES;
     mover->left.x = stops ? 0 : wg_round_away((1.0 - friction) * dx);
@@ -372,8 +378,8 @@ static void collide(WgFleet *fleet, const WgPair *pair)
     }
 }
 
-// Moves the robots of a cluster to where their displacements lead, as `endpoint` does: a robot whose end is not clear
-// stays. Paths that cross end the run as WG_COLLISION.
+// Moves the robots of a cluster to where their displacements lead, as `endpoint` does: a robot
+// whose end is not clear stays. Paths that cross end the run as WG_COLLISION.
 static void jump(WgFleet *fleet, WgCluster cluster, int64_t step)
 {
     WgMover *movers = fleet->movers;
@@ -540,7 +546,8 @@ static void change_world(WgFleet *fleet, int64_t step)
     }
 }
 
-// Moves robots with coarser poses to the nearest points of their lattices, as many as can move at the same time.
+// Moves robots with coarser poses to the nearest points of their lattices,
+// as many as can move at the same time.
 static void round_poses(WgFleet *fleet, int64_t step)
 {
     WgMover *movers = fleet->movers;

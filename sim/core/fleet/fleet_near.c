@@ -1,5 +1,5 @@
-// Finds the robots that may meet in a move. A grid with buckets as wide as two robots can approach each other makes
-// the cost of a step depend on their number, not on the number of all pairs.
+// Finds the robots that may meet in a move. A grid with buckets as wide as two robots can approach
+// each other makes the cost of a step depend on their number, not on the number of all pairs.
 
 #include "fleet.h"
 
@@ -69,7 +69,8 @@ static void fill_buckets(WgFleet *fleet, int64_t width)
     }
 }
 
-// Returns the robot, or the next one of its bucket, that is in a cell; several cells may share a bucket.
+// Returns the robot, or the next one of its bucket, that is in a cell;
+// several cells may share a bucket.
 static int64_t one_in(const WgFleet *fleet, int64_t robot, int64_t column, int64_t row)
 {
     while (robot >= 0 && (fleet->movers[robot].column != column || fleet->movers[robot].row != row)) {

@@ -5,7 +5,8 @@
 
 #include "fleet.h"
 
-// Words of a robot in the complete state: its own, its memory, its message, and whether it has parked.
+// Words of a robot in the complete state: its own, its memory, its message,
+// and whether it has parked.
 static int64_t words_of(const WgFleet *fleet, int64_t robot)
 {
     return WG_STATE_WORDS + fleet->members[robot]->controller.memory_size + fleet->settings->message + 1;

@@ -1,4 +1,5 @@
-// Lets the robots of a fleet sense each other: by range beams, and as neighbours that may send messages.
+// Lets the robots of a fleet sense each other: by range beams,
+// and as neighbours that may send messages.
 
 #include "fleet.h"
 #include "rays.h"
@@ -12,8 +13,8 @@ double *wg_message_of(const WgFleet *fleet, int64_t robot)
     return member->robot.body->memory + member->controller.memory_size;
 }
 
-// Lays the grid over the robots: its cells are wide enough that all robots that a robot may sense are in the nine around
-// it, and that there are no more cells than robots.
+// Lays the grid over the robots: its cells are wide enough that all robots that a robot may sense
+// are in the nine around it, and that there are no more cells than robots.
 static void lay_grid(const WgFleet *fleet, WgRobotGrid *grid)
 {
     const double most = 0x1p40;  // more than any world is wide
@@ -64,8 +65,8 @@ void wg_ready_senses(WgFleet *fleet)
     }
     lay_grid(fleet, grid);
 
-    // Sort the robots by cell: count those of each cell, add up to where each cell ends, and fill each from its end, so
-    // that its index moves down to where it begins.
+    // Sort the robots by cell: count those of each cell, add up to where each cell ends, and fill
+    // each from its end, so that its index moves down to where it begins.
     int64_t cells = grid->columns * grid->rows;
     memset(grid->first, 0, (size_t)cells * sizeof *grid->first);
     for (int64_t k = 0; k < fleet->count; k++) {
@@ -81,23 +82,24 @@ void wg_ready_senses(WgFleet *fleet)
     }
 }
 
-// Notes the robots near enough for any sense that are in neighbouring cells of a row, which follow each other.
+// Notes the robots near enough for any sense that are in neighbouring cells of a row,
+// which follow each other.
 static int64_t note_some(const WgRobotGrid *grid, int64_t from, int64_t end, WgPlace own, double furthest_sq, int64_t count)
 {
     for (int64_t k = from; k < end; k++) {
         int64_t dx = grid->spots[k].place.x - own.x;
         int64_t dy = grid->spots[k].place.y - own.y;
         int64_t away_sq = dx * dx + dy * dy;
-        // Without a branch, which nobody could predict, each one is written, and the next one overwrites it if it is too
-        // far away.
+        // Without a branch, which nobody could predict, each one is written, and the next one
+        // overwrites it if it is too far away.
         grid->found[count] = (WgNearby){away_sq, k};
         count += (double)away_sq <= furthest_sq;
     }
     return count;
 }
 
-// Returns true if a robot comes before another in the order of sensing: nearest first, ties broken by place, which is
-// never the same, so that their numbers do not matter.
+// Returns true if a robot comes before another in the order of sensing: nearest first, ties broken
+// by place, which is never the same, so that their numbers do not matter.
 static bool comes_before(const WgRobotGrid *grid, WgNearby one, WgNearby other)
 {
     if (one.away_sq != other.away_sq) {
@@ -108,10 +110,11 @@ static bool comes_before(const WgRobotGrid *grid, WgNearby one, WgNearby other)
     return place.x < others.x || (place.x == others.x && place.y < others.y);
 }
 
-// Sorts a few robots by distance alone, without a branch that depends on one. The rank of each is the number of robots
-// that are nearer. Equal distances share a rank, so they stay unsorted.
+// Sorts a few robots by distance alone, without a branch that depends on one. The rank of each is
+// the number of robots that are nearer. Equal distances share a rank, so they stay unsorted.
 //
-// With eleven robots in range, insertion alone takes twice as long, because its branches cannot be predicted.
+// With eleven robots in range, insertion alone takes twice as long,
+// because its branches cannot be predicted.
 static void sort_by_rank(WgNearby *found, int64_t count)
 {
     int64_t away_sq[MOST_RANKED];
@@ -123,7 +126,8 @@ static void sort_by_rank(WgNearby *found, int64_t count)
     for (int64_t k = 0; k < count; k++) {
         int64_t nearer = 0;
         for (int64_t other = 0; other < count; other++) {
-            // The sign of the difference: unlike a comparison, compilers take two of these at a time.
+            // The sign of the difference: unlike a comparison,
+            // compilers take two of these at a time.
             nearer += (int64_t)((uint64_t)(away_sq[other] - away_sq[k]) >> 63);
         }
         sorted[nearer] = found[k];
@@ -151,7 +155,8 @@ static void sort_found(const WgRobotGrid *grid, int64_t count)
     }
 }
 
-// Fills what a robot senses of the others around it, as far as its neighbours' range and room reach.
+// Fills what a robot senses of the others around it, as far as its neighbours' range
+// and room reach.
 static void fill_neighbours(WgFleet *fleet, int64_t robot)
 {
     WgEpisode *member = fleet->members[robot];

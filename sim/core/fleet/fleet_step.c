@@ -96,7 +96,7 @@ static void sense(WgFleet *fleet)
     }
 }
 
-// Ends the run of a robot that sends a number which is not finite.
+// Ends the run of a robot that sends a number that is not finite.
 static void check_message(WgFleet *fleet, int64_t k)
 {
     WgEpisode *member = fleet->members[k];
@@ -149,7 +149,8 @@ static void take_answers(WgFleet *fleet)
     }
 }
 
-// Ends the run if a robot has done something that ends it; of several, the gravest ending and the first robot count.
+// Ends the run if a robot has done something that ends it; of several,
+// the gravest ending and the first robot count.
 static bool is_ended_by_robots(WgFleet *fleet)
 {
     static const int64_t GRAVEST_FIRST[] = {WG_CRASH, WG_INVALID_COMMAND, WG_TUNNEL, WG_BURNED};

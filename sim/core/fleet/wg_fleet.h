@@ -72,8 +72,8 @@ typedef struct WgFleet {
     int64_t over;           // 1 when the run has ended
 } WgFleet;
 
-// Makes a fleet, whose settings, arenas and members' settings stay the caller's. All arenas have the same cells, masks
-// and events. wg_fleet_free frees it.
+// Makes a fleet, whose settings, arenas and members' settings stay the caller's. All arenas have
+// the same cells, masks and events. wg_fleet_free frees it.
 WgStatus wg_fleet_new(const WgFleetSettings *settings, const WgArena *const *arenas, const WgSettings *const *robots,
                       const WgController *const *controllers, int64_t count, WgFleet **made);
 
@@ -82,9 +82,9 @@ void wg_fleet_free(WgFleet *fleet);
 // Puts all robots at their starts. The arenas must be as they are before the first event.
 WgStatus wg_fleet_begin(WgFleet *fleet);
 
-// Runs at most this many steps: WG_GOES_ON, WG_OVER, or WG_ACTS if controllers outside the core must act. For those
-// members `waits` is 1; each finds what it observes in `flat`, and leaves its command and memory as in WgWorkspace
-// before the next call.
+// Runs at most this many steps: WG_GOES_ON, WG_OVER, or WG_ACTS if controllers outside the core
+// must act. For those members `waits` is 1; each finds what it observes in `flat`, and leaves its
+// command and memory as in WgWorkspace before the next call.
 int64_t wg_fleet_run(WgFleet *fleet, int64_t most_steps);
 
 // Ends a run as a crash of a robot's controller, in the step in which it last had to act.

@@ -71,10 +71,11 @@ bool wg_point_is_clear(int64_t clear_sq, WgSegment way, int64_t x, int64_t y)
     return corner_is_clear(clear_sq, dx * cx + dy * cy, dx * cy - dy * cx, dx * dx + dy * dy);
 }
 
-// Returns true if the disc is clear of one closed cell along a segment whose first end is assumed to be clear.
+// Returns true if the disc is clear of one closed cell along a segment whose first end is assumed
+// to be clear.
 //
-// The nearest points of a segment and a box that do not cross include an end of the segment or a corner of the box, so
-// these and the crossing itself decide.
+// The nearest points of a segment and a box that do not cross include an end of the segment or a
+// corner of the box, so these and the crossing itself decide.
 static bool segment_box_is_clear(int64_t clear_sq, WgSegment way, int64_t ix, int64_t iy)
 {
     if (wg_point_box_distance_sq(way.qx, way.qy, ix, iy) < clear_sq) {

@@ -1,8 +1,8 @@
 // Exact tests of a disc against square cells, on the pose lattice: those that every step needs. The
 // others are in wg_parts.h.
 //
-// Coordinates are integers in 1/1024 of a cell, so "is this pose clear" and "is this segment clear" are decided in
-// integers, without tolerance. Cells outside the grid are solid.
+// Coordinates are integers in 1/1024 of a cell, so "is this pose clear" and "is this segment clear"
+// are decided in integers, without tolerance. Cells outside the grid are solid.
 
 #ifndef WG_GEOMETRY_H
 #define WG_GEOMETRY_H
@@ -71,8 +71,8 @@ static inline bool wg_segment_point_within(WgSegment way, int64_t x, int64_t y, 
     return across * across <= (double)within_sq * (double)length_sq;
 }
 
-// Returns true if a point stays at least the root of `clear_sq` away from a segment whose first end is assumed to be
-// that far away, decided in integers. In geometry.c.
+// Returns true if a point stays at least the root of `clear_sq` away from a segment whose first end
+// is assumed to be that far away, decided in integers. In geometry.c.
 bool wg_point_is_clear(int64_t clear_sq, WgSegment way, int64_t x, int64_t y);
 
 // Returns true if the masks show that no cell in the box around a disc's path is taken; if not, the

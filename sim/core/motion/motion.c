@@ -27,7 +27,8 @@ static bool is_clear(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to)
     return !wg_first_not_clear(grid, WG_SOLID, disc, segment(from, to)).found;
 }
 
-// Returns the time in [0, 1) at which a point moving by d from m meets the circle around the origin; 2 if it doesn't.
+// Returns the time in [0, 1) at which a point moving by d from m meets the circle around the
+// origin; 2 if it doesn't.
 //
 // One that only grazes the circle doesn't, unless `graze` is 0.
 //
@@ -133,10 +134,11 @@ static bool step_aside(WgGrid grid, WgDisc disc, WgPlace from, WgPlace to, WgNor
     return false;
 }
 
-// Returns a lattice point near a contact that a clear segment leads to, or the start if there is none.
+// Returns a lattice point near a contact that a clear segment leads to,
+// or the start if there is none.
 //
-// Try the nearest to the contact, then points slightly away from the wall in case rounding is inside it, then farther
-// back.
+// Try the nearest to the contact, then points slightly away from the wall in case rounding is
+// inside it, then farther back.
 static WgPlace stop_at(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64_t dy, WgContact contact)
 {
     double length = sqrt((double)dx * (double)dx + (double)dy * (double)dy);
@@ -146,8 +148,8 @@ static WgPlace stop_at(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64
             break;
         }
         WgPlace goal = {from.x + wg_round_away(share * (double)dx), from.y + wg_round_away(share * (double)dy)};
-        // The robot is clear where it is. Nine of ten contacts of a robot that pushes along walls end here, which is
-        // a fifth faster.
+        // The robot is clear where it is. Nine of ten contacts of a robot that pushes along walls
+        // end here, which is a fifth faster.
         if (goal.x == from.x && goal.y == from.y) {
             break;
         }
@@ -161,8 +163,8 @@ static WgPlace stop_at(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64
 
 // Finds the first contact of a path that isn't clear, and where it lets the disc stop.
 //
-// Corners that the path only grazes count if nothing else explains why the path isn't clear: they play no part in a
-// slide along a wall, however near they are.
+// Corners that the path only grazes count if nothing else explains why the path isn't clear: they
+// play no part in a slide along a wall, however near they are.
 static Stop first_stop(WgGrid grid, WgDisc disc, WgPlace from, int64_t dx, int64_t dy)
 {
     double radius = sqrt((double)disc.clear_sq);

@@ -1,8 +1,8 @@
-// Decides if the disc certainly gets to the target, by a flood over half cells that may miss a path but never invents
-// one.
+// Decides if the disc certainly gets to the target, by a flood over half cells that may miss a path
+// but never invents one.
 //
-// A step of half a cell along an axis has its smallest clearance at an end, a diagonal one at an end or in the middle
-// (docs/explanation/reachability.md proves it).
+// A step of half a cell along an axis has its smallest clearance at an end, a diagonal one at an
+// end or in the middle (docs/explanation/reachability.md proves it).
 
 #include <string.h>
 

@@ -4,9 +4,9 @@
 // and C libraries differ in that bit. These functions follow Sun's algorithms and constants step by
 // step, so they return what Java's StrictMath returns.
 //
-// Source: "Freely Distributable LIBM" (fdlibm 5.3), Sun Microsystems, 1993: k_sin, k_cos, e_rem_pio2, s_sin, s_cos,
-// s_atan. Polynomials: Remez; reduction: Cody and Waite, "Software Manual for the Elementary Functions" (1980), in two
-// or three pieces of pi/2.
+// Source: "Freely Distributable LIBM" (fdlibm 5.3), Sun Microsystems, 1993: k_sin, k_cos,
+// e_rem_pio2, s_sin, s_cos, s_atan. Polynomials: Remez; reduction: Cody and Waite, "Software Manual
+// for the Elementary Functions" (1980), in two or three pieces of pi/2.
 
 #ifndef WG_FDLIBM_H
 #define WG_FDLIBM_H

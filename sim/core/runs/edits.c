@@ -83,7 +83,8 @@ static void move_ends(WgSettings *settings, const WgEdit *edit)
     }
 }
 
-// Moves the start to the nearest clear point of the nine around it, as in every run; returns false if there is none.
+// Moves the start to the nearest clear point of the nine around it, as in every run;
+// returns false if there is none.
 static bool stand(const WgArena *arena, WgSettings *settings)
 {
     int64_t x = settings->start_x;

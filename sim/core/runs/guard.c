@@ -78,8 +78,8 @@ static void look_for_owner(int number)
     }
 }
 
-// Resets signals to a program's initial state, except Ctrl-C, which belongs to the owner, and the check for the
-// owner.
+// Resets signals to a program's initial state, except Ctrl-C, which belongs to the owner, and the
+// check for the owner.
 static void set_signals(void)
 {
     for (int number = 1; number < NSIG; number++) {

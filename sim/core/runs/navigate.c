@@ -121,8 +121,8 @@ static bool advance(WgCrew *crew, int64_t robot)
     return driver->contact.x != 0.0 || driver->contact.y != 0.0;
 }
 
-// Returns the length of the path to the target, m: straight to one of the four nodes around the robot, then the
-// shortest path; or infinity.
+// Returns the length of the path to the target, m: straight to one of the four nodes around the
+// robot, then the shortest path; or infinity.
 static double length_of_way(const WgPlace *place, int64_t x, int64_t y)
 {
     double best = (double)INFINITY;
@@ -139,7 +139,8 @@ static double length_of_way(const WgPlace *place, int64_t x, int64_t y)
     return best;
 }
 
-// Returns the robot's distance to the target, m: along the shortest path if it is known, otherwise straight.
+// Returns the robot's distance to the target, m: along the shortest path if it is known,
+// otherwise straight.
 static double distance_of(const WgCrew *crew, int64_t robot)
 {
     const WgPlace *place = &crew->places[crew->world[robot]];

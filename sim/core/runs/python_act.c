@@ -1,7 +1,7 @@
 // A controller that is a Python object.
 //
-// With the loop in Python, and a call of the core in each step, a fast controller made 0.63 million steps per second;
-// with the loop here it makes 1.1 million.
+// With the loop in Python, and a call of the core in each step, a fast controller made 0.63 million
+// steps per second; with the loop here it makes 1.1 million.
 
 #include "wg_python_act.h"
 
@@ -86,8 +86,8 @@ static bool read_number(PyObject *object, double *number)
     return true;
 }
 
-// Reads all items of a tuple; returns false, without an exception, if one isn't a number. `plain`: true if all are
-// exactly floats.
+// Reads all items of a tuple; returns false, without an exception, if one isn't a number. `plain`:
+// true if all are exactly floats.
 static bool read_numbers(PyObject *tuple, int64_t count, const Tools *tools, double *numbers, bool *plain)
 {
     *plain = true;
@@ -162,8 +162,8 @@ static PyObject *act_once(WgActing *acting, const Tools *tools, PyObject *memory
         return NULL;
     }
 
-    // Choose the function by how its time is counted: the first call only for itself, later ones for all calls around
-    // them.
+    // Choose the function by how its time is counted: the first call only for itself, later ones
+    // for all calls around them.
     PyObject *act = tools->act;
     if (acting->calls == 0) {
         act = tools->first;

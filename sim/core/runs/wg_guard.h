@@ -1,9 +1,10 @@
-// Calls of the core in another process, so that a controller that crashes or hangs ends a run, not the program.
+// Calls of the core in another process, so that a controller that crashes or hangs ends a run,
+// not the program.
 //
 // wg_guard_start forks a process that waits for a byte, makes the call described in shared memory,
-// and answers with a byte. Everything that a call works on is in memory that both processes share, so if the process
-// dies in the middle, the owner finds the state from before the controller's call, and can report the step and the run.
-// Not on Windows.
+// and answers with a byte. Everything that a call works on is in memory that both processes share,
+// so if the process dies in the middle, the owner finds the state from before the controller's
+// call, and can report the step and the run. Not on Windows.
 
 #ifndef WG_GUARD_H
 #define WG_GUARD_H

@@ -26,7 +26,8 @@ enum {
     WG_SHOW_BEAMS = 9,
 };
 
-// When the next episode begins: in the step after the last one, in the same step, or on the caller's request.
+// When the next episode begins: in the step after the last one, in the same step,
+// or on the caller's request.
 enum { WG_NEXT_STEP = 0, WG_SAME_STEP = 1, WG_NO_AUTORESET = 2 };
 
 // Constants for the numbers of observations, commands and rewards.
@@ -99,7 +100,8 @@ int64_t wg_world_of_episode(uint64_t seed, int64_t episode, int64_t count);
 // Seed of an episode's run, from which noise is drawn: 53 bits.
 int64_t wg_run_of_episode(uint64_t seed, int64_t episode);
 
-// Gives the robots their states (count,), and one chain that is long enough for any step of any robot.
+// Gives the robots their states (count,), and one chain that is long enough for any step of any
+// robot.
 void wg_crew_robots(WgCrew *crew, WgState *states, WgCorner *chain);
 
 // Puts a robot at the start of its episode in a world, and observes: (size,).
@@ -110,7 +112,8 @@ void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observatio
 // filled.
 void wg_crew_begin_many(WgCrew *crew, const uint8_t *which, float *observations);
 
-// One action of each robot: (count,) discrete ones, or (count, 2) continuous ones; the other is NULL.
+// One action of each robot: (count,) discrete ones, or (count, 2) continuous ones;
+// the other is NULL.
 WgStatus wg_crew_step(WgCrew *crew, const int64_t *chosen, const float *moves, const WgTold *told);
 
 #endif

@@ -7,7 +7,8 @@
 
 #include "wg_episode.h"
 
-// Takes the answer of a controller, if it had to act; then runs until it must act again, WG_ACTS, or WG_OVER.
+// Takes the answer of a controller, if it had to act; then runs until it must act again,
+// WG_ACTS, or WG_OVER.
 typedef int64_t (*WgStop)(void *subject);
 
 // A run whose controller acts in Python.
@@ -27,11 +28,11 @@ int64_t wg_episode_stop(void *subject);
 // are Python objects, so the caller must hold Python's lock: call it by its address, as ctypes does
 // with PYFUNCTYPE.
 //
-// tools:  a tuple of nine: the controller's function; the same measured, for the first call; the same measured, for
-//         one call in `every`; tuple.__new__; the types Observation, Command, tuple and float; and
-// a function that takes an answer in any other form and the size of the memory, and returns speed,
-// turn rate, whether the
-//         random number was used, and the memory, all as floats in one tuple, or raises.
+// tools:  a tuple of nine: the controller's function; the same measured, for the first call; the
+//         same measured, for one call in `every`; tuple.__new__; the types Observation, Command,
+//         tuple and float; and a function that takes an answer in any other form and the size of
+//         the memory, and returns speed, turn rate, whether the random number was used, and the
+//         memory, all as floats in one tuple, or raises.
 // memory: a tuple of floats.
 //
 // Returns the memory after the last call, a new reference; NULL after an exception.

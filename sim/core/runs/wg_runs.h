@@ -20,8 +20,8 @@ typedef struct WgStart {
 
 // batch.c
 
-// Runs one controller in one world many times. A recurrence counts up to the end of its first period, as if it were
-// proved.
+// Runs one controller in one world many times. A recurrence counts up to the end of its first
+// period, as if it were proved.
 //
 // fresh:     the surroundings before the first event; not changed.
 // settings:  those of the episode; start, seed, steps and the search for loops are changed and then
@@ -101,7 +101,8 @@ WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *f
 WgStatus wg_sensed_of_walls(const WgArena *arena, const WgSettings *settings, const WgStart *poses, int64_t count,
                             double *seen);
 
-// lockstep.c: many robots in lockstep, whose controller acts for all of them at once, outside the core
+// lockstep.c: many robots in lockstep, whose controller acts for all of them at once,
+// outside the core
 
 // Makes an episode for each robot; wg_lockstep_free frees them, also after a failure.
 //
@@ -114,8 +115,8 @@ WgStatus wg_lockstep_new(const WgArena *arenas, const WgSettings *settings, cons
 
 void wg_lockstep_free(WgEpisode **episodes, int64_t count);
 
-// Applies the commands of the robots in the first slots, and runs each until it must act again. Those robots move up
-// to the first slots, in order; in the first call no robot has acted yet.
+// Applies the commands of the robots in the first slots, and runs each until it must act again.
+// Those robots move up to the first slots, in order; in the first call no robot has acted yet.
 //
 // slots:         (count,) episodes
 // commands:      (count, 3) speed, turn rate, and whether the random number was used
@@ -127,7 +128,8 @@ void wg_lockstep_free(WgEpisode **episodes, int64_t count);
 int64_t wg_lockstep_step(WgEpisode **slots, int64_t count, const double *commands, const double *after,
                       double *observations, double *memories);
 
-// Fills (count,) with each run's report, and with the beginning of the loop that ended it, otherwise -1.
+// Fills (count,) with each run's report, and with the beginning of the loop
+// that ended it, otherwise -1.
 void wg_lockstep_reports(WgEpisode *const *episodes, int64_t count, WgReport *reports, int64_t *entries);
 
 #endif

@@ -1,9 +1,10 @@
 // Range beams: many rays from one place, in a world that does not change.
 //
-// Amanatides and Woo's walk visits every cell. Here a ray moves from lane to lane: along rows of cells if it runs more
-// along x than along y, otherwise along columns. A table gives how far the lane is free beyond the ray's entry, so the
-// ray either leaves the lane before that, or hits the face there. All rays of an eighth of a turn share their first
-// lane, and a second table holds the directions. In a maze this takes 10 ns per beam; the walk takes 30.
+// Amanatides and Woo's walk visits every cell. Here a ray moves from lane to lane: along rows of
+// cells if it runs more along x than along y, otherwise along columns. A table gives how far the
+// lane is free beyond the ray's entry, so the ray either leaves the lane before that, or hits the
+// face there. All rays of an eighth of a turn share their first lane, and a second table holds the
+// directions. In a maze this takes 10 ns per beam; the walk takes 30.
 //
 // The result equals the walk's to the last bit: the distance is the same exact difference divided
 // by the same direction. The point where a ray leaves its lane is known to 1/32 of a lattice unit,
@@ -161,8 +162,8 @@ static inline Hit follow(const Octant *octant, int64_t slope, int64_t most)
     }
 }
 
-// Returns the eighth of a turn that contains a heading. An axis belongs to the octant that sees the other axis
-// unmirrored, as in the walk.
+// Returns the eighth of a turn that contains a heading. An axis belongs to the octant that sees the
+// other axis unmirrored, as in the walk.
 static inline int64_t octant_of(int64_t heading)
 {
     bool is_below_last_axis = 0 < heading && heading < 6 * EIGHTH;

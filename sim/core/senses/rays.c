@@ -95,8 +95,8 @@ static bool has_arrived(const Line *line)
     return line->ix == line->last_ix && line->iy == line->last_iy;
 }
 
-// Moves to the next cell. It crosses the nearer of the lines to the next column and the next row; if both are equally
-// near, the line passes through the corner.
+// Moves to the next cell. It crosses the nearer of the lines to the next column and the next row;
+// if both are equally near, the line passes through the corner.
 static void follow(Line *line)
 {
     int64_t to_column = line->step_x > 0 ? (line->ix + 1) * WG_UNIT - line->x : line->x - line->ix * WG_UNIT;

@@ -1,4 +1,5 @@
-// Straight lines through the cells of a world: range beams, and walls between a place and the target.
+// Straight lines through the cells of a world: range beams,
+// and walls between a place and the target.
 
 #ifndef WG_RAYS_H
 #define WG_RAYS_H

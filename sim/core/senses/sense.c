@@ -1,4 +1,4 @@
-// Senses that few steps need, or that take long; see sense.h.
+// Senses that few steps need, or that are slow; see sense.h.
 
 #include "sense.h"
 
@@ -65,8 +65,8 @@ void wg_heading_table(int64_t *table)
     }
 }
 
-// Returns true if a direction from the robot is in the sensor's field, which extends equally to both sides of the
-// heading.
+// Returns true if a direction from the robot is in the sensor's field, which extends equally to
+// both sides of the heading.
 static bool is_in_field(const WgSettings *settings, Place shift, int64_t heading)
 {
     if (settings->sensor_field >= (double)(WG_TURN / 2)) {
@@ -76,8 +76,8 @@ static bool is_in_field(const WgSettings *settings, Place shift, int64_t heading
     return (double)off <= settings->sensor_field;
 }
 
-// Returns the signal of a source of strength 1 at a place: 1 / (1 + squared distance in cells), minus the loss in
-// walls and smoke on the way; 0 beyond the sensor's range.
+// Returns the signal of a source of strength 1 at a place: 1 / (1 + squared distance in cells),
+// minus the loss in walls and smoke on the way; 0 beyond the sensor's range.
 static double sent(const WgArena *arena, const WgSettings *settings, Place source, Place place)
 {
     enum { MOST_HALVINGS = 1000 };
@@ -136,7 +136,8 @@ double wg_signal_here(const WgArena *arena, const WgSettings *settings, const Wg
     return with_noise(settings, value, wg_noise_channel(step, WG_NOISE_SIGNAL));
 }
 
-// Returns the strength of the signal that the sensor reads for a place near the robot, 0 if there is none.
+// Returns the strength of the signal that the sensor reads for a place near the robot,
+// 0 if there is none.
 //
 // shift:  direction from the robot to the place.
 // draw:   number of the random draw of the noise.
@@ -202,7 +203,8 @@ int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, i
     return wg_heading_of(best.x * WG_UNIT + middle - x, best.y * WG_UNIT + middle - y, heading);
 }
 
-// Like wg_signal_heading, but for a sensor with other limits; returns the robot's heading if it sees nothing.
+// Like wg_signal_heading, but for a sensor with other limits;
+// returns the robot's heading if it sees nothing.
 static int64_t strongest_cell(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
 {
     WgGrid grid = wg_grid(arena);
@@ -284,7 +286,8 @@ void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgSta
         observation->time = (double)step * settings->time_step;
     }
 
-    // The position measured by the wheels: the true one, if they have no noise and nothing pushes the robot.
+    // The position measured by the wheels: the true one, if they have no noise
+    // and nothing pushes the robot.
     if ((senses & WG_SENSE_ODOMETRY) != 0) {
         if (settings->measures != 0) {
             observation->odometry_x = odometry->x * metres;

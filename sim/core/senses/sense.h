@@ -95,8 +95,8 @@ void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgSt
 void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
                    WgNormal contact, int64_t step, WgObservation *observation, double *beams);
 
-// Returns true if any of them is declared. A single test for all of them saves 16 instructions in a step without
-// them.
+// Returns true if any of them is declared. A single test for all of them saves 16 instructions in a
+// step without them.
 static inline bool wg_senses_more(const WgSettings *settings)
 {
     return (settings->senses & ~(int64_t)(WG_SENSE_RANDOM | WG_SENSE_NOTHING_ELSE)) != 0;
@@ -116,7 +116,8 @@ static inline double wg_sensed_random(const WgSettings *settings, const WgState 
     return settings->coin == 0 ? drawn : (double)wg_floor(drawn * coin) / coin;
 }
 
-// Fills the observation; senses that cost time only if they are in WgSettings.senses. Constants do not change.
+// Fills the observation; senses that cost time only if they are in WgSettings.senses.
+// Constants do not change.
 //
 // contact:  normal of the robot's last contact.
 // step:     its number.

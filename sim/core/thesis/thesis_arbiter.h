@@ -1,15 +1,17 @@
-// Decides which behaviour controls the thesis's robot, and what it does: a state machine without any geometry.
+// Decides which behaviour controls the thesis's robot, and what it does:
+// a state machine without any geometry.
 //
 // wg_select_behaviour lets a behaviour take control; the caller then sets the new target heading if
 // collide has just taken control, and checks whether the robot already points there.
 // wg_run_behaviour lets the controlling behaviour act, and reports what the wheels do.
 //
-// The thesis's listing lacks the arbiter, so it is reconstructed from the prose. In reading A0 a behaviour keeps
-// control until it gives it up, and acts in the same tick in which it took over. A1 does not act in that tick; A2 acts
-// first and then selects; A3 acts, selects and acts. In every tick A4 checks again if the behaviour in control would
-// take control, and so restarts it; A6 does that only for collide. In A5 no behaviour has control for longer than a
-// tick. WG_INTERRUPTIBLE is what the thesis proposes as further work: every tick decides again, and a collision
-// restarts the escape whatever is in control; until then an escape, or a drive, continues.
+// The thesis's listing lacks the arbiter, so it is reconstructed from the prose. In reading A0 a
+// behaviour keeps control until it gives it up, and acts in the same tick in which it took over. A1
+// does not act in that tick; A2 acts first and then selects; A3 acts, selects and acts. In every
+// tick A4 checks again if the behaviour in control would take control, and so restarts it; A6 does
+// that only for collide. In A5 no behaviour has control for longer than a tick. WG_INTERRUPTIBLE is
+// what the thesis proposes as further work: every tick decides again, and a collision restarts the
+// escape whatever is in control; until then an escape, or a drive, continues.
 
 #ifndef WG_THESIS_ARBITER_H
 #define WG_THESIS_ARBITER_H

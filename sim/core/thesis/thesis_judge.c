@@ -55,7 +55,8 @@ void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *set
         } else if (event->state == WG_BURNING) {
             value = WG_THESIS_FLAME;
         }
-        // In the thesis's program, neither a wall that lands on the robot nor one that it enters ends the run.
+        // In the thesis's program, neither a wall that lands on the robot nor one
+        // that it enters ends the run.
         bool harms = event->state != WG_SOLID || settings->stop_at_tunnel != 0;
         bool falls = harms && value < 0 && value != arena->cells[cell] && run->ending == WG_LIMIT;
         arena->cells[cell] = value;
@@ -66,8 +67,8 @@ void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *set
     }
 }
 
-// Finds what the disc touches at the end of a tick: the deepest cut into a wall, and the first flame,
-// which ends the run.
+// Finds what the disc touches at the end of a tick: the deepest cut into a wall, and the first
+// flame, which ends the run.
 static WgThesisPlace deepest_cut(const ThesisGrid *grid, double radius, WgThesisRun *run,
                                  int64_t step, double *depth)
 {
@@ -135,7 +136,8 @@ void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesis
     }
 }
 
-// Narrows [enter, leave], shares of a path, to the part between two edges of a cell; returns false if there is none.
+// Narrows [enter, leave], shares of a path, to the part between two edges of a cell;
+// returns false if there is none.
 //
 // low: the first edge from the path's start, px; along: length of the path on this axis, px.
 static bool clip(double low, double along, double *enter, double *leave)

@@ -1,4 +1,5 @@
-// The thesis's motion: forward in steps of one pixel until it touches something, with its three faults.
+// The thesis's motion: forward in steps of one pixel until it touches something,
+// with its three faults.
 //
 // It slides along a wall after looking at only one cell, backs off without looking, and continues
 // if only the corner of a cell is touched; so a robot that turns often works its way into walls and
@@ -93,8 +94,8 @@ static bool is_clear(const ThesisGrid *grid, ThesisPoint centre, double radius)
     return true;
 }
 
-// Returns true if a move hits no wall and no edge of the grid, judged by the box around it. Then none of its steps
-// needs a check, and a tick of the recorded vectors takes 59 ns instead of 68.
+// Returns true if a move hits no wall and no edge of the grid, judged by the box around it. Then
+// none of its steps needs a check, and a tick of the recorded vectors takes 59 ns instead of 68.
 static bool is_open(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path, double radius)
 {
     const double margin = 0.5;  // px, far more than the rounding errors of such a move add up to
@@ -178,8 +179,8 @@ WgThesisMove thesis_advance(const ThesisGrid *grid, double x, double y, double g
                 collision = true;
                 break;
             }
-            // As in the listing, the sum of the steps so far is added to the start, because its rounding decides
-            // where steps end.
+            // As in the listing, the sum of the steps so far is added to the start, because its
+            // rounding decides where steps end.
             gone.x += unit.x;
             gone.y += unit.y;
             here = next;

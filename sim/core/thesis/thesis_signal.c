@@ -1,7 +1,8 @@
 // The thesis's light: the noise filter, and how the robot reads the signal.
 //
-// It also has the features that its author proposed as future work: a sensor that looks in only one direction, or has
-// errors; walls that weaken or block the light behind them; a robot with a coarser map than the world.
+// It also has the features that its author proposed as future work: a sensor that looks in only one
+// direction, or has errors; walls that weaken or block the light behind them;
+// a robot with a coarser map than the world.
 //
 // Source: the thesis's listing, simWorldCreator.noiseMapGen, simGuiExp.scanMultipleCells and
 // calcHeading.
@@ -85,7 +86,8 @@ static double bearing_to(Cell cell, double side, double x, double y)
 
 // Returns the cell with the best signal within `sense` cells; the first wins a tie.
 //
-// In a wall, the robot's own cell has the lowest value, so the robot then seeks the middle of that wall.
+// In a wall, the robot's own cell has the lowest value, so the robot then seeks the middle of
+// that wall.
 static Cell brightest(const ThesisGrid *grid, double x, double y, int64_t sense)
 {
     const Cell own = {thesis_cell_of(x), thesis_cell_of(y)};
@@ -199,8 +201,8 @@ static bool in_field(double dx, double dy, double looking, double field)
     return (around < off ? around : off) <= field / 2.0;
 }
 
-// Cell, or block of `scale` cells, with the best reading in reach; the first wins a tie, and the robot's own cell
-// wins over all others.
+// Cell, or block of `scale` cells, with the best reading in reach; the first wins a tie, and the
+// robot's own cell wins over all others.
 static Cell best_of(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y,
                     double looking, int64_t step, int64_t scale)
 {

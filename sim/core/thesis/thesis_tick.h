@@ -31,7 +31,8 @@ static inline double thesis_turn(double heading, double target)
     return thesis_wrap(turned);
 }
 
-// The speed at which the robot rolls in this tick: inertia and friction keep it from the requested speed.
+// The speed at which the robot rolls in this tick: inertia and friction keep it
+// from the requested speed.
 static inline double thesis_rolling(const WgThesisSettings *settings, double rolling, double wanted)
 {
     if (rolling < wanted) {

@@ -181,7 +181,8 @@ void wg_thesis_begin(WgThesisRun *run, double x, double y, double heading, doubl
 // the same arena, and with more steps or draws; the earlier draws stay at the front.
 //
 // run:     begun or stopped.
-// search:  for a recurrence of the complete state after the last event; NULL if find_loop is WG_NO_LOOP.
+// search:  for a recurrence of the complete state after the last event;
+//          NULL if find_loop is WG_NO_LOOP.
 // draws:   (draw_count,) random numbers in [0, 1) for WG_RULE_RANDOM, in order.
 // rows:    (row_count,) row k receives the state after step first_row + k.
 //

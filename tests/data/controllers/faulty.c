@@ -28,7 +28,8 @@ static void give_up(const WgObservation *seen, double *memory, WgCommand *comman
     }
 }
 
-// Keeps count in a variable of its own, as no controller should: it fails in the 5000th step of a process.
+// Keeps count in a variable of its own, as no controller should:
+// it fails in the 5000th step of a process.
 static void wear_out(const WgObservation *seen, double *memory, WgCommand *command)
 {
     static int steps;

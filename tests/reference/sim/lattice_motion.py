@@ -24,7 +24,7 @@ _GRAZE = (
     1e-6  # lattice units squared by which a path may cut a circle's square and still only graze it
 )
 MOST_POINTS = _TRIES + 1
-"""Points that one move may add to a path, the end of a wait included."""
+"""Points that one move may add to a path, including the end of a wait."""
 
 
 def round_away(value: float) -> int:

@@ -152,8 +152,8 @@ TIME_UNIT = 1 << 32
 EVENT_STEP, EVENT_TIME, EVENT_IX, EVENT_IY, EVENT_STATE = 0, 1, 2, 3, 4
 EVENT_SIZE = 5
 
-# One push (int64): the step at whose end it happens, or 0 and the cell that pushes; then displacement
-# and turn.
+# One push (int64): the step at whose end it happens, or 0 and the cell that pushes; then
+# displacement and turn.
 PUSH_STEP, PUSH_IX, PUSH_IY, PUSH_DX, PUSH_DY, PUSH_TURN = 0, 1, 2, 3, 4, 5
 PUSH_SIZE = 6
 

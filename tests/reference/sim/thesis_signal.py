@@ -217,7 +217,7 @@ def _best_of(
 ) -> tuple[int, int]:
     """Cell, or block of ``scale`` cells, with the best reading in reach.
 
-    The first of equals, the own one before.
+    The first wins a tie, and the robot's own cell wins over all others.
     """
     side = CELL * scale
     own_x, own_y = int(x / side), int(y / side)

@@ -33,7 +33,8 @@ static inline int64_t wg_raster_at(const WgJoint *joint, int64_t tick, int64_t w
     return (raster * joint->classes + which) * joint->nodes;
 }
 
-// Returns true if the walls let a class of robot make a move in a tick; its node is clear in that tick.
+// Returns true if the walls let a class of robot make a move in a tick;
+// its node is clear in that tick.
 static inline bool wg_move_is_clear(const WgJoint *joint, const WgMoves *moves, int64_t at, int64_t node, int move)
 {
     if (joint->clear[at + node + moves->shifts[move]] == 0) {
@@ -77,14 +78,15 @@ static inline WgJointRobot wg_joint_robot(const WgJoint *joint, int64_t robot)
     };
 }
 
-// Returns true if two robots so many nodes apart are near enough to conflict within a tick, whatever their moves.
+// Returns true if two robots so many nodes apart are near enough to conflict within a tick,
+// whatever their moves.
 static inline bool wg_could_meet(const WgJoint *joint, int64_t across, int64_t up)
 {
     return wg_abs(across) <= joint->reach + 2 && wg_abs(up) <= joint->reach + 2;
 }
 
-// Returns true if two robots of these classes come closer than allowed while one moves from u to v and the other from
-// w to z.
+// Returns true if two robots of these classes come closer than allowed while one moves from u to v
+// and the other from w to z.
 static inline bool wg_moves_conflict(const WgJoint *joint, int64_t one, int64_t u, int64_t v, int64_t other, int64_t w,
                                      int64_t z)
 {

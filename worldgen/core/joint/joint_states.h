@@ -53,8 +53,8 @@ static inline int32_t wg_distance_of(const WgJoint *joint, int64_t robot, int64_
     return joint->distances[robot * joint->nodes + node];
 }
 
-// Returns true if the walls allow a robot's move in a tick and the target can still be reached. A parked robot only
-// waits.
+// Returns true if the walls allow a robot's move in a tick and the target can still be reached. A
+// parked robot only waits.
 static inline bool wg_is_allowed(const WgJointStates *states, int64_t robot, int64_t node, int move, int64_t tick)
 {
     const WgJoint *joint = states->joint;
@@ -68,7 +68,8 @@ static inline bool wg_is_allowed(const WgJointStates *states, int64_t robot, int
            wg_distance_of(joint, robot, node + states->moves.shifts[move]) >= 0;
 }
 
-// Returns true if two robots come closer than allowed while one moves from u to v and the other from w to z.
+// Returns true if two robots come closer than allowed while one moves from u to v
+// and the other from w to z.
 static inline bool wg_robots_conflict(const WgJoint *joint, int64_t one, int64_t u, int64_t v, int64_t other,
                                       int64_t w, int64_t z)
 {

@@ -2,7 +2,8 @@
 // added one at a time, it tries everything in the end.
 //
 // Okumura, "LaCAM: Search-Based Algorithm for Quick Multi-Agent Pathfinding" (2023).
-// The rule is from Okumura et al., "Priority Inheritance with Backtracking for Iterative Multi-agent Path Finding" (2022).
+// The rule is from Okumura et al., "Priority Inheritance with Backtracking for Iterative
+// Multi-agent Path Finding" (2022).
 
 #include <assert.h>
 #include <stdlib.h>
@@ -13,7 +14,8 @@
 // Pushes that a search may make for each joint state that it may keep.
 static const int64_t PUSHES_PER_STATE = 2000;
 
-// A constraint: in the next joint state, a robot is at this node, and the constraints up the list hold too.
+// A constraint: in the next joint state, a robot is at this node,
+// and the constraints up the list hold too.
 typedef struct Wish {
     int32_t parent;  // -1 for none
     int32_t next;    // in the queue of its state
@@ -43,7 +45,8 @@ typedef struct Lacam {
     int64_t pushes;  // that are left
 } Lacam;
 
-// Lists for each robot the others that it could meet in this tick; returns false if memory runs out.
+// Lists for each robot the others that it could meet in this tick;
+// returns false if memory runs out.
 //
 // Without these lists, comparing each move with all of 100 robots took two thirds of the search.
 static bool find_near(Lacam *search)
@@ -125,8 +128,8 @@ static int sorted_moves(const Lacam *search, int64_t robot, int moves[WG_MOVES])
     return count;
 }
 
-// Finds a move for a robot; robots that it pushes get theirs before the others. Each call assigns a robot, so the
-// recursion is never deeper than the number of robots.
+// Finds a move for a robot; robots that it pushes get theirs before the others. Each call assigns a
+// robot, so the recursion is never deeper than the number of robots.
 // NOLINTNEXTLINE(misc-no-recursion)
 static bool push(Lacam *search, int64_t robot)
 {

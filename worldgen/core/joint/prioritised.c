@@ -5,7 +5,8 @@
 // ends.
 //
 // Planning by priority: Erdmann, Lozano-Perez, "On Multiple Moving Objects" (1987).
-// The search: Phillips, Likhachev, "SIPP: Safe Interval Path Planning for Dynamic Environments" (2011).
+// The search: Phillips, Likhachev, "SIPP: Safe Interval Path Planning for Dynamic Environments"
+// (2011).
 
 #include <stdlib.h>
 
@@ -36,7 +37,8 @@ typedef struct Period {
     int64_t raster;
 } Period;
 
-// A state of one robot: the earliest tick at which it is at a node in a safe interval, and the parent state.
+// A state of one robot: the earliest tick at which it is at a node in a safe interval,
+// and the parent state.
 typedef struct State {
     int32_t node;
     int32_t tick;
@@ -154,7 +156,8 @@ static bool unsafe_spans(RobotSearch *search, int64_t node, Spans *found)
     return true;
 }
 
-// Returns the first tick at or after the given one in which the robot cannot wait. If there is none, returns NEVER.
+// Returns the first tick at or after the given one in which the robot cannot wait.
+// If there is none, returns NEVER.
 static int64_t end_of_interval(Spans unsafe, int64_t tick)
 {
     for (int64_t i = 0; i < unsafe.count; i++) {
@@ -201,7 +204,8 @@ static bool grow_table(RobotSearch *search)
     return true;
 }
 
-// Returns the entry of a node and interval in the table, which is 0 if no state of theirs was reached.
+// Returns the entry of a node and interval in the table, which is 0 if no state of theirs was
+// reached.
 static int64_t *entry_of(const RobotSearch *search, int64_t node, int64_t begin)
 {
     for (uint64_t at = wg_mixed(node, begin);; at++) {
@@ -212,7 +216,8 @@ static int64_t *entry_of(const RobotSearch *search, int64_t node, int64_t begin)
     }
 }
 
-// Adds a state, unless its node and interval were reached as early; returns false if memory runs out.
+// Adds a state, unless its node and interval were reached as early;
+// returns false if memory runs out.
 static bool reach(RobotSearch *search, int64_t node, int64_t tick, int64_t parent)
 {
     Spans unsafe;
@@ -305,7 +310,8 @@ static WgStatus step_to(RobotSearch *search, int64_t index, int move)
         if (!reach(search, next, tick + 1, index) || !unsafe_spans(search, next, &unsafe)) {
             return WG_OUT_OF_MEMORY;
         }
-        // Later arrivals in the same interval are no better; the next interval begins after its end.
+        // Later arrivals in the same interval are no better;
+        // the next interval begins after its end.
         tick = end_of_interval(unsafe, tick + 1) - 1;
     }
     return WG_OK;
@@ -328,7 +334,8 @@ static WgStatus search_path(RobotSearch *search, int64_t most, WgTrack *track, b
         if (*entry_of(search, state.node, state.begin) != index + 1) {
             continue;
         }
-        // A robot in its target has parked. Steps lead there only if it can stay; a robot that starts there may not.
+        // A robot in its target has parked. Steps lead there only if it can stay;
+        // a robot that starts there may not.
         if (search->distances[state.node] == 0) {
             if (state.parent < 0 && search->spans_count[state.node] > 0) {
                 return WG_OK;

@@ -23,8 +23,9 @@ typedef struct WgStay {
     int32_t next;     // in its list in `moving` or `parked`: index + 1, or 0
 } WgStay;
 
-// The planned robots by bucket, a square of nodes, and tick. A move is compared only with the robots near it: with 50
-// robots in rooms, comparing it with all of them took half of the planning time.
+// The planned robots by bucket, a square of nodes, and tick. A move is compared only with the
+// robots near it: with 50 robots in rooms, comparing it with all of them took half of the planning
+// time.
 typedef struct WgReservations {
     const WgJoint *joint;
     WgTrack *tracks;
@@ -61,17 +62,20 @@ static inline int64_t wg_bucket_of(const WgReservations *reserved, int64_t node)
     return node / stride / reserved->side * reserved->columns + node % stride / reserved->side;
 }
 
-// Returns true if the robot of a stay is near enough to a node to conflict with a move from there. Asking this first
-// spares most of the exact comparisons, and halves the time that a crowd takes to plan.
+// Returns true if the robot of a stay is near enough to a node to conflict with a move from there.
+// Asking this first spares most of the exact comparisons, and halves the time
+// that a crowd takes to plan.
 static inline bool wg_is_near_stay(const WgReservations *reserved, int64_t x, int64_t y, const WgStay *stay)
 {
     return wg_could_meet(reserved->joint, x - stay->x, y - stay->y);
 }
 
-// Returns true if a robot of a class, making a move in the tick of a stay, comes too close to that stay's robot.
+// Returns true if a robot of a class, making a move in the tick of a stay,
+// comes too close to that stay's robot.
 bool wg_meets_stay(const WgReservations *reserved, int64_t robot_class, int64_t from, int64_t to, const WgStay *stay);
 
-// Returns true if a move in a tick comes too close to a robot that has parked; it then does in every later tick.
+// Returns true if a move in a tick comes too close to a robot that has parked;
+// it then does in every later tick.
 bool wg_meets_parked(const WgReservations *reserved, int64_t robot_class, int64_t from, int64_t to, int64_t tick);
 
 // Returns true if a move in a tick comes too close to a robot that has not parked yet.

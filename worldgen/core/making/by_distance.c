@@ -17,7 +17,8 @@ typedef struct Node {
     int64_t place;
 } Node;
 
-// Sorts stably by the lowest `bits` of the squared distance; returns the one of the two arrays that holds the result.
+// Sorts stably by the lowest `bits` of the squared distance;
+// returns the one of the two arrays that holds the result.
 static Node *sort_nodes(Node *nodes, Node *spare, int64_t count, int bits)
 {
     for (int shift = 0; shift < bits; shift += DIGIT_BITS) {

@@ -1,5 +1,5 @@
-// Open ground: where windows are free, which places are connected, how far apart they are, and what must be dug
-// between them.
+// Open ground: where windows are free, which places are connected, how far apart they are, and what
+// must be dug between them.
 
 #include <stdlib.h>
 #include <string.h>

@@ -53,8 +53,8 @@ int64_t wg_maze_work_bytes(const WgMaze *maze)
     case WG_ELLER:
         return (2 * columns + 2) * (int64_t)sizeof(int32_t);
     case WG_RECURSIVE_DIVISION: {
-        // Each waiting rectangle takes four numbers; the number that wait is at most the number of bits of the maze's
-        // size.
+        // Each waiting rectangle takes four numbers; the number that wait is at most the number of
+        // bits of the maze's size.
         int64_t bits = 0;
         while (columns * rows >> bits != 0) {
             bits++;

@@ -1,5 +1,5 @@
-// Turns links between chambers into solid cells. Each strip of the plan is drawn once, then copied to all of its
-// rows.
+// Turns links between chambers into solid cells. Each strip of the plan is drawn once, then copied
+// to all of its rows.
 
 #include <stdlib.h>
 #include <string.h>

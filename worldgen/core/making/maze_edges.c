@@ -2,10 +2,11 @@
 //
 // Kruskal's and Prim's algorithms find the tree of least total weight, where each edge of the
 // lattice has a random weight of 32 bits. Equal weights, one pair in four billion, are ordered by
-// the edge's number. So both find the same tree from the same words, but grow it in a different order.
+// the edge's number. So both find the same tree from the same words,
+// but grow it in a different order.
 //
-// A key is a weight, then the number of an edge, in 63 bits; an edge's number is twice the place of its lower or left
-// chamber, and one more if it leads north.
+// A key is a weight, then the number of an edge, in 63 bits; an edge's number is twice the place of
+// its lower or left chamber, and one more if it leads north.
 
 #include "maze.h"
 
@@ -127,10 +128,10 @@ static void heap_replace(int64_t *heap, int64_t size, int64_t key)
     heap[hole] = key;
 }
 
-// Grows the maze from one chamber, always by the lightest edge that leads out of it. Robert C. Prim, "Shortest
-// connection networks and some generalizations", Bell System Technical Journal, 1957; the
-// heap: Donald B. Johnson, "Priority queues with update and finding minimum spanning trees", Information Processing
-// Letters, 1975.
+// Grows the maze from one chamber, always by the lightest edge that leads out of it. Robert C.
+// Prim, "Shortest connection networks and some generalizations", Bell System Technical Journal,
+// 1957; the heap: Donald B. Johnson, "Priority queues with update and finding minimum spanning
+// trees", Information Processing Letters, 1975.
 WgStatus wg_maze_prim(Growth *growth)
 {
     WgMaze *maze = growth->maze;
@@ -149,7 +150,8 @@ WgStatus wg_maze_prim(Growth *growth)
                 size++;
             }
         }
-        // Take the lightest edge that still leads out; drop edges whose ends are both in the maze by now.
+        // Take the lightest edge that still leads out; drop edges whose ends are both in the maze
+        // by now.
         bool grown = false;
         while (!grown) {
             if (size == 0) {
@@ -178,10 +180,11 @@ WgStatus wg_maze_prim(Growth *growth)
     return WG_OK;
 }
 
-// Digs from the newest, the oldest or any chamber of a list; a chamber without free neighbours is removed.
+// Digs from the newest, the oldest or any chamber of a list;
+// a chamber without free neighbours is removed.
 //
-// Each word is one try: 16 bits choose the rule, 16 the neighbour, 32 the entry. A number that would bias a choice,
-// and an entry that has left the list, are drawn again with the next word.
+// Each word is one try: 16 bits choose the rule, 16 the neighbour, 32 the entry. A number that
+// would bias a choice, and an entry that has left the list, are drawn again with the next word.
 //
 // Jamis Buck, "Mazes for Programmers", 2015, "The Growing Tree Algorithm".
 void wg_maze_growing_tree(Growth *growth)
@@ -238,7 +241,8 @@ void wg_maze_growing_tree(Growth *growth)
             continue;
         }
 
-        // It has none, so remove it. The list is compacted often enough that half of all random draws hit an entry.
+        // It has none, so remove it. The list is compacted often enough
+        // that half of all random draws hit an entry.
         list[entry] = -1;
         maze->alive--;
         while (list[tail - 1] < 0) {

@@ -14,8 +14,8 @@
 // never cross, so each is a ring in column order, and the next column is in the same set if it
 // comes next in the ring.
 //
-// Marlin Eller's algorithm of 1982, as described in Jamis Buck, "Mazes for Programmers", 2015; the rings are John
-// Tromp's, in Don Libes, "Obfuscated C and Other Mysteries", 1993.
+// Marlin Eller's algorithm of 1982, as described in Jamis Buck, "Mazes for Programmers", 2015; the
+// rings are John Tromp's, in Don Libes, "Obfuscated C and Other Mysteries", 1993.
 void wg_maze_eller(Growth *growth)
 {
     int8_t *board = growth->board;
@@ -37,8 +37,8 @@ void wg_maze_eller(Growth *growth)
             int64_t bits = (int64_t)(words[column >> 5] >> (2 * (column & 31))) & 3;
             int32_t beside = column + 1;
 
-            // Join it to the next. All four are written either way, because a branch on a random bit is mispredicted
-            // half the time; measured 1.8 times as fast.
+            // Join it to the next. All four are written either way, because a branch on a random
+            // bit is mispredicted half the time; measured 1.8 times as fast.
             int32_t after = next[column];
             int32_t far = previous[beside];
             bool joined = (bits & 1) != 0 && after != beside && beside != columns;
@@ -150,8 +150,8 @@ typedef struct Rectangle {
 //
 // A rectangle one chamber wide is a corridor. Each word is one cut: a bit for the side, if the
 // sides are equal, 31 bits for the wall, 32 for the door; numbers that would bias a choice are
-// drawn again. The smaller part goes first, so the number of waiting rectangles is at most the number of bits of the
-// maze's size.
+// drawn again. The smaller part goes first, so the number of waiting rectangles is at most the
+// number of bits of the maze's size.
 //
 // Jamis Buck, "Mazes for Programmers", 2015, "Recursive Division".
 void wg_maze_recursive_division(Growth *growth)

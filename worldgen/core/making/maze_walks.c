@@ -39,8 +39,9 @@ static inline int64_t draw_one_of(int64_t ways, const uint64_t *words, int64_t c
     return 4;
 }
 
-// Makes loop-erased random walks from each chamber to the maze so far; every spanning tree is equally likely. David
-// B. Wilson, "Generating random spanning trees more quickly than the cover time", STOC 1996.
+// Makes loop-erased random walks from each chamber to the maze so far; every spanning tree is
+// equally likely. David B. Wilson, "Generating random spanning trees more quickly than the cover
+// time", STOC 1996.
 void wg_maze_wilson(Growth *growth)
 {
     WgMaze *maze = growth->maze;
@@ -85,9 +86,10 @@ void wg_maze_wilson(Growth *growth)
     maze->left = 0;
 }
 
-// Makes one random walk; each chamber keeps the direction from which it was first entered. Every tree is equally
-// likely. David J. Aldous, "The random walk construction of uniform spanning trees and uniform labelled trees", SIAM
-// Journal on Discrete Mathematics, 1990; Andrei Broder, "Generating random spanning trees", FOCS 1989.
+// Makes one random walk; each chamber keeps the direction from which it was first entered. Every
+// tree is equally likely. David J. Aldous, "The random walk construction of uniform spanning trees
+// and uniform labelled trees", SIAM Journal on Discrete Mathematics, 1990; Andrei Broder,
+// "Generating random spanning trees", FOCS 1989.
 void wg_maze_aldous_broder(Growth *growth)
 {
     WgMaze *maze = growth->maze;

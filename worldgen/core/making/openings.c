@@ -145,8 +145,8 @@ static bool flood_part(Search *search, int64_t place, int64_t size, int64_t begi
     return leads_on;
 }
 
-// Counts the parts of a place's ring that lead outwards: all of them, or only those that a flood from the place
-// reaches.
+// Counts the parts of a place's ring that lead outwards: all of them, or only those that a flood
+// from the place reaches.
 static int64_t count_parts(Search *search, const Ring *ring, int64_t place, int32_t stamp, bool only_reached)
 {
     for (int64_t r = 0; r < ring->count; r++) {

@@ -1,4 +1,5 @@
-// Finds pockets that attract a robot towards the target by uniting nodes in order of distance from it.
+// Finds pockets that attract a robot towards the target by uniting nodes in order of distance
+// from it.
 //
 // Edelsbrunner, Letscher, Zomorodian, "Topological Persistence and Simplification", 2002. Barnes,
 // Lehman, Mulla, "Priority-Flood", 2014, fill depressions in terrain in that order.
@@ -11,7 +12,8 @@
 
 enum { AT_TARGET = 1, AT_BOTH = 3 };
 
-// Sets of nodes, each numbered by its rank in the order of distances. The root of a set is its lowest node.
+// Sets of nodes, each numbered by its rank in the order of distances.
+// The root of a set is its lowest node.
 typedef struct Sets {
     int32_t *rank;    // of each node; -1 until it has been processed
     int32_t *parent;  // the parent of a set's root is itself

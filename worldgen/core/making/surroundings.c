@@ -87,8 +87,8 @@ static bool ray_meets(const Ray *ray, int64_t column, int64_t row)
     return is_solid(ray->walls, i, j);
 }
 
-// Returns how far a ray gets before it touches a solid cell, in steps of its direction; infinity beyond `most`. Cells
-// are
+// Returns how far a ray gets before it touches a solid cell, in steps of its direction; infinity
+// beyond `most`. Cells are
 // closed: a ray that touches a corner or runs along a wall ends there.
 static double ray_length(const Walls *walls, double x, double y, int64_t dx, int64_t dy, double most)
 {

@@ -1,12 +1,13 @@
-// Finds a path for a square as wide as the disc, over whole cells, by breadth-first search. A square
-// is named by its lower-left cell.
+// Finds a path for a square as wide as the disc, over whole cells, by breadth-first search. A
+// square is named by its lower-left cell.
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "reach_internal.h"
 
-// Values of a square's byte: not free, free, the step by which it was reached, or where the search began.
+// Values of a square's byte: not free, free, the step by which it was reached,
+// or where the search began.
 enum { NOT_FREE = 0, FREE = 1, FIRST_STEP = 2, BEGUN = 6 };
 
 struct WgSquares {

@@ -10,8 +10,8 @@ enum { MOST_SIDE = 20000, MOST_POSES = 65 };
 // Returns true if the line of a link crosses the ray upwards from a pose an odd number of times.
 static inline bool crosses_ray(const WgFinePose *pose, int64_t ax, int64_t ay, int64_t bx, int64_t by)
 {
-    // The line never turns back, so it crosses the ray's column once if its ends are on different sides, which is
-    // rare.
+    // The line never turns back, so it crosses the ray's column once if its ends are on different
+    // sides, which is rare.
     if ((2 * ax + 1 <= pose->x) == (2 * bx + 1 <= pose->x)) {
         return false;
     }
@@ -39,8 +39,8 @@ uint64_t wg_link_bits(const WgFinePose *poses, int64_t count, int64_t ax, int64_
     return bits;
 }
 
-// Marks solid cells that have a free cell among their eight neighbours, including the ring outside, with 1 in a
-// padded raster.
+// Marks solid cells that have a free cell among their eight neighbours, including the ring outside,
+// with 1 in a padded raster.
 static int64_t mark_rim(const WgWalls *walls, int64_t pad, int64_t stride, uint8_t *flat, uint8_t *free_near)
 {
     int64_t width = walls->width;

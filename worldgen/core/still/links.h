@@ -1,8 +1,8 @@
 // The solid cells that a cut may have, the links between them, and how links wind around poses.
 //
-// Two cells are linked if the gap between them is below the disc's diameter. The line of a link goes from one centre
-// to that cell's closest point, to the other cell's closest point, and to its centre; all are multiples of half a
-// cell.
+// Two cells are linked if the gap between them is below the disc's diameter. The line of a link
+// goes from one centre to that cell's closest point, to the other cell's closest point, and to its
+// centre; all are multiples of half a cell.
 
 #ifndef WG_LINKS_H
 #define WG_LINKS_H

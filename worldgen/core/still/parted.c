@@ -64,7 +64,8 @@ static int32_t find(Groups *groups, int32_t cell, uint64_t *bits)
     return root;
 }
 
-// Examines the links that have bits, and all other links of their cells; returns the bits of all chains together.
+// Examines the links that have bits, and all other links of their cells;
+// returns the bits of all chains together.
 static uint64_t close_chains(const WgLinks *links, Groups *groups)
 {
     uint64_t found = 0;

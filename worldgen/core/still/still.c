@@ -1,6 +1,8 @@
-// Decides a static world completely, from its cells to the timed path, for starts and targets on the pose lattice.
+// Decides a static world completely, from its cells to the timed path,
+// for starts and targets on the pose lattice.
 //
-// If the result is inconclusive (nothing was found, or only fractions can decide), the caller continues step by step.
+// If the result is inconclusive (nothing was found, or only fractions can decide),
+// the caller continues step by step.
 
 #include <assert.h>
 #include <math.h>
@@ -51,7 +53,8 @@ static bool is_clear(Work *work, int64_t x, int64_t y)
     return answer == WG_CLEAR;
 }
 
-// Lists clear nodes near a point that the disc can reach in a straight line; if the point is a node, only that.
+// Lists clear nodes near a point that the disc can reach in a straight line;
+// if the point is a node, only that.
 static int64_t list_links(Work *work, const WgDisc *disc, int64_t x, int64_t y, int64_t *nodes)
 {
     const WgGraph *graph = &work->graph;
@@ -176,7 +179,8 @@ static WgStatus search_path(Work *work, bool *found)
     return status;
 }
 
-// Looks for a path to the goal, and then to any clear node of the target; returns the path, or only its existence.
+// Looks for a path to the goal, and then to any clear node of the target; returns the path,
+// or only its existence.
 static WgStatus find_way(Work *work, bool *found)
 {
     *found = false;
@@ -209,7 +213,8 @@ static WgFinePose fine_pose(int64_t x, int64_t y, uint32_t rest[2])
 
 enum { MOST_AT_ONCE = 64 };  // poses whose chains are searched together
 
-// Returns true if chains separate the start from each of the poses that are sufficient for the target.
+// Returns true if chains separate the start from each of the poses
+// that are sufficient for the target.
 static WgStatus look_for_chains(Work *work, bool *parted)
 {
     const WgStill *asked = work->asked;
@@ -246,7 +251,8 @@ static WgStatus look_for_chains(Work *work, bool *parted)
     return status;
 }
 
-// Removes repeated points and points in the middle of a straight line; returns the number of those left.
+// Removes repeated points and points in the middle of a straight line;
+// returns the number of those left.
 static int64_t merge_straight(int64_t *x, int64_t *y, int64_t count)
 {
     int64_t kept = 0;
@@ -330,7 +336,8 @@ static WgStatus straighten(Work *work, WgStill *still)
     return status;
 }
 
-// Measures how near the path comes to solid cells: the smallest integer square, and candidates among corners.
+// Measures how near the path comes to solid cells: the smallest integer square,
+// and candidates among corners.
 static WgStatus measure(Work *work, WgStill *still)
 {
     int64_t *x = still->points;
@@ -362,8 +369,8 @@ static WgStatus measure(Work *work, WgStill *still)
     return WG_OK;
 }
 
-// Returns the smallest integer number of ticks for a piece: the root, rounded up, of its squared length times a
-// fraction.
+// Returns the smallest integer number of ticks for a piece: the root, rounded up, of its squared
+// length times a fraction.
 static bool ticks_of(int64_t dx, int64_t dy, const WgPace *pace, int64_t *ticks)
 {
     unsigned __int128 over = (unsigned __int128)(uint64_t)(dx * dx + dy * dy) * (uint64_t)pace->tick_over;

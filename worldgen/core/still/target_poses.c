@@ -23,7 +23,8 @@ enum {
 static const double SLACK = 1e-6;    // cells; the error of floats is far smaller when they select what to examine
 static const double DOUBT = 1e-10;   // relative difference above which floats are trusted
 
-// A pose: each coordinate is (whole + factor root) / (under_whole + under_factor root), from the base cell's corner.
+// A pose: each coordinate is (whole + factor root) / (under_whole + under_factor root),
+// from the base cell's corner.
 typedef struct ExactPose {
     double x;  // cells, from the base cell's corner
     double y;
@@ -128,7 +129,8 @@ static int64_t list_corners(const int64_t *cells, int64_t count, int64_t *corner
     return kept;
 }
 
-// Lists the cells near the disc that have a free neighbour, relative to the base cell; at most MOST_CORNERS + 1.
+// Lists the cells near the disc that have a free neighbour, relative to the base cell;
+// at most MOST_CORNERS + 1.
 static int64_t list_cells(const WgPoses *poses, int64_t *cells)
 {
     const WgTarget *target = &poses->target;

@@ -58,7 +58,8 @@ static inline int wg_sign_128(WgInt128 value)
     return (value > 0) - (value < 0);
 }
 
-// Returns the exact sign of whole + factor * sqrt(square); the absolute values of all three are below 2^127.
+// Returns the exact sign of whole + factor * sqrt(square);
+// the absolute values of all three are below 2^127.
 static inline int wg_sign_of_sum(WgInt128 whole, WgInt128 factor, WgUint128 square)
 {
     int a = wg_sign_128(whole);

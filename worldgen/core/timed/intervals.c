@@ -34,7 +34,8 @@ static bool makes_sense(const WgBlocked *blocked, int64_t from, int64_t to)
     return true;
 }
 
-// Collects the spans in which some cell near a point is blocked, sorted by insertion because there are few.
+// Collects the spans in which some cell near a point is blocked,
+// sorted by insertion because there are few.
 static void collect(const WgBlocked *blocked, int64_t point, Around *around)
 {
     int64_t k = blocked->k;

@@ -1,4 +1,5 @@
-// Finds the earliest arrival in a world that changes: safe-interval search over the graph's eight neighbours.
+// Finds the earliest arrival in a world that changes: safe-interval search over the graph's eight
+// neighbours.
 //
 // A state is (node, safe interval): within one interval, an earlier arrival is never worse, since
 // the robot can wait.

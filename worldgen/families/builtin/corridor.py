@@ -56,7 +56,7 @@ BRANCH_STEPS = (2, 4)
 # many.
 MOST_TUNNEL = 400
 MOST_WIDE = 1000.0  # widths of the robot
-# With more bends or branches than these, drafts take long and often fail.
+# With more bends or branches than these, drafts take a long time and often fail.
 MOST_BENDS = 1000
 MOST_BRANCHES = 500
 

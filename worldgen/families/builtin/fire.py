@@ -110,7 +110,7 @@ def fire(
             many.
         monotone: Nothing ever opens: everything that burns is blocked for good, and no wall burns
             through.
-        margin: The robot may set out on its witness up to this much later and still arrive, s.
+        margin: The robot may start on its witness up to this much later and still arrive, s.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.

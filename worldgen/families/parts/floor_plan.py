@@ -172,8 +172,8 @@ def _corridors(
 
     Every corridor but the first ends at another one.
     """
-    # The first cut needs only room for two rooms; later ones leave blocks alone that are small
-    # enough; the limit is drawn.
+    # The first cut needs only room for two rooms; later ones leave blocks uncut
+    # if they are small enough; the limit is drawn.
     least = sizes.corridor + 2 * sizes.wall + 2 * sizes.room
     enough = max(least, sizes.corridor + 2 * sizes.wall + rng.between(2, 2 * ROOMY) * sizes.room)
     first_axis = rng.below(2)

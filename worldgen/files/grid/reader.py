@@ -359,8 +359,7 @@ def _refuse_marks(header: Header, cells: CellBlock) -> None:
             message = Message(
                 "conflict",
                 "a cell is marked {letter}, and in version 2 each [[robot]] table has its own "
-                "start "
-                "and target",
+                "start and target",
                 "make it a free cell",
                 letter=letter,
             )

@@ -97,7 +97,7 @@ def check_keys(header: Header, *, fleet: bool = False) -> None:
 
     Args:
         header: The header.
-        fleet: Whether it is of version 2.
+        fleet: True if it is in version 2.
 
     Raises:
         FormatError: At the unknown key, with the nearest known one.

@@ -195,7 +195,7 @@ def draw_ends(
 
 
 def _clear_centres(walls: npt.NDArray[np.bool_], radius: Fraction) -> npt.NDArray[np.bool_]:
-    # No other cell is in reach, so no raster of that reach needs to be made.
+    # The disc is wider than the map, so no centre is clear.
     if 2 * radius > max(walls.shape):
         return np.zeros_like(walls)
     return build_graph(walls, radius, 2).clear[1::2, 1::2]

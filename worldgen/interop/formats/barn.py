@@ -80,7 +80,7 @@ def write_barn(world: World, destination: Destination) -> Exported:
         notes.append(
             Note(
                 "many-posts",
-                "{count} posts: Gazebo takes long to load them",
+                "{count} posts: Gazebo takes a long time to load them",
                 "--to sdf writes fewer, larger boxes",
                 at_terminal=True,
                 count=len(posts),

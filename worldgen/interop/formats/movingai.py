@@ -207,7 +207,7 @@ def _rows(body: bytes, width: int, height: int) -> npt.NDArray[np.uint8]:
     # size.
     rows = [row.rstrip() for row in body.split(b"\n", height)]
     rest = rows.pop() if len(rows) > height else b""
-    # Of an empty last row, only the line end before it was there.
+    # An empty last row only means that the file ends with a line end.
     if rows and not rows[-1]:
         rows.pop()
     for index, row in enumerate(rows):
@@ -292,7 +292,7 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
         FormatError: If the file or the line is not a scenario, or is for a map of another size.
         InvalidParameter: If ``row`` is below 1 or above the size of any benchmark file.
     """
-    # Read no more of the file than up to the problem.
+    # Read the file only up to the problem.
     check_between("row", row, 1, _MAX_SCENARIOS)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", row + 1)
     _check_version(lines[0])

@@ -232,7 +232,7 @@ def _warnings(image: GreyImage, metadata: RosMetadata) -> list[str]:
             )
     if image.maximum == 1:
         found.append(
-            "the picture's maximum is 1: ROS itself misreads such PGM files: black becomes free"
+            "the picture's maximum is 1: ROS itself misreads such PGM files, and black becomes free"
         )
     return found
 

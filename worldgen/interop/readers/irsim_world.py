@@ -401,6 +401,6 @@ def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
             line=robot.line_of("shape"),
         )
     scene.notes.append(
-        f"the robot is a {name}; the disc that it needs for turning has {radius:g} m"
+        f"the robot is a {name}; to turn, it needs a disc with a radius of {radius:g} m"
     )
     return radius

@@ -33,7 +33,7 @@ _MAX_BYTES = 1 << 20
 _MOST_INCLUDES = 100
 # Largest grey, of 255, of a wall's pixel.
 _BLACK = 127
-# Beginnings of the names of included objects.
+# Prefixes of the names of included objects.
 _ROBOTS = ("position", "pioneer", "turtlebot", "roomba", "erratic", "amigobot", "robot")
 _UNITS = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000)}
 

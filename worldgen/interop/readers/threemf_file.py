@@ -144,7 +144,7 @@ def _transform(element: XmlElement) -> Floats:
 def _placed(model: _Model, name: str, transform: Floats, depth: int) -> list[Mesh]:
     """Return the meshes of an object and of its components, each in its place."""
     if depth == 0:
-        raise FormatError("too-deep", "its components nest too deep", "export it flat")
+        raise FormatError("too-deep", "its components are nested too deeply", "export it flat")
     model.parts -= 1
     if model.parts < 0 or model.faces < 0:
         raise FormatError(

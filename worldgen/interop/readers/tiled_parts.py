@@ -44,7 +44,7 @@ def parse_tiled(data: bytes) -> Part:
     """Return the map after checking its kind.
 
     Raises:
-        FormatError: If it isn't JSON, isn't a map, is endless, or doesn't have square tiles in rows
+        FormatError: If it isn't JSON, isn't a map, is infinite, or doesn't have square tiles in rows
             and columns.
     """
     try:
@@ -59,7 +59,7 @@ def parse_tiled(data: bytes) -> Part:
             reason=error.msg,
             line=error.lineno,
         ) from error
-    # Nested too deep, or a number of thousands of digits.
+    # Nested too deeply, or a number with thousands of digits.
     except (RecursionError, ValueError) as error:
         raise FormatError(
             "wrong-form", "is not a map in the form that Tiled writes", "save it from Tiled again"
@@ -71,7 +71,9 @@ def parse_tiled(data: bytes) -> Part:
             "give a map that Tiled saved, not a tileset or world",
         )
     if parsed.get("infinite") is True:
-        raise FormatError("endless-map", "is endless", "clear Infinite in Tiled's Map Properties")
+        raise FormatError(
+            "endless-map", "is an infinite map", "clear Infinite in Tiled's Map Properties"
+        )
     kind = parsed.get("orientation", "orthogonal")
     if kind != "orthogonal":
         raise FormatError(

@@ -1,6 +1,6 @@
 """Read XML as a tree of names and words.
 
-Document types, entities and endless depth are refused, and every fault has its line.
+Document types, entities and excessive depth are refused, and every error has its line.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def read_xml(data: bytes) -> XmlElement:
     """Return the root of a file.
 
     Raises:
-        FormatError: If it isn't well-formed XML, declares a document type, or is nested too deep.
+        FormatError: If it isn't well-formed XML, declares a document type, or is nested too deeply.
     """
     reader = _TreeBuilder()
     try:

@@ -124,8 +124,7 @@ def _check_joint(world: World, joint: JointWitness, radius: float | None) -> Che
         if not pair.distance >= needed - TOLERANCE * world.cell_size:
             reason = (
                 f"robots {pair.first} and {pair.second} overlap at {pair.time:.6g} s: their "
-                "centres "
-                f"are {pair.distance:.9g} m apart, and their radii add up to {needed:.9g} m"
+                f"centres are {pair.distance:.9g} m apart, and their radii add up to {needed:.9g} m"
             )
             return CheckReport(False, reason, clearance)
     reason = f"the paths of all {count} robots are clear of walls and of each other"

@@ -33,8 +33,7 @@ def check_swap(world: World, swap: Swap, *, radius: float | None = None) -> Chec
         return CheckReport(False, fault, 0.0)
     reason = (
         f"robots {swap.first} and {swap.second} would have to change places in a passage too "
-        "narrow "
-        "for both"
+        "narrow for both"
     )
     return CheckReport(True, reason, 0.0)
 

@@ -53,7 +53,7 @@ class Crowd:
         self.add(world.robots[0])
 
     def add(self, robot: Robot) -> bool:
-        """Add a robot if it finds a path that leaves those of the others as they are."""
+        """Add a robot if it finds a path without changing those of the others."""
         # Find out how it gets onto the nodes.
         question = self._question
         if question is None:
@@ -65,7 +65,7 @@ class Crowd:
         ends = RobotEnds(approach.start, approach.nodes[0], approach.goal)
         if not self._leg_fits(ends):
             return False
-        # Search a path for it, and keep the robot only if there is one.
+        # Search for a path, and keep the robot only if there is one.
         described = ffi.new("WgJointRobot *")
         described.number = len(self.robots)
         described.start = ends.node
@@ -98,10 +98,10 @@ class Crowd:
         question = self._question
         assert question is not None
         if self.robots and not question.has_first_leg and ends.start != question.point(ends.node):
-            return False  # the first tick is not for legs
+            return False  # no tick is reserved for first legs
         apart_sq = question.apart_sq(0, 0)
         leg = (ends.start, question.point(ends.node))
-        # Most robots stand on a node while the first one takes its leg, and keep their distance.
+        # Most of the others already stand on a node; their legs have length zero, but still count.
         return all(
             stay_apart(leg, (other.start, question.point(other.node)), apart_sq)
             for other in (self._ends if question.has_first_leg else ())

@@ -94,7 +94,6 @@ def _proved_impossible(world: World, radius: float | None, wants_cut: bool) -> D
         return None
     reason = (
         f"robots {swap.first} and {swap.second} would have to change places in a passage too "
-        "narrow "
-        "for both"
+        "narrow for both"
     )
     return Decision(BLOCKED, None, reason, swap=swap)

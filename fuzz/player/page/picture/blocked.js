@@ -1,4 +1,5 @@
-// Arrows between robots that block each other forever: from each one to the robot that it drives into.
+// Arrows between robots that block each other forever: from each one to the robot
+// that it drives into.
 
 import { drawHead } from "#player/picture/arrows.js";
 import { bodyRadius } from "#player/picture/body.js";

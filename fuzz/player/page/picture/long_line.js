@@ -1,6 +1,9 @@
 /* Draws lines with many corners incrementally, in cached pictures.
 
-   A browser without a graphics card takes 10 to 30 times as long for a line wider than one pixel as for a thin one. So it draws a long line one pixel wide, then widens it with slightly shifted copies of the whole picture. The cost does not depend on the line's length, so even a frame that cannot reuse a picture is drawn without delay. */
+   A browser without a graphics card takes 10 to 30 times as long for a line wider than one pixel as
+   for a thin one. So it draws a long line one pixel wide, then widens it with slightly shifted
+   copies of the whole picture. The cost does not depend on the line's length, so even a frame that
+   cannot reuse a picture is drawn without delay. */
 
 import { line, seen, stroke } from "#player/picture/pen.js";
 
@@ -99,7 +102,8 @@ function covers(picture, pen) {
   return left <= 0 && top <= 0 && left + picture.canvas.width >= width && top + picture.canvas.height >= height;
 }
 
-// Adds many rows by drawing them thin and widening the result, or a few rows by drawing each several times.
+// Adds many rows by drawing them thin and widening the result,
+// or a few rows by drawing each several times.
 function addRows(picture, columns, { from, to }) {
   if (to <= picture.done) return;
   const { thick, done } = picture;

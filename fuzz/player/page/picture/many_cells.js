@@ -1,4 +1,5 @@
-// Cells of a large world, many of which share a pixel: a picture with one pixel per cell, drawn in a single call.
+// Cells of a large world, many of which share a pixel: a picture with one pixel per cell,
+// drawn in a single call.
 
 import { BURNING, FREE, SOLID } from "#player/decode.js";
 
@@ -59,8 +60,9 @@ function halfOf(picture) {
 const FEW = 20_000; // changes to draw into the picture individually; if there are more, it is drawn again
 const FLAMES = 150; // opacity, of 255: makes paths stand out from flames
 
-// Returns the picture of the current cells; `done` counts their changes. The changes since the picture was made are
-// either the world's events or, in a world that is being edited, `open.boxSince`: a box of cells, null for all.
+// Returns the picture of the current cells; `done` counts their changes. The changes since the
+// picture was made are either the world's events or, in a world that is being edited,
+// `open.boxSince`: a box of cells, null for all.
 function pictureOf(pen, world, cells) {
   const { wall, fire } = pen.colours,
     { done } = world.open;

@@ -1,4 +1,5 @@
-// Robots' numbers, next to them and along their paths, for people who cannot tell the colours apart.
+// Robots' numbers, next to them and along their paths, for people who cannot tell the colours
+// apart.
 
 import { bodyRadius } from "#player/picture/body.js";
 import { openRun, poseAt, rowAt, stepWithin } from "#player/decode.js";

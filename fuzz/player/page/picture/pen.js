@@ -1,4 +1,5 @@
-// The pen: a canvas addressed in cells, the colours of the page, and lines, discs and rings. y points up.
+// The pen: a canvas addressed in cells, the colours of the page, and lines, discs and rings.
+// y points up.
 
 const RIM = 0.4; // cells of solid ground to draw around a world, unless that is too wide
 
@@ -122,7 +123,8 @@ function corners(pen, x, y, from, to, act) {
     const across = x0 + x[row] * scale,
       down = y0 - y[row] * scale;
     if (Math.abs(across - left) < LEAST && Math.abs(down - top) < LEAST && row < to - 1) continue;
-    // One bit for each side of the window; two places beyond the same side have no visible piece between them.
+    // One bit for each side of the window; two places beyond the same side have no visible piece
+    // between them.
     const now = (across < -OUT ? 1 : across > width + OUT ? 2 : 0) | (down < -OUT ? 4 : down > height + OUT ? 8 : 0);
     act(across, down, (now & side) !== 0);
     left = across;

@@ -7,8 +7,8 @@ import { stroke } from "#player/picture/pen.js";
 const FURTHEST = 6; // cells: for a larger robot, only the cells that its centre enters are found
 const FINENESS = 0.125; // cells between two places of a path that are examined
 
-/* Returns the wall cells that the robot cuts into, each with the first step in which it does. The cell that the verdict
-   names is always among them. */
+/* Returns the wall cells that the robot cuts into, each with the first step in which it does. The
+   cell that the verdict names is always among them. */
 function piercedCells(world, run) {
   const open = openRun(run);
   if (open.pierced) return open.pierced;

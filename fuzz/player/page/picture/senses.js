@@ -1,6 +1,7 @@
-// The robot's senses: range beams, straight from its centre to the first wall and without sensor noise, and the
-// bearing of the target.
-// Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
+// The robot's senses: range beams, straight from its centre to the first wall and without sensor
+// noise, and the bearing of the target.
+// Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing",
+// Eurographics 1987.
 
 import { SOLID, stateAt } from "#player/decode.js";
 import { stroke } from "#player/picture/pen.js";

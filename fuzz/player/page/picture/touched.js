@@ -3,7 +3,8 @@
 import { SOLID, cellsAt, openRun, stateAt } from "#player/decode.js";
 import { rimOf } from "#player/picture/pen.js";
 
-// Returns the wall cells that the robot touches: those nearest to its disc at a bump, each with the first such step.
+// Returns the wall cells that the robot touches: those nearest to its disc at a bump,
+// each with the first such step.
 function touchedCells(world, run) {
   const open = openRun(run);
   if (open.touched) return open.touched;

@@ -103,7 +103,8 @@ function keepForm({ campaign, state, parts, folder, more }) {
   keep(folder, KEPT, { state: chosen, strategies: [...strategies], named: namedIn(campaign.studio.offered), ...fields });
 }
 
-// Returns the earlier choices that are still offered; if the studio was started with other controllers, those come first.
+// Returns the earlier choices that are still offered; if the studio was started
+// with other controllers, those come first.
 function keptFor(folder, offered) {
   const kept = keptOf(folder, KEPT) ?? {};
   const { controller, motion, ...state } = kept.state ?? {};

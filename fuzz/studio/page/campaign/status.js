@@ -1,4 +1,5 @@
-// The state of a campaign: its progress, its speed, its failures, and the strategies that find them.
+// The state of a campaign: its progress, its speed, its failures,
+// and the strategies that find them.
 
 import { rangeOf } from "#player/archive.js";
 import { el, grouped, plural, verdictDot, verdictOfClass } from "#player/dom.js";
@@ -87,7 +88,7 @@ function faultWords({ error, edited, running }) {
 }
 
 // Returns the strategies whose counts have grown in the last seconds; if none has, those that grew
-// last, because a unit may take long.
+// last, because a unit may take a while.
 function strategiesNow({ state, strategies }) {
   if (!state.running) return new Set();
   const now = performance.now(),
@@ -101,7 +102,8 @@ function strategiesNow({ state, strategies }) {
   return new Set([...strategies].filter(([, { grew }]) => grew > 0 && grew >= Math.min(last, now - SPAN)).map(([name]) => name));
 }
 
-// Shows the smallest failure or, before there is one, the longest path that a robot took to its target.
+// Shows the smallest failure or, before there is one, the longest path
+// that a robot took to its target.
 function showBest({ state, smallest, parts, campaign }) {
   const [best] = (smallest || new Map()).values();
   if (best) {
@@ -183,8 +185,9 @@ function speed({ state, past }) {
   return state.seconds > 0 ? state.worlds / state.seconds : 0;
 }
 
-/* Returns the classes, those met most often first. Shrinking may have turned a failure into one of a class that the search never found.
-   Of each { name, times, best, fate }: fate is one of FATES. */
+/* Returns the classes, those met most often first. Shrinking may have turned a failure into one of
+   a class that the search never found. Of each { name, times, best, fate }:
+   fate is one of FATES. */
 function classesOf({ state, smallest, campaign }) {
   const kept = smallest || new Map();
   const slid = [...kept.keys()].filter((name) => !Object.hasOwn(state.met, name)).map((name) => [name, 0]);

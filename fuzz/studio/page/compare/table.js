@@ -1,4 +1,5 @@
-// The table of a comparison: a row for each world, a column for each controller, a verdict in each cell.
+// The table of a comparison: a row for each world, a column for each controller,
+// a verdict in each cell.
 
 import { breakable, el, grouped, shortName, verdictSign } from "#player/dom.js";
 import { refusalWords } from "#studio/shared/refusals.js";

@@ -162,7 +162,8 @@ function drawFootprint(pen, world) {
   stroke(pen, pen.colours.start, 2.5);
 }
 
-// Draws the signal in colours, stronger where it is stronger, from a picture with one pixel per cell.
+// Draws the signal in colours, stronger where it is stronger,
+// from a picture with one pixel per cell.
 function drawSignal(pen, { signal, model }) {
   const { width, height } = model.world;
   if (signal.values.length !== width * height) return;

@@ -218,7 +218,8 @@ function toggle(draw, parts, name) {
   draw.board.draw();
 }
 
-// Requests the robot's readings while they are displayed, shortly after the last of several changes.
+// Requests the robot's readings while they are displayed, shortly after the last of several
+// changes.
 async function senseSignal(draw) {
   if (!draw.show.signal) return;
   draw.asked = (draw.asked || 0) + 1;

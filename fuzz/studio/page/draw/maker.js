@@ -106,7 +106,8 @@ function chooseFamily(studio, state, parts, name) {
   parts.gallery.choose(name);
 }
 
-// Shows only parameters that have an effect with the chosen algorithm or shape; the others are not sent.
+// Shows only parameters that have an effect with the chosen algorithm or shape;
+// the others are not sent.
 function showEffective(state, parts) {
   for (const [name, { parameter, element }] of parts.made) {
     const { idle } = parameter;

@@ -180,7 +180,8 @@ export class Model {
     if (runs.length > 0) this.note({ label, runs });
   }
 
-  /** Changes anything but single cells; consecutive changes of one kind, as from a slider, become one step. */
+  /** Changes anything but single cells; consecutive changes of one kind, as from a slider,
+   * become one step. */
   change(label, parts, together = false) {
     this.lift("stroke");
     const last = this.past.at(-1);
@@ -238,7 +239,8 @@ export class Model {
     this.changed();
   }
 
-  /** Returns a box of all cells that may have changed after a version; null if that is no longer known. */
+  /** Returns a box of all cells that may have changed after a version;
+   * null if that is no longer known. */
   boxSince(version) {
     const { since, boxes } = this.painted,
       { width, height } = this.world;
@@ -257,7 +259,8 @@ export class Model {
     return last;
   }
 
-  /** Records that the state at a mark is saved in a file; earlier versions of the drawing get the file's name too. */
+  /** Records that the state at a mark is saved in a file; earlier versions of the drawing get the
+   * file's name too. */
   markSaved(name, source, file, mark) {
     const { sheet } = this.world,
       entries = [...this.past, ...this.future];

@@ -1,4 +1,5 @@
-// Pointers, wheel and keys on the board: draw with one finger; pan and zoom with two, or with wheel and middle button.
+// Pointers, wheel and keys on the board: draw with one finger; pan and zoom with two,
+// or with wheel and middle button.
 
 /**
  * Starts listening to the board.
@@ -66,7 +67,8 @@ function stopStroke(state) {
   state.stroke = null;
 }
 
-// Cancels the current stroke, because a second finger came down or Escape was pressed; returns whether there was one.
+// Cancels the current stroke, because a second finger came down or Escape was pressed;
+// returns whether there was one.
 function takeBack(draw, state) {
   const { model } = draw.studio,
     { steps, future, selection, measure } = state.before || {};

@@ -16,7 +16,8 @@ const DECIDING_LONG = {}; // the same in a large world
 /** Placeholder for the widest robot while the search that the user started is running. */
 export const LOOKING = Symbol("looking");
 
-/** Returns whether the widest robot is only searched for on request, because that takes up to a minute. */
+/** Returns whether the widest robot is only searched for on request,
+ * because that takes up to a minute. */
 export const isWidestByHand = ({ cells, events }) => cells.length > LARGEST_WIDEST && !events;
 
 const ring = (cells) => `a ring of ${cells} wall cells, with gaps too narrow for this robot, separates the start from the target`;
@@ -65,7 +66,7 @@ export async function askSignal(studio, noise) {
 /**
  * Makes a function that asks for the proof after each change; its `widest` searches for the widest robot on request.
  * @param {Studio} studio - Its model and connection
- * @param {(proof: Proof) => void} proved - Called with the proof of the current drawing, or a placeholder if it takes long
+ * @param {(proof: Proof) => void} proved - Called with the proof of the current drawing, or a placeholder if it takes a while
  * @param {(radius: number | symbol | null) => void} widest - Called with the largest radius that passes, m;
  *     null while it is unknown, LOOKING during a search on request
  * @returns {{(): void, widest: () => Promise<void>}}

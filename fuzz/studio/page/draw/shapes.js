@@ -1,5 +1,6 @@
 // The geometry of cells: lines, rectangles, floods, and patterns that can be turned and mirrored.
-// A pattern has width, height and cells, row by row from the lowest: 1 solid, 0 free, KEEP for no change.
+// A pattern has width, height and cells, row by row from the lowest: 1 solid, 0 free,
+// KEEP for no change.
 
 export const KEEP = 2;
 
@@ -179,7 +180,8 @@ export const STAMPS = {
     }),
 };
 
-// Makes two slanted walls that meet at the right. They are two cells thick, so that no disc slips through at corners.
+// Makes two slanted walls that meet at the right. They are two cells thick,
+// so that no disc slips through at corners.
 function vEdge(ix, iy, last) {
   const across = Math.abs(2 * iy - last) / 2;
   return Math.abs(across - (last - ix) / 2) < 0.9;

@@ -58,7 +58,7 @@ export function sizePart(studio, draw, parts) {
       "div",
       { class: "actions" },
       button("New", "An empty world of this size", sized((width, height) => newWorld(model, width, height, say))),
-      button("Resize", "Keep the drawing; cut off or add cells outside of the part that stays in place", sized((width, height) =>
+      button("Resize", "Keep the drawing; cut off or add cells outside the part that stays in place", sized((width, height) =>
         resize(model, width, height, anchor.kept, say),
       )),
       button("Clear", "Remove all walls except the border, and all changes", () => clear(model, say)),

@@ -89,7 +89,8 @@ function speedPart(studio, parts) {
  */
 const shown = new WeakMap();
 
-// Makes a field that changes the world if its number is within bounds; otherwise the field shows the bounds.
+// Makes a field that changes the world if its number is within bounds;
+// otherwise the field shows the bounds.
 function bounded(change, bounds) {
   const input = number(0, (value) => isGood(input) && change(value), bounds);
   input.addEventListener("blur", () => {
@@ -118,7 +119,8 @@ function setBounds({ lengths, side }, parts) {
   parts.width.max = parts.height.max = side;
 }
 
-// Shows a value of the world in a field, unless the user is typing there, or has typed an invalid one for this drawing.
+// Shows a value of the world in a field, unless the user is typing there,
+// or has typed an invalid one for this drawing.
 function show(input, value, { sheet }) {
   const before = shown.get(input);
   const wrong = input.hasAttribute("aria-invalid") && before?.value === value && before?.sheet === sheet;

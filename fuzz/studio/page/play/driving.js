@@ -1,4 +1,5 @@
-// Driving a robot by hand: keys become commands, and the server runs the robot from the start with all of them.
+// Driving a robot by hand: keys become commands, and the server runs the robot from the start
+// with all of them.
 
 import { el } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";

@@ -276,7 +276,8 @@ function showBare(play, world, why) {
   play.bare.draw();
 }
 
-// Shows the cut in a blocked world until the user hides it, and restores the earlier choice in the next reachable one.
+// Shows the cut in a blocked world until the user hides it,
+// and restores the earlier choice in the next reachable one.
 function showCut(play) {
   const { player, world } = play;
   if (Boolean(world.cut) === play.cut) return;

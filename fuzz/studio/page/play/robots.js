@@ -176,7 +176,8 @@ function addOwn(robots, label) {
   showList(robots);
 }
 
-// Shows that the chosen settings differ from those of the shown runs; nothing runs until the user presses Run.
+// Shows that the chosen settings differ from those of the shown runs;
+// nothing runs until the user presses Run.
 function showDue(robots) {
   const due = robots.ran !== null && robots.ran !== JSON.stringify(messageFor(robots)) && robots.state.chosen.length > 0;
   robots.parts.due.textContent = due ? "Not run yet." : "";
@@ -205,7 +206,8 @@ function refresh(robots) {
   suitFleet(robots);
 }
 
-// The thesis's model runs one robot. In a world with several, another model is chosen, and robots that go for their targets.
+// The thesis's model runs one robot. In a world with several, another model is chosen,
+// with robots that drive to their targets.
 function suitFleet(robots) {
   const { studio, state } = robots;
   if (robotsIn(studio.model.world) < 2 || !motionOf(robots).thesis) return;
@@ -240,8 +242,8 @@ function keepSetup({ studio, state }) {
   keep(studio.folder, SETUP, { ...state, named: namedIn(studio.offered) });
 }
 
-// Returns the set-up of the last run in this folder; without one, or if other controllers were named at the start, the
-// first of those.
+// Returns the set-up of the last run in this folder; without one, or if other controllers were
+// named at the start, the first of those.
 function setupIn(folder, offered) {
   const { named, ...kept } = keptOf(folder, SETUP) ?? {};
   if (String(named ?? "-") === String(namedIn(offered)) && offered.motions.some(({ name }) => name === kept.motion)) return kept;
@@ -269,7 +271,8 @@ function setMotion(robots, name) {
   showMotion(robots);
 }
 
-// Shows the robots and options of the motion model; robots that it does not support are no longer chosen.
+// Shows the robots and options of the motion model; robots
+// that it does not support are no longer chosen.
 function showMotion(robots) {
   const { state, parts } = robots;
   const names = [...offeredTo(robots).map((one) => one.name), ...state.own];
@@ -428,7 +431,8 @@ function follow(robots, { robots: names, motion, seed }, more) {
   showList(robots);
 }
 
-// Drops the failure's seed and steps when another world is opened, unless the user has changed them.
+// Drops the failure's seed and steps when another world is opened,
+// unless the user has changed them.
 function forget(robots) {
   const { state, lent } = robots;
   robots.lent = null;

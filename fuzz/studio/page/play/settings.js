@@ -1,4 +1,5 @@
-// The options of a motion model under headings, one of which is open at a time: behaviours, sensor, faults, forces.
+// The options of a motion model under headings, one of which is open at a time: behaviours,
+// sensor, faults, forces.
 
 import { el } from "#player/dom.js";
 import { isGood, labelled, parameterField, words } from "#studio/shared/fields.js";

@@ -14,7 +14,8 @@ export function takeToken() {
   history.replaceState(null, "", `${location.pathname}${location.hash}`);
 }
 
-/** Stores the token for reloads of this page, and for pages that were open before the server restarted. */
+/** Stores the token for reloads of this page, and for pages
+ * that were open before the server restarted. */
 export function shareToken() {
   try {
     if (token) localStorage.setItem(TOKEN, token);
@@ -44,7 +45,8 @@ function newestToken() {
  * @property {boolean} opened
  */
 
-/** A request without an answer: it was stopped or replaced by a newer one, or the connection was lost. */
+/** A request without an answer: it was stopped or replaced by a newer one,
+ * or the connection was lost. */
 export class Ended extends Error {}
 
 /**

@@ -93,7 +93,8 @@ export async function reclaimDraft(model) {
   }
 }
 
-// Returns whether another tab has taken over exactly this drawing, so that it need not be kept twice.
+// Returns whether another tab has taken over exactly this drawing,
+// so that it need not be kept twice.
 function isTaken(model) {
   return model.unsaved && state.kept === model.version && localStorage.getItem(state.key) === TAKEN;
 }

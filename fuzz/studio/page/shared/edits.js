@@ -1,4 +1,5 @@
-// Notices that a file of a controller's code has been edited, from the server's report on the files.
+// Notices that a file of a controller's code has been edited,
+// from the server's report on the files.
 
 import { plainName } from "#player/dom.js";
 import { Ended } from "#studio/shared/connection.js";

@@ -1,4 +1,5 @@
-// Refusals of the server as data, { code, problem, remedy, terminal, opens, facts, line, source }, and as sentences.
+// Refusals of the server as data, { code, problem, remedy, terminal, opens, facts, line,
+// source }, and as sentences.
 
 /**
  * Returns a refusal as a sentence: the place, the problem, the remedy.

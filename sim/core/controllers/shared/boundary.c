@@ -66,7 +66,8 @@ void wg_begin_following(WgWallBody *body, double wall)
     body->smooth = 0.0;
 }
 
-// Returns how far the last step got in its direction, m; walls may have pushed the robot back, or aside.
+// Returns how far the last step got in its direction, m; walls may have pushed the robot back,
+// or aside.
 static double moved_ahead(const WgObservation *seen, const WgWallBody *body)
 {
     return (seen->x - body->x) * wg_cos(seen->heading) + (seen->y - body->y) * wg_sin(seen->heading);

@@ -5,8 +5,8 @@
 // around a corner. If it hits something else, it *presses* against its own wall again before it
 // continues: the obstacle may be the far side of a passage hardly wider than the robot. Only if it
 // then cannot move ahead at all does it turn to the other wall. If it loses its wall, it turns
-// towards it step by step. So it follows the edge of the region that its centre can reach, and does not skip
-// openings.
+// towards it step by step. So it follows the edge of the region that its centre can reach, and does
+// not skip openings.
 //
 // A step is never longer than wg_stride, which is less than the robot's diameter.
 

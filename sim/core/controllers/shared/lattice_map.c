@@ -223,10 +223,11 @@ static int64_t at_least(const WgMapperMemory *map, WgNode node)
     return wg_floor((double)STRAIGHT * wg_higher(dx, dy) + (double)(DIAGONAL - STRAIGHT) * wg_lower(dx, dy));
 }
 
-// Searches from a node by A*; returns the number of the window's node where the plan ends, -1 if there is no path.
+// Searches from a node by A*; returns the number of the window's node where the plan ends,
+// -1 if there is no path.
 //
-// A plan ends next to the target. It may also end at the edge of the window; that costs the remaining distance plus a
-// charge that makes it the last resort.
+// A plan ends next to the target. It may also end at the edge of the window; that costs the
+// remaining distance plus a charge that makes it the last resort.
 static int64_t find(WgMapperMemory *map, WgNode start, Search *search)
 {
     int64_t side = side_of(map);
@@ -303,7 +304,8 @@ static void keep_plan(WgMapperMemory *map, Search *search, int64_t last)
 
 WgPlanned wg_map_plan(WgMapperMemory *map, WgNode from)
 {
-    // A plan is made about every hundred steps, and needs up to 77 bytes per node, too much to keep for each robot.
+    // A plan is made about every hundred steps, and needs up to 77 bytes per node,
+    // too much to keep for each robot.
     int64_t nodes = side_of(map) * side_of(map);
     Search search = {.room = 8 * nodes + 1};
     search.heap = malloc((size_t)search.room * sizeof *search.heap);

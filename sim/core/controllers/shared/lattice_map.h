@@ -6,9 +6,10 @@
 // controller's memory. The window moves with the robot and forgets everything outside it. A* plans
 // the path as if everything not known to be blocked were free.
 //
-// Sources: P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination of minimum cost
-// paths", IEEE Transactions on Systems Science and Cybernetics 4 (1968); for planning as if the unknown were free,
-// A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and Automation 8 (1992).
+// Sources: P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic
+// determination of minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4
+// (1968); for planning as if the unknown were free, A. Zelinsky, "A mobile robot exploration
+// algorithm", IEEE Transactions on Robotics and Automation 8 (1992).
 
 #ifndef WG_LATTICE_MAP_H
 #define WG_LATTICE_MAP_H

@@ -1,6 +1,6 @@
 """Following a wall by touch: what wall followers and bug algorithms share.
 
-The robot knows its position and, of the wall that it touched last, the direction to it. It
+The robot knows its position and the direction to the wall that it touched last. It
 *advances* along that wall, turned a little towards it, so that it slides on a flat wall and stays
 in touch around a corner. If it hits something else, it *presses* against its own wall again before
 it continues, because the obstacle may be the far side of a passage hardly wider than itself. Only
@@ -14,13 +14,13 @@ The memory of a controller begins with ``BODY_SIZE`` numbers:
 
 =============  =====================================================================================
 ``X``, ``Y``   position before the last step, m
-``STEP``       length that was asked for in the last step, m
+``STEP``       length requested in the last step, m
 ``HAND``       side of the wall: 1 left, -1 right
 ``WALL``       direction from the robot to its wall, rad
 ``PHASE``      ``ADVANCE`` or ``PRESS``
-``STUCK``      how often in a row it touched its wall and did not move
-``LOST``       how many steps ago it touched a wall
-``SMOOTH``     how often in a row its wall had not turned, at most ``_FLAT_AFTER``
+``STUCK``      consecutive times that it touched its wall and did not move
+``LOST``       steps since it touched a wall
+``SMOOTH``     consecutive times that its wall had not turned, at most ``_FLAT_AFTER``
 =============  =====================================================================================
 """
 

@@ -52,7 +52,7 @@ class DynamicWindow(NamedTuple):
         ahead: Time, s, after which an arc's heading is compared with the target's direction.
         least: Free length, m, that an arc must have; if there is none, the robot brakes and turns
             on the spot.
-        far: Free length, m, beyond which more makes no difference.
+        far: Free length, m; anything longer makes no difference.
         to_target: Weight of the heading.
         to_free: Weight of the free length.
         to_speed: Weight of the speed.
