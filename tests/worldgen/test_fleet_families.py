@@ -19,7 +19,7 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach import UNDECIDED, check_certificate, decide
 from worldgen.reach.joint import plan, question
 from worldgen.render import draw_svg
-from worldgen.support.progress import Work
+from worldgen.support.progress import Work, display_on_stderr
 from worldgen.world import World
 
 
@@ -104,6 +104,8 @@ def test_a_crowd_that_leaves_no_room_is_placed_again(monkeypatch):
     monkeypatch.setattr(placing, "_one_by_one", one_by_one)
     world = generate("rooms", 0, robots=16)
     assert len(tried) == 2 and check_certificate(world).valid
+    # It is the first layout.
+    assert (world.walls == generate("rooms", 0).walls).all()
 
 
 def test_a_crowd_whose_last_legs_conflict_is_decided_by_the_joint_search(monkeypatch):
@@ -123,10 +125,13 @@ def test_a_world_that_is_too_large_for_a_crowd_is_not_called_too_small(name, mon
 @pytest.mark.parametrize("name", ["cave", "warehouse"])
 def test_placing_a_crowd_says_which_robot_it_places(name, monkeypatch):
     monkeypatch.setattr(placing, "MOST_TOGETHER", 16)
-    said = []
-    monkeypatch.setattr(Work, "say", lambda _, detail: said.append(detail))
-    generate(name, 0, robots=16)
-    assert {f"robot {number}" for number in range(2, 17)} <= set(said)
+    shown = []
+    with display_on_stderr() as display:
+        monkeypatch.setattr(
+            Work, "say", lambda work, detail: work in display._works and shown.append(detail)
+        )
+        generate(name, 0, robots=16)
+    assert {f"robot {number}" for number in range(2, 17)} <= set(shown)
 
 
 def test_a_witness_of_another_world_does_not_count():
