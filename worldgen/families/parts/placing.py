@@ -246,11 +246,13 @@ def _one_by_one(
     Raises:
         InvalidParameter: If there is no room left for a robot, or it finds no path.
     """
+    # Begin with the first robot.
     count = len(boxes) + 1
     radius = radius_in_cells(world)
     planned = Crowd(world, count, margin)
     rooms = (_Room(places, radius), _Room(places, radius))
     _take(rooms, first)
+    # Add the others. Only large crowds are reported, as layouts are.
     is_reported = count >= MOST_TOGETHER
     with working("one by one", often=True) if is_reported else nullcontext(Work("")) as work:
         for box in boxes if planned.robots else ():
@@ -265,6 +267,7 @@ def _one_by_one(
                     break
             else:
                 raise _no_paths(owner, len(planned.robots), count)
+    # Prove that all of them can arrive.
     if not planned.robots:
         raise _no_paths(owner, 0, count)
     placed = replace(world, others=tuple(planned.robots[1:]))
