@@ -30,7 +30,7 @@ from worldgen.support.bounds import (
     check_positive,
 )
 from worldgen.support.progress import Work, working
-from worldgen.world import Provenance, Value, World
+from worldgen.world import JointWitness, Provenance, Value, Witness, World
 
 __all__ = [
     "FAMILIES",
@@ -163,7 +163,7 @@ class Family:
                         world, decision = self._with_robots(world, stream, robots, margin, work)
                 except InvalidParameter as full:
                     # Another layout may have room for more of a crowd.
-                    if full.code not in _CROWDED or fleet <= FEW_ROBOTS:
+                    if fleet <= FEW_ROBOTS or not _is_of_crowd(full):
                         raise
                     # Report the most robots that had paths, or else the most
                     # that there was room for.
@@ -213,7 +213,7 @@ class Family:
     ) -> tuple[World, Decision]:
         """Return the world with more robots, and whether all of them can arrive."""
         if robots > FEW_ROBOTS:
-            placed = place_robots(world, rng, robots, self.name, margin=margin, work=work)
+            placed = place_robots(world, rng, robots, self.name, margin=margin)
             return placed, _decided(placed, margin)
         for number in range(MAX_PLACEMENTS):
             work.say(f"placement {number + 1} of {MAX_PLACEMENTS}")
@@ -381,6 +381,14 @@ class Family:
             )
 
 
+def _is_of_crowd(error: InvalidParameter) -> bool:
+    """Return True if an error says how many robots a layout has room for.
+
+    A family that places its own robots may use the same codes with other facts.
+    """
+    return error.code in _CROWDED and isinstance(error.facts.get("placed"), int)
+
+
 def _how_full(error: InvalidParameter) -> tuple[int, int]:
     """Return a key that orders errors of crowded layouts; the highest one says the most."""
     return _CROWDED.index(error.code), int(error.facts["placed"])
@@ -394,8 +402,14 @@ def _attempts(robots: int) -> int:
 
 
 def _decided(world: World, margin: float) -> Decision:
-    """Return whether the robots of a world can arrive; a family may have proved it already."""
-    if world.certificate is not None:
+    """Return whether the robots of a world can arrive.
+
+    A witness that the world brings along counts only if it holds: a family can change a world that
+    another one has proved.
+    """
+    from worldgen.reach import check_certificate  # noqa: PLC0415 - it loads shapely
+
+    if isinstance(world.certificate, Witness | JointWitness) and check_certificate(world).valid:
         return Decision(REACHABLE, world.certificate, "proved where the robots were placed")
     return decide(world, margin=margin, cut=False)
 

@@ -15,9 +15,10 @@ from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
 import msgspec
+from msgspec import Meta
 
 from worldgen.errors import InvalidParameter
-from worldgen.files.json_file import converted
+from worldgen.files.json_file import converted, faulty_field
 from worldgen.files.whole import expanded
 from worldgen.support.arrays import Floats
 
@@ -97,13 +98,22 @@ class Learned(NamedTuple):
 
 
 class _LearnedFile(msgspec.Struct):
-    """The form of such a file. A float64 distinguishes all whole numbers below 2**53."""
+    """The form of such a file; a description is the reason for refusing a file without it."""
 
-    format: Literal["worldgen-learned"]
-    version: Literal[1]
-    controller: str
-    numbers: tuple[Annotated[float, msgspec.Meta(gt=-(2.0**53), lt=2.0**53)], ...]
-    curve: tuple[Episodes, ...]
+    format: Annotated[
+        Literal["worldgen-learned"], Meta(description="its format is not 'worldgen-learned'")
+    ]
+    version: Annotated[Literal[1], Meta(description="its version is not 1")]
+    controller: Annotated[str, Meta(description="it names no controller")]
+    # A float64 distinguishes all whole numbers below 2**53.
+    numbers: Annotated[
+        tuple[Annotated[float, Meta(gt=-(2.0**53), lt=2.0**53)], ...],
+        Meta(description="its numbers are not a list of finite numbers below 2**53"),
+    ]
+    curve: Annotated[
+        tuple[Episodes, ...],
+        Meta(description="its curve is not a list of points of four whole numbers"),
+    ]
 
 
 def is_learned_name(name: str) -> bool:
@@ -158,9 +168,19 @@ def read_learned(path: Path) -> Learned:
 def _read(path: Path, _modified: int, _size: int) -> Learned:
     """Read a file again only if it has changed; a campaign requests its controller in each run."""
     try:
-        found = converted(json.loads(path.read_text("utf-8")), _LearnedFile)
-    except (OSError, ValueError, RecursionError) as error:
-        raise _not_learned(path, str(error)) from error
+        content = json.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise _not_learned(path, error.strerror or str(error)) from error
+    except (ValueError, RecursionError) as error:
+        raise _not_learned(path, "it is not JSON") from error
+    if not isinstance(content, dict):
+        raise _not_learned(path, "it is not a JSON object")
+    try:
+        found = converted(content, _LearnedFile)
+    except ValueError as error:
+        field = faulty_field(content, _LearnedFile)
+        reason = str(error) if field is None else field.type.__metadata__[0].description
+        raise _not_learned(path, reason) from error
     # Such a file names what learned it, not another file.
     if is_learned_name(found.controller):
         raise _not_learned(path, "it names no controller")

@@ -124,6 +124,32 @@ def test_a_file_that_holds_something_else_is_an_error_with_a_code(tmp_path, text
     assert caught.value.code == code
 
 
+_HEAD = '{"format":"worldgen-learned","version":1,"controller":"q","curve":[],"numbers":'
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("[" * 100_000, "it is not JSON"),
+        (_HEAD + "[1" + "0" * 5000 + "]}", "it is not JSON"),
+        ("[]", "it is not a JSON object"),
+        ("{}", "its format is not 'worldgen-learned'"),
+        ('{"format":"worldgen-learned","version":2}', "its version is not 1"),
+        (_HEAD + "[NaN]}", "its numbers are not a list of finite numbers below 2**53"),
+        (_HEAD + '["x"]}', "its numbers are not a list of finite numbers below 2**53"),
+        (
+            _HEAD.replace("[]", "[[1, 2]]") + "[]}",
+            "its curve is not a list of points of four whole numbers",
+        ),
+    ],
+)
+def test_a_file_that_holds_something_else_is_told_why_in_plain_words(tmp_path, text, reason):
+    path = tmp_path / "taught.json"
+    path.write_text(text)
+    with raises(InvalidParameter, "not-learned", reason=reason):
+        read_learned(path)
+
+
 def test_what_cannot_be_trained_is_refused(tmp_path):
     bug2 = CONTROLLERS.get("bug2")
     with raises(InvalidParameter, "does-not-learn"):

@@ -10,15 +10,17 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.compose.sources import of_family
 from worldgen.difficulty import measure
-from worldgen.errors import InvalidParameter
+from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.families.parts import placing
-from worldgen.family import CROWD_PLANNER_VERSION, FAMILIES, PLANNER_VERSION
+from worldgen.family import CROWD_PLANNER_VERSION, FAMILIES, PLANNER_VERSION, family
 from worldgen.files.grid import dumps, read_world
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 from worldgen.reach import UNDECIDED, check_certificate, decide
-from worldgen.reach.joint import plan
+from worldgen.reach.joint import plan, question
 from worldgen.render import draw_svg
+from worldgen.support.progress import Work, display_on_stderr
+from worldgen.world import World
 
 
 def test_a_world_of_one_robot_has_the_bytes_that_it_always_had():
@@ -86,6 +88,87 @@ def test_a_search_of_a_crowd_that_could_rearrange_it_endlessly_gives_up(monkeypa
     alone = replace(generate("cave", 0, size=60), certificate=None)
     crowd = placing.place_robots(alone, RandomStream(0), 100, "cave")
     assert decide(crowd, cut=False).result == UNDECIDED
+
+
+def test_a_crowd_that_leaves_no_room_is_placed_again(monkeypatch):
+    monkeypatch.setattr(placing, "MOST_TOGETHER", 0)
+    tried = []
+
+    def one_by_one(*args):
+        tried.append(args)
+        if len(tried) == 1:
+            raise placing._too_many("rooms", 5, 16)
+        return really(*args)
+
+    really = placing._one_by_one
+    monkeypatch.setattr(placing, "_one_by_one", one_by_one)
+    world = generate("rooms", 0, robots=16)
+    assert len(tried) == 2 and check_certificate(world).valid
+    # It is the first layout.
+    assert (world.walls == generate("rooms", 0).walls).all()
+
+
+def test_a_crowd_whose_last_legs_conflict_is_decided_by_the_joint_search(monkeypatch):
+    monkeypatch.setattr(placing.Crowd, "witness", lambda *_: None)
+    world = generate("rooms", 3, robots=12, size=60)
+    assert len(world.certificate.paths) == 12 and check_certificate(world).valid
+
+
+@pytest.mark.parametrize("name", ["cave", "crossing"])
+def test_a_world_that_is_too_large_for_a_crowd_is_not_called_too_small(name, monkeypatch):
+    monkeypatch.setattr(question, "_MOST_NODES", 1000)
+    monkeypatch.setattr(placing, "_places", None)
+    with raises(InvalidParameter, code="too-large", few=10, width=30):
+        generate(name, 0, robots=11)
+
+
+@pytest.mark.parametrize("name", ["cave", "warehouse"])
+def test_placing_a_crowd_says_which_robot_it_places(name, monkeypatch):
+    monkeypatch.setattr(placing, "MOST_TOGETHER", 16)
+    shown = []
+    with display_on_stderr() as display:
+        monkeypatch.setattr(
+            Work, "say", lambda work, detail: work in display._works and shown.append(detail)
+        )
+        generate(name, 0, robots=16)
+    assert {f"robot {number}" for number in range(2, 17)} <= set(shown)
+
+
+def test_a_witness_of_another_world_does_not_count():
+    @family("fenced", version=1)
+    def fenced(rng: RandomStream, *, size: int = 16) -> World:
+        """Build a maze and wall it up."""
+        maze = FAMILIES.get("maze")(rng.below(100), size=size)
+        walls = maze.walls.copy()
+        walls[:, size // 2] = True
+        return replace(maze, walls=walls)
+
+    with raises(GenerationFailed, code="no-layout-found"):
+        fenced(3)
+
+
+def test_a_world_with_a_proof_that_it_is_blocked_is_not_reachable():
+    @family("cut", version=1)
+    def cut(rng: RandomStream, *, size: int = 16) -> World:
+        """Build a maze that is walled up."""
+        maze = FAMILIES.get("maze")(rng.below(100), size=size)
+        walls = maze.walls.copy()
+        walls[:, size // 2] = True
+        blocked = replace(maze, walls=walls, certificate=None)
+        return replace(blocked, certificate=decide(blocked).certificate)
+
+    with raises(GenerationFailed, code="no-layout-found"):
+        cut(3)
+
+
+def test_a_family_of_ones_own_may_say_that_it_has_no_room_in_its_own_way():
+    @family("full", version=1)
+    def full(rng: RandomStream, *, robots: int = 2) -> World:
+        """Build nothing."""
+        raise InvalidParameter("too-many-robots", "no room for {robots}", robots=robots)
+
+    with raises(InvalidParameter, code="too-many-robots", robots=20):
+        full(3, robots=20)
 
 
 def test_what_places_robots_and_plans_for_them_has_a_version():

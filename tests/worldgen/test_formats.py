@@ -1,5 +1,6 @@
 """Properties of every registered format; each also has its own tests."""
 
+import hashlib
 import re
 import shutil
 from dataclasses import replace
@@ -27,6 +28,7 @@ from worldgen.interop import (
     ImportedRobot,
     export_world,
     find_format,
+    foreign_map,
     guess_format,
     import_world,
     read_map,
@@ -437,3 +439,30 @@ def test_destinations_name_companions_and_shift_coordinates():
     assert (destination.x(0.2), destination.y(1.25)) == ("0.3", "-1.75")
     with raises(InvalidParameter, "reserved-name", name="office.yaml"):
         destination.sibling_file(".yaml")
+
+
+_FOLDER = """
+import numpy as np
+from worldgen.interop import ForeignMap, Format
+
+def read(path):
+    return ForeignMap(np.zeros((20, 20), bool), 0.1{params})
+
+folder = Format('folder', 'cells', ('.cells',), read=read)
+"""
+
+
+@pytest.mark.parametrize("kind", ["folder", "larger file", "file that its reader hashes"])
+def test_a_reader_of_ones_own_may_read_what_ours_would_not(kind, tmp_path, monkeypatch):
+    mine = tmp_path / "mine.py"
+    own = kind.endswith("hashes")
+    mine.write_text(_FOLDER.format(params=", {'sha256': 'own'}" if own else ""))
+    monkeypatch.setattr(foreign_map.read_bounded.__wrapped__, "__defaults__", (10,))
+    source = tmp_path / "w.cells"
+    if kind == "folder":
+        source.mkdir()
+    else:
+        source.write_bytes(b"0" * 20)
+    params = read_map(source, f"{mine}:folder").params
+    expected = {"folder": None, "larger file": hashlib.sha256(b"0" * 20).hexdigest()}
+    assert params.get("sha256") == expected.get(kind, "own")

@@ -138,6 +138,26 @@ def test_places_may_be_given_in_the_coordinates_of_the_file(run):
     assert target == of_corner.target and target.radius == 0.1
 
 
+def test_errors_name_places_in_the_coordinates_in_which_they_are_given(run):
+    with raises(InvalidWorld, code="not-clear") as caught:
+        run(HALL, "--frame", "map", "--start=-3.1,-9.3")
+    facts = caught.value.facts
+    assert (facts["x"], facts["y"]) == pytest.approx((-3.1, -9.3), abs=1e-3)
+    x, y = facts["clear"]
+    _, world, _ = run(HALL, "--frame", "map", f"--start={x!r},{y!r}")
+    assert (world.start.x - 3.16, world.start.y - 9.36) == pytest.approx((x, y))
+    with raises(InvalidWorld, code="outside-grid") as caught:
+        run(HALL, "--frame", "map", "--target", "20,1")
+    assert caught.value.facts["x"] == pytest.approx(20)
+    assert "x from -3.16 to 12.2 and y from -9.36 to 9.92" in str(caught.value)
+
+
+def test_a_frame_without_places_has_no_effect_and_says_so(tmp_path, capsys):
+    args = ["import", HALL, "--frame", "map", "--out", str(tmp_path / "w.grid")]
+    cli.main(args, standalone_mode=False)
+    assert "--frame has no effect without --start or --target" in capsys.readouterr().err
+
+
 def test_equal_seeds_place_equally_and_the_file_is_the_same_to_the_byte(run, tmp_path):
     run(HALL, "--seed", 9)
     once = (tmp_path / "w.grid").read_bytes()

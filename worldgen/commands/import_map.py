@@ -176,6 +176,8 @@ def import_map(
         write_world(imported.world, out, force=force)
     for sentence in imported.notes:
         note(sentence)
+    if frame == "map" and start is None and target is None:
+        note("warning: --frame has no effect without --start or --target")
     for sentence in imported.warnings:
         note(f"warning: {sentence}")
     # Report the result; the exit code shows whether the target can be reached.

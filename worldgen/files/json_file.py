@@ -7,16 +7,18 @@ lists limited where the type declares them: ``Annotated[int, msgspec.Meta(ge=0)]
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import msgspec
+from msgspec.structs import FieldInfo, fields
 
 from worldgen.errors import FormatError
 from worldgen.files.whole import read_text, write_bytes
 
-__all__ = ["JsonFile", "converted", "plain"]
+__all__ = ["JsonFile", "converted", "faulty_field", "plain"]
 
 T = TypeVar("T")
 
@@ -100,3 +102,18 @@ def converted(value: object, kind: type[T]) -> T:
         ValueError: If a part is missing, of the wrong type, or out of range, with its place.
     """
     return msgspec.convert(value, kind)
+
+
+def faulty_field(found: Mapping[str, Any], kind: type[msgspec.Struct]) -> FieldInfo | None:
+    """Return the first field of a struct that an object lacks or has a wrong value for."""
+    return next((field for field in fields(kind) if not _fits(found, field)), None)
+
+
+def _fits(found: Mapping[str, Any], field: FieldInfo) -> bool:
+    if field.encode_name not in found:
+        return not field.required
+    try:
+        converted(found[field.encode_name], field.type)
+    except ValueError:
+        return False
+    return True

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from worldgen.errors import InvalidParameter
+from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap, ForeignRobot
 from worldgen.interop.format import ROBOT_FACTS
@@ -153,7 +153,12 @@ def import_world(
     if robot.scenario is not None:
         robot = replace(robot, start=found.start, target=found.target)
     robot, notes = _at_programs_start(_complete(robot, found), found)
-    world, warnings = _place(robot, found)
+    try:
+        world, warnings = _place(robot, found)
+    except InvalidWorld as error:
+        if not robot.in_file_frame:
+            raise
+        raise _in_file_frame(error, found) from error
 
     # Decide. A path does not count if obstacles could not be read.
     decision = decide(world)
@@ -193,6 +198,33 @@ def _from_corner(
     if place is None:
         return None
     return (place[0] - origin[0], place[1] - origin[1], *place[2:])
+
+
+def _in_file_frame(error: InvalidWorld, found: ForeignMap) -> InvalidWorld:
+    """Return an error about a place with all its places in the file's frame."""
+    height, width = found.walls.shape
+    left, low = found.origin
+    size = found.cell_size
+    facts = dict(error.facts)
+    for name, origin in (("x", left), ("y", low)):
+        if name in facts:
+            facts[name] += origin
+    if facts.get("clear"):
+        # The sums have rounding errors; twelve digits lead to the same point of the pose lattice.
+        facts["clear"] = [
+            float(f"{a + b:.12g}") for a, b in zip(facts["clear"], found.origin, strict=True)
+        ]
+    message = error.message.replaced(facts)
+    if error.code == "outside-grid":
+        message = message.with_remedy(
+            "give x from {left:g} to {right:g} and y from {low:g} to {high:g}, in the file's "
+            "coordinates",
+            left=left,
+            right=left + width * size,
+            low=low,
+            high=low + height * size,
+        )
+    return InvalidWorld.of(message)
 
 
 def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -9,7 +10,7 @@ from pathlib import Path
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop.foreign_map import ForeignMap, digest, names_its_file, naming, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, names_its_file, naming, read_bounded
 from worldgen.interop.format import FORMATS, Format
 from worldgen.interop.sidecar import Sidecar, read_sidecar, with_sidecar
 from worldgen.parameters import split_options
@@ -207,7 +208,16 @@ def read_map_alone(
     params: dict[str, Value] = {
         "format": known.name,
         "source": path.name,
-        "sha256": digest(read_bounded(path)),
+        **_digest_of(path, found),
         **found.params,
     }
     return replace(found, params=params, usual_robot=known.usual_robot), sidecar
+
+
+def _digest_of(path: Path, found: ForeignMap) -> dict[str, Value]:
+    """Return the file's digest, unless its reader knows it; a plug-in's reader may take a folder."""
+    if "sha256" in found.params or not path.is_file():
+        return {}
+    # A plug-in may read files of any size.
+    with path.open("rb") as stream:
+        return {"sha256": hashlib.file_digest(stream, "sha256").hexdigest()}

@@ -14,7 +14,7 @@ from msgspec import Meta
 
 from worldgen.domain import MASK64
 from worldgen.errors import FormatError, Message
-from worldgen.files.json_file import converted, plain
+from worldgen.files.json_file import converted, faulty_field, plain
 from worldgen.world import Value
 
 __all__ = [
@@ -37,8 +37,11 @@ _LONGEST = 1 << 20
 _Text = Annotated[str, Meta(description="must be text")]
 _Flag = Annotated[bool, Meta(description="must be true or false")]
 _Table = Annotated[Mapping[str, Any], Meta(description="must be an object")]
-_Whole = Annotated[int, Meta(ge=0, description="must be a whole number of 0 or more")]
-_Count = Annotated[int, Meta(ge=1, description="must be a whole number of 1 or more")]
+# msgspec compares with bounds of 64 bits with a sign; a seed can be larger, see ``_check``.
+_Seed = Annotated[int, Meta(ge=0, description=f"must be a whole number of 0 to {MASK64}")]
+_MOST = (1 << 63) - 1
+_Whole = Annotated[int, Meta(ge=0, le=_MOST, description=f"must be a whole number of 0 to {_MOST}")]
+_Count = Annotated[int, Meta(ge=1, le=_MOST, description=f"must be a whole number of 1 to {_MOST}")]
 _Hex = Annotated[str, Meta(pattern=r"^[0-9a-f]{64}\Z", description="must be 64 hex digits")]
 _Ends = Annotated[tuple[int | float, ...], Meta(description="must be a list of numbers")]
 # A name with another separator could write outside the set's folder.
@@ -71,7 +74,7 @@ class ManifestHeader(msgspec.Struct, frozen=True):
     family: _Text
     version: _Whole
     params: _Table
-    seed: _Whole
+    seed: _Seed
     count: _Count
     metrics: _Flag
     worldgen: _Text
@@ -116,7 +119,7 @@ class ManifestEntry(msgspec.Struct, frozen=True, omit_defaults=True):
     file: _File
     family: _Text
     version: _Whole
-    seed: _Whole
+    seed: _Seed
     params: _Table
     digest: _Hex
     sha256: _Hex
@@ -270,6 +273,8 @@ def _header(line: bytes, source: str) -> ManifestHeader:
         rule = f'must be "{FORMAT}"; is this the manifest of a set, or of a later version?'
         raise _wrong(found, "format", rule, line=1, source=source)
     # Older sets call a constraint a wish.
+    if "constraint" not in found and not isinstance(found.get("wish", ""), str):
+        raise _wrong(found, "wish", "must be text", line=1, source=source)
     header = _content(
         {"constraint": found.get("wish", ""), **found}, ManifestHeader, line=1, source=source
     )
@@ -302,21 +307,11 @@ def _content(found: Mapping[str, Any], kind: type[L], **place: Any) -> L:
     try:
         return converted(found, kind)
     except ValueError as error:
-        for field in msgspec.structs.fields(kind):
-            key = field.encode_name
-            if not _fits(found, key, field):
-                raise _wrong(found, key, field.type.__metadata__[0].description, **place) from error
-        raise
-
-
-def _fits(found: Mapping[str, Any], key: str, field: msgspec.structs.FieldInfo) -> bool:
-    if key not in found:
-        return not field.required
-    try:
-        converted(found[key], field.type)
-    except ValueError:
-        return False
-    return True
+        field = faulty_field(found, kind)
+        if field is None:
+            raise
+        rule = field.type.__metadata__[0].description
+        raise _wrong(found, field.encode_name, rule, **place) from error
 
 
 def _check(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple, TypeAlias
@@ -22,8 +23,9 @@ from worldgen.lattice import (
 )
 from worldgen.random_streams import RandomStream
 from worldgen.reach.joint.crowd import Crowd
+from worldgen.reach.joint.question import fits_graph
 from worldgen.reach.still.lattice_graph import build_graph, flood
-from worldgen.support.progress import Work
+from worldgen.support.progress import Work, working
 from worldgen.world import Pose, Robot, Target, World
 
 __all__ = ["FEW_ROBOTS", "MOST_TOGETHER", "Box", "PlacedEnds", "place_in_boxes", "place_robots"]
@@ -42,6 +44,8 @@ _TRIES = 20
 _DRAWS = 4
 # Places drawn for a robot that finds no path around those before it.
 _REDRAWS = 20
+# Placements of all robots to try, one robot by one, as long as some robot finds no room.
+_PLACEMENTS = 4
 # Most robots whose paths are searched together if they have none one after another. The search
 # rarely succeeds with more.
 MOST_TOGETHER = 50
@@ -96,7 +100,6 @@ def place_robots(
     owner: str,
     *,
     margin: float = 0.0,
-    work: Work | None = None,
 ) -> World:
     """Return a world with more robots like its own, between places that its robot can reach.
 
@@ -108,10 +111,9 @@ def place_robots(
         count: Total number of robots.
         owner: Name of the family, for the error message.
         margin: Seconds by which all robots may start late, in a world that changes.
-        work: Told which robot is being placed.
 
     Raises:
-        InvalidParameter: If there is no room for that many robots.
+        InvalidParameter: If there is no room for that many robots, or the world is too large.
     """
     first = PlacedEnds(
         (_halves(world.start.x, world), _halves(world.start.y, world)),
@@ -121,8 +123,9 @@ def place_robots(
     radius = radius_in_cells(world)
     never = world.walls | world.changing_cells
     if count > FEW_ROBOTS:
+        _check_plannable(world, owner)
         places = _places(never, radius, first)
-        return _crowd(world, places, rng, boxes, first, owner, margin, work)
+        return _crowd(world, places, rng, boxes, first, owner, margin)
     try:
         places = _places(never, radius, first)
         placed = _draw_ends(places, radius, rng.child("safe"), boxes, [first], owner)
@@ -148,8 +151,10 @@ def place_in_boxes(
         owner: Name of the family, for the error message.
 
     Raises:
-        InvalidParameter: If there is no room for that many robots.
+        InvalidParameter: If there is no room for that many robots, or the world is too large.
     """
+    if len(boxes) > FEW_ROBOTS:
+        _check_plannable(world, owner)
     radius = radius_in_cells(world)
     places = _places(world.walls, radius, None)
     if len(boxes) > FEW_ROBOTS:
@@ -201,7 +206,6 @@ def _crowd(
     first: PlacedEnds,
     owner: str,
     margin: float = 0.0,
-    work: Work | None = None,
 ) -> World:
     """Return a world with a robot for each pair of boxes, if possible with a joint witness.
 
@@ -211,11 +215,18 @@ def _crowd(
     radius = radius_in_cells(world)
     # Don't plan the paths of robots that there is no room for.
     together = _draw_ends(places, radius, rng.child("room"), boxes, [first], owner)
-    try:
-        return _one_by_one(world, places, rng, boxes, first, owner, margin, work or Work(""))
-    except InvalidParameter:
-        if len(boxes) >= MOST_TOGETHER:
-            raise
+    most = 0
+    for number in range(_PLACEMENTS):
+        stream = rng if number == 0 else rng.child("again", number)
+        try:
+            return _one_by_one(world, places, stream, boxes, first, owner, margin)
+        except InvalidParameter as full:
+            most = max(most, full.facts["placed"])
+            # Robots at other places may leave more room, but hardly shorter searches.
+            if full.code != "too-many-robots":
+                break
+    if len(boxes) >= MOST_TOGETHER:
+        raise _no_paths(owner, most, len(boxes) + 1)
     return replace(world, others=tuple(_robot(world, ends) for ends in together))
 
 
@@ -227,29 +238,37 @@ def _one_by_one(
     first: PlacedEnds,
     owner: str,
     margin: float,
-    work: Work,
 ) -> World:
-    """Return a world with a robot for each pair of boxes, and a joint witness.
+    """Return a world with a robot for each pair of boxes, each with a path around the others.
 
-    Each robot is drawn again until it has a path around those before it.
+    Each robot is drawn again until it has a path around those before it. The world has a joint
+    witness, unless the robots' last legs, from the graph to their targets, conflict.
+
+    Raises:
+        InvalidParameter: If there is no room left for a robot, or it finds no path.
     """
+    # Begin with the first robot.
     count = len(boxes) + 1
     radius = radius_in_cells(world)
     planned = Crowd(world, count, margin)
     rooms = (_Room(places, radius), _Room(places, radius))
     _take(rooms, first)
-    for box in boxes if planned.robots else ():
-        work.say(f"robot {len(planned.robots) + 1}")
-        for number in range(_REDRAWS):
-            # Targets that are far away come first, because they are the hardest to reach.
-            drawn = _draw_one(rooms, rng, box, max(1, _DRAWS - number))
-            if drawn is None:
+    # Add the others. Only large crowds are reported, as layouts are.
+    is_reported = count >= MOST_TOGETHER
+    with working("one by one", often=True) if is_reported else nullcontext(Work("")) as work:
+        for box in boxes if planned.robots else ():
+            work.say(f"robot {len(planned.robots) + 1}")
+            for number in range(_REDRAWS):
+                # Targets that are far away come first, because they are the hardest to reach.
+                drawn = _draw_one(rooms, rng, box, max(1, _DRAWS - number))
+                if drawn is None:
+                    raise _too_many(owner, len(planned.robots), count)
+                if planned.add(_robot(world, drawn)):
+                    _take(rooms, drawn)
+                    break
+            else:
                 raise _no_paths(owner, len(planned.robots), count)
-            if planned.add(_robot(world, drawn)):
-                _take(rooms, drawn)
-                break
-        else:
-            raise _no_paths(owner, len(planned.robots), count)
+    # Prove that all of them can arrive.
     if not planned.robots:
         raise _no_paths(owner, 0, count)
     placed = replace(world, others=tuple(planned.robots[1:]))
@@ -269,6 +288,21 @@ def _places(
             clear = flood(graph, np.array([node], np.int64))
     rows, columns = np.divmod(np.flatnonzero(clear), graph.stride)
     return np.stack([columns, rows], axis=1)
+
+
+def _check_plannable(world: World, owner: str) -> None:
+    """Reject a world that is too large to plan the paths of several robots."""
+    if not fits_graph(world, 2, 1):
+        raise InvalidParameter(
+            "too-large",
+            "{family}: a world of {width} x {height} cells is too large to plan the paths of more "
+            "than {few} robots",
+            "give a smaller size, or fewer robots",
+            family=owner,
+            width=world.width,
+            height=world.height,
+            few=FEW_ROBOTS,
+        )
 
 
 def _too_many(owner: str, placed: int, robots: int) -> InvalidParameter:

@@ -24,7 +24,7 @@ from worldgen.reach.timed.spans import Spans
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import Robot, World
 
-__all__ = ["Ground", "JointQuestion", "RobotEnds", "crossing_steps", "joint_question"]
+__all__ = ["Ground", "JointQuestion", "RobotEnds", "crossing_steps", "fits_graph", "joint_question"]
 
 _MOST_NODES = 60_000_000  # limit on nodes times robots: each has a distance of four bytes
 _MOST_CHOICES = 20_000  # limit on the assignments of starts to nodes that are tried
@@ -140,6 +140,11 @@ class JointQuestion:
         return made, held
 
 
+def fits_graph(world: World, k: int, robots: int) -> bool:
+    """Return True if the graph of a world, with ``k`` nodes per cell side, is small enough."""
+    return (k * world.height + 1) * (k * world.width + 1) * robots <= _MOST_NODES
+
+
 def joint_question(
     world: World, *, k: int, radius: float | None, margin: float
 ) -> JointQuestion | None:
@@ -153,7 +158,7 @@ def joint_question(
     """
     robots = world.robots
     size = world.cell_size
-    if (k * world.height + 1) * (k * world.width + 1) * len(robots) > _MOST_NODES:
+    if not fits_graph(world, k, len(robots)):
         return None
     radii = [in_cells(robot.radius if radius is None else radius, size) for robot in robots]
     classes = sorted(set(radii))
