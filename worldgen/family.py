@@ -407,10 +407,11 @@ def _decided(world: World, margin: float) -> Decision:
     A witness that the world brings along counts only if it holds: a family can change a world that
     another one has proved.
     """
-    from worldgen.reach import check_certificate  # noqa: PLC0415 - it loads shapely
+    if isinstance(world.certificate, Witness | JointWitness):
+        from worldgen.reach import check_certificate  # noqa: PLC0415 - it loads shapely
 
-    if isinstance(world.certificate, Witness | JointWitness) and check_certificate(world).valid:
-        return Decision(REACHABLE, world.certificate, "proved where the robots were placed")
+        if check_certificate(world).valid:
+            return Decision(REACHABLE, world.certificate, "proved where the robots were placed")
     return decide(world, margin=margin, cut=False)
 
 
