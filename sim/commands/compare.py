@@ -195,6 +195,16 @@ def _scenarios(
     duration = RunOptions.time_step if time_step is None else time_step
     found: dict[str, Scenario] = {}
     for text in (name for value in controllers for name in names_in(value)):
+        number, is_assigned, name = text.partition("=")
+        if is_assigned and number.strip().isdecimal():
+            raise InvalidParameter(
+                "assigned-robot",
+                "{text!r} assigns a controller to one robot, but compare drives all robots of a "
+                "world with the same controller",
+                "give {name}; worldgen run can assign controllers",
+                text=text,
+                name=name,
+            )
         scenario = Scenario.parse(text, motion=motion, time_step=duration, seed=seed)
         if not isinstance(
             CONTROLLERS.get(scenario.controller), CompiledController | ProcessController

@@ -445,3 +445,9 @@ def test_the_command_names_worlds_in_which_no_controller_can_arrive(tmp_path):
     write_world(passage(), tmp_path / "swap.grid")
     result = worldgen("compare", str(tmp_path), "--controller", "naive,pibt")
     assert "worlds in which no controller can arrive: swap" in result.err
+
+
+def test_the_command_refuses_controllers_assigned_to_single_robots(tmp_path):
+    write_world(passage(), tmp_path / "swap.grid")
+    result = worldgen("compare", str(tmp_path), "--controller", "1=bug2,2=vfh")
+    assert result.code == 2 and "drives all robots of a world with the same" in result.err
