@@ -202,6 +202,7 @@ def _scenarios(
                 "{text!r} assigns a controller to one robot, but compare drives all robots of a "
                 "world with the same controller",
                 "give {name}; worldgen run can assign controllers",
+                at_terminal=True,
                 text=text,
                 name=name,
             )
