@@ -18,12 +18,33 @@ from sim.evidence import (
 )
 from sim.verdict import Verdict
 from worldgen.timeline import CellState
-from worldgen.world import Value
+from worldgen.world import Value, World
 
-__all__ = ["describe_evidence", "describe_frames"]
+__all__ = ["describe_evidence", "describe_frames", "describe_unreachable"]
+
+_BLOCKED = "the target cannot be reached in this world, whatever the controller does"
+_BLOCKED_TOGETHER = "the robots cannot all arrive in this world, whatever the controllers do"
+_UNDECIDED = "it is undecided whether the target can be reached in this world"
+_UNDECIDED_TOGETHER = "it is undecided whether all robots can arrive in this world"
 
 # Limit on the pairs of robots that are named.
 _MOST_BLOCKS = 4
+
+
+def describe_unreachable(world: World, *, undecided: bool, proof: str = "") -> str:
+    """Return a sentence about a run that failed in a world without a witness.
+
+    Args:
+        world: The world.
+        undecided: True if it is not proved either that the robots cannot all arrive.
+        proof: The proof in a word, named only for several robots; empty to leave it out.
+    """
+    if undecided:
+        return _UNDECIDED_TOGETHER if world.others else _UNDECIDED
+    # One robot's note does not name the proof: it is a cut unless the world changes.
+    if not world.others:
+        return _BLOCKED
+    return f"{_BLOCKED_TOGETHER} (proved by a {proof})" if proof else _BLOCKED_TOGETHER
 
 
 def describe_evidence(episode: Episode) -> str:

@@ -212,10 +212,16 @@ class CampaignSession:
                 at_terminal=True,
                 limit=self._limit,
             )
+        robots = self._config.robots
         return InvalidParameter(
             "no-world-fits",
-            "no world was run in {units}: the robot fits none of them",
-            "give it a smaller radius, or other families",
+            "no world was run in {units}: the robot fits none of them"
+            if robots == 1
+            else "no world was run in {units}: no world has space for {robots} robots",
+            "give it a smaller radius, or other families"
+            if robots == 1
+            else "give fewer robots, a smaller radius, or larger worlds",
+            robots=robots,
             units=counted(state.units, "unit"),
         )
 

@@ -10,7 +10,7 @@ from fuzz.player.streams import bits, numbers
 from worldgen.lattice import UNIT
 from worldgen.world import Cut, JointWitness, Witness, World
 
-__all__ = ["MOST_CELLS", "drawn_certificate", "drawn_world"]
+__all__ = ["MOST_CELLS", "drawn_certificate", "drawn_others", "drawn_world"]
 
 MOST_CELLS = 1 << 22  # limit on a world that can be drawn; 700 kB in the page
 
@@ -46,11 +46,11 @@ def drawn_world(world: World) -> dict[str, Any] | None:
         if world.is_dynamic
         else None,
         **drawn_certificate(world),
-        "others": _others(world),
+        "others": drawn_others(world),
     }
 
 
-def _others(world: World) -> list[dict[str, Any]]:
+def drawn_others(world: World) -> list[dict[str, Any]]:
     """Return start, target, radius and witness of the robots after the first."""
     side = world.cell_size
     proof = world.certificate

@@ -20,7 +20,7 @@ from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
 from fuzz.player import drawn_robots, drawn_world, replay_page, sensors_of
 from fuzz.player.streams import numbers
-from fuzz.player.worlds import drawn_certificate
+from fuzz.player.worlds import drawn_certificate, drawn_others
 from fuzz.studio.campaigns.answers import CampaignAnswers
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.comparing import CompareAnswers
@@ -33,7 +33,7 @@ from fuzz.studio.running import chart_message, check_record, check_registered, s
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
 from sim.controllers.behaviours.arbitration import Arbitration
-from sim.describe import describe_evidence
+from sim.describe import describe_evidence, describe_unreachable
 from sim.drawing.picture import drive_of, trails_of
 from sim.episode import Episode, simulate
 from sim.evidence import FaultEvidence
@@ -49,11 +49,18 @@ from worldgen.files.grid import read_world, write_world
 from worldgen.files.whole import check_output
 from worldgen.generation import generate
 from worldgen.interop import readable_formats
-from worldgen.reach import Decision, decide
+from worldgen.reach import (
+    BLOCKED,
+    REACHABLE,
+    UNDECIDED,
+    Decision,
+    check_certificate,
+    decide,
+)
 from worldgen.reach.still.widest import widest_disc
 from worldgen.render import draw_gif, draw_svg
 from worldgen.timeline import Timeline
-from worldgen.world import Cut, Value, Witness, World
+from worldgen.world import Cut, JointWitness, Value, Witness, World
 
 __all__ = ["Answers"]
 
@@ -148,7 +155,8 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
 
     def decide(self, message: Message, part: Part) -> dict[str, Any]:
         """Decide if the target can be reached, and return the witness or the cut."""
-        return _decided(world := world_of(field(message, "world", dict)), decide(world))
+        world = restored(field(message, "world", dict))
+        return _decided(world, _decision(world))
 
     def widest(self, message: Message, part: Part) -> dict[str, Any]:
         """Return the largest radius that fits through; null in a world with events."""
@@ -214,8 +222,8 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
 
     def run(self, message: Message, part: Part) -> dict[str, Any]:
         """Run controllers in a world, one after another; each result is a part."""
-        world, labels = _to_run(message)
-        part({"world": drawn_world(world)})
+        world, labels, impossible = _to_run(message)
+        part({"world": drawn_world(world), "impossible": impossible})
         for number, label in enumerate(labels):
             try:
                 driven = self._driven(world, label, message)
@@ -255,9 +263,10 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
         episode = simulate(world, driver, options, record=True)
         ended = episode.verdict not in UNENDED
         seen = _seen(_Driven("you", world, options, episode, driver))
-        # The user is still driving, so this is not a failure yet.
-        why = seen["why"] if ended else "still driving"
-        return {**seen, "why": why, "motion": motion, "ended": ended}
+        # The user is still driving, so there is no verdict yet.
+        if not ended:
+            seen |= {"verdict": "still driving", "why": ""}
+        return {**seen, "motion": motion, "ended": ended}
 
     def check(self, message: Message, part: Part) -> dict[str, Any]:
         """Check that a controller may run under this name with its options."""
@@ -268,7 +277,7 @@ class Answers(CampaignAnswers, CompareAnswers, ExchangeAnswers, WallAnswers):
 
     def picture(self, message: Message, part: Part) -> dict[str, Any]:
         """Return the same runs as a file: an animation, a drawing of one, or a replay page."""
-        world, labels = _to_run(message)
+        world, labels, _ = _to_run(message)
         kind = field(message, "kind", str)
         title = field(message, "title", str)
         looked = field(message, "looked", int)
@@ -339,8 +348,23 @@ def _found_in(shrunk: Failure | None, folder: Path, root: Path) -> Failure | Non
     )
 
 
-def _to_run(message: Message) -> tuple[World, list[Any]]:
-    """Return the world to run robots in, with its proof, and their names."""
+def _decision(world: World) -> Decision:
+    """Decide a world, unless it has several robots and its file has a valid proof."""
+    proof = world.certificate
+    # Deciding for many robots takes long; checking their paths does not.
+    if not world.others or proof is None:
+        return decide(world)
+    report = check_certificate(world)
+    if not report.valid:
+        return decide(world)
+    return Decision(BLOCKED if isinstance(proof, Cut) else REACHABLE, proof, report.reason)
+
+
+def _to_run(message: Message) -> tuple[World, list[Any], str]:
+    """Return the world to run robots in, with its proof, and their names.
+
+    The last is a sentence if it is impossible or undecided that all robots arrive, else empty.
+    """
     world = restored(field(message, "world", dict))
     if message.get("still") is True:
         world = replace(world, timeline=Timeline(), certificate=None)
@@ -353,9 +377,17 @@ def _to_run(message: Message) -> tuple[World, list[Any]]:
             count=len(labels),
             most=MOST_ROBOTS,
         )
+    result = BLOCKED if isinstance(world.certificate, Cut) else REACHABLE
+    proof = "cut"
     if world.certificate is None:
-        world = replace(world, certificate=decide(world).certificate)
-    return world, labels
+        decision = decide(world)
+        world = replace(world, certificate=decision.certificate)
+        result = decision.result
+        proof = "cut" if decision.swap is None else "swap"
+    if result == REACHABLE:
+        return world, labels, ""
+    undecided = result == UNDECIDED
+    return world, labels, describe_unreachable(world, undecided=undecided, proof=proof)
 
 
 def _seen(driven: _Driven) -> dict[str, Any]:
@@ -407,13 +439,16 @@ def _digest(place: Path) -> str:
 def _decided(world: World, decision: Decision) -> dict[str, Any]:
     proof = decision.certificate
     facts: dict[str, Any] = {}
-    if isinstance(proof, Witness):
+    if isinstance(proof, Witness | JointWitness):
         facts = {"length": proof.length, "duration": proof.duration}
-    if isinstance(proof, Witness | Cut):
+    if proof is not None:
         facts |= {
             "clearance": proof.clearance,
             **drawn_certificate(replace(world, certificate=proof)),
         }
-    if isinstance(proof, Cut) and len(proof.cells) > 1:
+    if isinstance(proof, JointWitness):
+        facts["others"] = drawn_others(replace(world, certificate=proof))
+    # With several robots, the reason names the one that the ring stops.
+    if isinstance(proof, Cut) and not world.others and len(proof.cells) > 1:
         facts["ring"] = len(proof.cells)
     return {"result": decision.result, "reason": decision.reason, **facts}

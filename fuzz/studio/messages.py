@@ -20,7 +20,7 @@ from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files.grid import dumps, loads
 from worldgen.files.json_file import converted
 from worldgen.timeline import Timeline
-from worldgen.world import Pose, Target, World
+from worldgen.world import Pose, Robot, Target, World
 
 __all__ = [
     "checked",
@@ -46,6 +46,7 @@ def message_of(world: World) -> dict[str, Any]:
 
     Lengths are in m; ``cells`` are bits in base64, row by row from the lowest y. ``events`` are
     columns: time in s, column, row from the lowest, and state: 0 free, 1 solid, 2 burning.
+    ``others`` are the robots after the first, which the page draws but does not edit.
     ``source`` is the text of the file from which it was opened, or null. As long as the world stays
     the same, it is saved with that file's proof, provenance and failure.
 
@@ -77,6 +78,7 @@ def message_of(world: World) -> dict[str, Any]:
         )
     times, ix, iy, states = (column.tolist() for column in world.timeline.columns)
     text = dumps(world)
+    is_kept = len(text) <= _SOURCE_LIMIT
     return {
         "width": world.width,
         "height": world.height,
@@ -89,7 +91,17 @@ def message_of(world: World) -> dict[str, Any]:
         "events": {"times": times, "ix": ix, "iy": iy, "state": states}
         if world.is_dynamic
         else None,
-        "source": text.decode("utf-8") if len(text) <= _SOURCE_LIMIT else None,
+        # Without the file's text, the other robots are lost.
+        "others": [_ends(robot) for robot in world.others] if is_kept else [],
+        "source": text.decode("utf-8") if is_kept else None,
+    }
+
+
+def _ends(robot: Robot) -> dict[str, Any]:
+    return {
+        "start": [robot.start.x, robot.start.y, robot.start.heading],
+        "target": [robot.target.x, robot.target.y, robot.target.radius],
+        "radius": robot.radius,
     }
 
 

@@ -28,7 +28,7 @@ from worldgen.support.progress import working
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from sim.compare.comparison import NamedWorld
+    from sim.compare.comparison import Comparison, NamedWorld
     from sim.compare.published import PublishedRow
     from sim.scenario import Scenario
     from worldgen.world import World
@@ -139,6 +139,7 @@ def compare(
     # Run everything.
     with working("comparing") as work:
         comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=work.say)
+    _note_unreachable(comparison)
     beside = agreement(comparison, figures) if figures else None
     # Print the table, then write the files.
     if as_json:
@@ -194,6 +195,17 @@ def _scenarios(
     duration = RunOptions.time_step if time_step is None else time_step
     found: dict[str, Scenario] = {}
     for text in (name for value in controllers for name in names_in(value)):
+        number, is_assigned, name = text.partition("=")
+        if is_assigned and number.strip().isdecimal():
+            raise InvalidParameter(
+                "assigned-robot",
+                "{text!r} assigns a controller to one robot, but compare drives all robots of a "
+                "world with the same controller",
+                "give {name}; worldgen run can assign controllers",
+                at_terminal=True,
+                text=text,
+                name=name,
+            )
         scenario = Scenario.parse(text, motion=motion, time_step=duration, seed=seed)
         if not isinstance(
             CONTROLLERS.get(scenario.controller), CompiledController | ProcessController
@@ -259,6 +271,31 @@ def _read(path: Path) -> Iterator[tuple[Path, World]]:
 def _stem(file: Path) -> str:
     name = file.name.removesuffix(".gz")
     return name.removesuffix(".grid") or name
+
+
+def _note_unreachable(comparison: Comparison) -> None:
+    """Report worlds in which no controller arrived, and that no controller is proved to solve."""
+    from worldgen.reach.verifying import verify_world
+
+    found: dict[str, list[str]] = {"blocked": [], "undecided": []}
+    # Deciding a world can take as long as its runs, so skip worlds in which one arrives.
+    with working("deciding whether the runs could have arrived"):
+        for named, cells in zip(comparison.worlds, comparison.cells, strict=True):
+            if any(cell.reached for cell in cells):
+                continue
+            result = verify_world(named.world)["result"]
+            if result in found:
+                found[result].append(named.name)
+    for result, words in (
+        ("blocked", "no controller can arrive"),
+        ("undecided", "it is undecided whether a controller can arrive"),
+    ):
+        names = found[result]
+        if names:
+            more = f" and {len(names) - 5} more" if len(names) > 5 else ""
+            note(
+                f"note: the failures include worlds in which {words}: {', '.join(names[:5])}{more}"
+            )
 
 
 def _note_strangers(

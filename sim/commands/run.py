@@ -39,10 +39,6 @@ EXAMPLES = (
     "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json\n"
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
-_BLOCKED = "the target cannot be reached in this world, whatever the controller does"
-_BLOCKED_TOGETHER = "the robots cannot all arrive in this world, whatever the controllers do"
-_UNDECIDED = "it is undecided whether the target can be reached in this world"
-_UNDECIDED_TOGETHER = "it is undecided whether all robots can arrive in this world"
 _PICTURES = (".png", ".svg", ".html", ".gif")
 
 
@@ -297,11 +293,10 @@ def _is_reachable(world: World, episode: Episode) -> tuple[bool | None, str]:
 
 def _why_unreachable(world: World, reachable: bool | None, proof: str) -> str:
     """Return the note about a run that failed and has no witness."""
-    if reachable is None:
-        return _UNDECIDED_TOGETHER if world.others else _UNDECIDED
-    # One robot's note does not name the proof: it is a cut unless the world changes.
-    blocked = f"{_BLOCKED_TOGETHER} (proved by a {proof})" if world.others else _BLOCKED
-    return f"{blocked}; `worldgen verify` explains why"
+    from sim.describe import describe_unreachable
+
+    sentence = describe_unreachable(world, undecided=reachable is None, proof=proof)
+    return sentence if reachable is None else f"{sentence}; `worldgen verify` explains why"
 
 
 def _summary(episode: Episode) -> dict[str, object]:

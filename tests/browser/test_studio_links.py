@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers.fleets import passage
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened
 from worldgen import generate
@@ -59,9 +60,24 @@ def test_an_example_and_the_tour_are_there_to_begin_with_and_links_lead_to_run_a
 def test_a_fleet_runs_without_any_choice_under_a_model_that_takes_it(browser, tmp_path):
     write_world(generate("crossing", 3), tmp_path / "fleet.grid")
     with studio_of(tmp_path, file="fleet.grid") as gate, opened(browser, gate) as page:
-        page.locator(".status", has_text="robot 1 of 4; Play shows all").wait_for()
+        page.locator(".status", has_text="4 robots; the tools move robot 1").wait_for()
         page.keyboard.press("2")
         page.locator(".result", has_text="naive").first.wait_for()
         assert page.locator(".result").count() == 1
         assert "reached" in page.locator(".result").inner_text()
+        assert page.complaints == []
+
+
+@pytest.mark.gate
+def test_a_fleet_that_cannot_arrive_together_is_called_blocked_in_draw_and_play(browser, tmp_path):
+    write_world(passage(), tmp_path / "swap.grid")
+    with studio_of(tmp_path, file="swap.grid") as gate, opened(browser, gate) as page:
+        assert page.locator("#proof").inner_text().startswith("✗ blocked: robots 1 and 2")
+        page.keyboard.press("2")
+        note = page.locator(".result .note")
+        note.wait_for(timeout=60_000)
+        assert note.inner_text() == (
+            "The robots cannot all arrive in this world, whatever the controllers do "
+            "(proved by a swap)."
+        )
         assert page.complaints == []

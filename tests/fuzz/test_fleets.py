@@ -372,6 +372,15 @@ def test_a_campaign_has_the_robots_of_its_map_and_more_on_demand(tmp_path, robot
 def test_fewer_robots_than_the_map_has_are_refused(tmp_path) -> None:
     with raises(InvalidParameter, code="fewer-robots", robots=2, own=3):
         configure(CampaignOptions(controller="naive", world=fleet_map(tmp_path), robots=2), 1)
+    command = ["fuzz", "--world", tmp_path / "fleet.grid", "--controller", "naive", "--robots", "1"]
+    result = worldgen(*command, "--units", "1", "--out", tmp_path / "out")
+    assert result.code == 2 and "has 3 robots, not 1; omit --robots" in result.err
+
+
+def test_a_map_without_space_for_the_robots_asks_for_fewer(tmp_path) -> None:
+    command = ["fuzz", "--world", fleet_map(tmp_path), "--controller", "naive", "--robots", "90"]
+    result = worldgen(*command, "--units", "1", "--examples", "2", "--out", tmp_path / "out")
+    assert result.code == 2 and "give fewer robots" in result.err
 
 
 def test_more_robots_on_a_map_than_a_campaign_can_have_are_refused(tmp_path) -> None:

@@ -260,3 +260,23 @@ test("a picture is described in words", () => {
   assert.equal(pictureLabel({ size: "9 x 3", solid: 21, events: 2, run: { steps: 1331 } }), "World of 9 x 3 cells, 21 solid, 2 changes of cells, the robot's path of 1,331 steps");
   assert.equal(pictureLabel({ size: "9 x 3", solid: 1021, events: 0, run: null }), "World of 9 x 3 cells, 1,021 solid");
 });
+
+test("a picture without space between its edges is still drawn at a positive scale", () => {
+  const canvas = document.createElement("canvas");
+  Object.assign(canvas, { clientWidth: 640, clientHeight: 10 });
+  assert.ok(penFor(canvas, null, roomOf(9, 5)).scale > 0);
+});
+
+test("robots of one world have their numbers at their starts, and where their runs end", () => {
+  const one = { start: [6.5, 2.5, 0], target: [2.5, 2.5, 0.5], radius: 0.7 };
+  const world = { ...roomOf(9, 5), others: [one] };
+  const run = () => runOf({ at: [0, 3], x: [2, 6] });
+  for (const drawn of [{}, { run: run(), others: [{ run: run(), number: 2 }], step: 3 }]) {
+    const canvas = document.createElement("canvas");
+    Object.assign(canvas, { clientWidth: 640, clientHeight: 480 });
+    drawScene(canvas, { world, show: {}, ...drawn });
+    const written = canvas.getContext("2d").calls.filter(({ name }) => name === "fillText").map(({ given }) => given[0]);
+    // Each number is at the target as well.
+    for (const number of ["1", "2"]) assert.equal(written.filter((words) => words === number).length, 2, number);
+  }
+});

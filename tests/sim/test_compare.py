@@ -22,7 +22,7 @@ from sim.compare.report import as_csv, as_text
 from sim.controllers import names_in
 from sim.fleet import FleetEpisode
 from tests.helpers.command_line import worldgen
-from tests.helpers.fleets import EAST, WEST, fleet_world
+from tests.helpers.fleets import EAST, WEST, fleet_world, passage
 from tests.helpers.fleets import hall as empty_hall
 from tests.helpers.raising import raises
 from tests.sim.test_thesis_options import hall
@@ -439,3 +439,15 @@ def test_what_no_published_figure_is_about_is_left_out():
 )  # fmt: skip
 def test_a_comma_in_a_command_line_belongs_to_it_unless_a_controller_follows(text, names):
     assert names_in(text) == names
+
+
+def test_the_command_names_worlds_in_which_no_controller_can_arrive(tmp_path):
+    write_world(passage(), tmp_path / "swap.grid")
+    result = worldgen("compare", str(tmp_path), "--controller", "naive,pibt")
+    assert "worlds in which no controller can arrive: swap" in result.err
+
+
+def test_the_command_refuses_controllers_assigned_to_single_robots(tmp_path):
+    write_world(passage(), tmp_path / "swap.grid")
+    result = worldgen("compare", str(tmp_path), "--controller", "1=bug2,2=vfh")
+    assert result.code == 2 and "drives all robots of a world with the same" in result.err

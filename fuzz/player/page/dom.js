@@ -155,6 +155,7 @@ export function say(text) {
 const SIGNS = {
   "reached": "✓",
   "covered": "✓",
+  "still driving": "…",
   "loop": "↻",
   "livelock": "↻",
   "deadlock": "‖",

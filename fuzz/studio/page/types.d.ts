@@ -173,6 +173,8 @@ interface WorldMessage {
   start: Triple;
   target: Triple;
   events: Events | null;
+  /** The robots after the first: shown, but not edited. */
+  others: { start: Triple; target: Triple; radius: number }[];
   /** Text of the file from which it was opened. */
   source: string | null;
 }
@@ -237,9 +239,12 @@ interface Proof {
   reason?: string;
   witness?: DrawnWorld["witness"];
   cut?: CellPlace[];
+  /** Of several robots: the others with their witnesses. */
+  others?: OtherEnds[];
   error?: string;
-  /** The witness, unpacked. */
+  /** The witness, unpacked, and those of the other robots. */
   opened?: OpenWorld["witness"];
+  openedOthers?: OpenWorld["others"];
 }
 
 /** A campaign in numbers: fuzz/studio/campaigns/state.py. */

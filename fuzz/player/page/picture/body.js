@@ -22,18 +22,20 @@ export function bodyRadius(pen, world) {
 export function drawRobot(pen, world, pose, scene) {
   const { context, px, py, colours } = pen;
   const radius = bodyRadius(pen, world);
+  // One of several in the world has the colour of its start, its target and its path.
+  const own = world.others?.length ? colours[robotColour(1)] : colours.robot;
   ring(
     pen,
     pose.x,
     pose.y,
     radius,
-    pose.bump && !scene.whole ? colours.touched : colours.robot,
+    pose.bump && !scene.whole ? colours.touched : own,
     pose.bump ? 2.5 : 1.75,
   );
   context.beginPath();
   context.moveTo(px(pose.x), py(pose.y));
   context.lineTo(px(pose.x + Math.cos(pose.heading) * radius), py(pose.y + Math.sin(pose.heading) * radius));
-  stroke(pen, colours.robot, 2);
+  stroke(pen, own, 2);
 }
 
 /**

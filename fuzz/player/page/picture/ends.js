@@ -32,8 +32,9 @@ function endsOf(world) {
  * Draws each robot's disc at its start, true to scale unless that is too small to see.
  * @param {Pen} pen
  * @param {SceneWorld} world
+ * @param {boolean} [isNumbered] - Whether to draw the number of each of several robots at its start
  */
-export function drawStart(pen, world) {
+export function drawStart(pen, world, isNumbered = false) {
   const { context, px, py, colours } = pen;
   for (const { start, radius, number } of endsOf(world)) {
     const [x, y, heading] = start;
@@ -49,5 +50,6 @@ export function drawStart(pen, world) {
     for (const share of [0.45, 1])
       context.lineTo(px(x + Math.cos(heading) * shown * share), py(y + Math.sin(heading) * shown * share));
     stroke(pen, strong, 3);
+    if (number && isNumbered) drawNumber(pen, number, px(x - shown) - 11, py(y + shown));
   }
 }

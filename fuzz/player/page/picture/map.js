@@ -25,6 +25,8 @@ import { drawTrail } from "#player/picture/trail.js";
  */
 export function drawScene(canvas, scene, view = null) {
   const { world, run } = scene;
+  // In a world of several robots, the first is in front.
+  const number = scene.number ?? (scene.others?.length ? 1 : null);
   const pen = penFor(canvas, view, world);
   if (pen.width === 0) return;
   const step = scene.step ?? 0;
@@ -37,8 +39,8 @@ export function drawScene(canvas, scene, view = null) {
     drawOpenings(pen, world, cells);
   }
   drawTarget(pen, world);
-  if (run) drawRun(pen, { ...scene, run, step }, cells);
-  else drawStart(pen, world);
+  if (run) drawRun(pen, { ...scene, run, step, number }, cells);
+  else drawStart(pen, world, true);
   drawScaleBar(pen, world);
 }
 

@@ -1,6 +1,7 @@
 // The pen: a canvas addressed in cells, the colours of the page, and lines, discs and rings.
 // y points up.
 
+const LEAST_SCALE = 0.05; // pixels per cell, if a canvas has no space left between its edges
 const RIM = 0.4; // cells of solid ground to draw around a world, unless that is too wide
 
 /** @returns {Record<string, string>} */
@@ -20,7 +21,7 @@ export function fitView(world, width, height) {
   return {
     x: world.width / 2,
     y: world.height / 2,
-    scale: Math.min((width - edge) / world.width, (height - edge) / world.height),
+    scale: Math.max(LEAST_SCALE, Math.min((width - edge) / world.width, (height - edge) / world.height)),
   };
 }
 

@@ -2,8 +2,8 @@
 
 import { openWitness } from "#player/decode.js";
 import { drawScene } from "#player/picture/map.js";
-import { line, penFor, ring, stroke } from "#player/picture/pen.js";
-import { drawnOf } from "#studio/draw/drawn_world.js";
+import { line, penFor, ring, robotColour, stroke } from "#player/picture/pen.js";
+import { drawnOf, othersOf } from "#studio/draw/drawn_world.js";
 import { pictureOf } from "#studio/draw/pattern_picture.js";
 
 const NEAREST = 200; // pixels per cell at the highest zoom
@@ -111,8 +111,12 @@ function openChanging(model) {
  */
 function sceneWorld(model, proof) {
   const { world, version } = model;
-  if (proof) proof.opened ??= openWitness(proof.witness);
+  if (proof) {
+    proof.opened ??= openWitness(proof.witness);
+    proof.openedOthers ??= (proof.others ?? []).map((one) => openWitness(one.witness) ?? null);
+  }
   const witness = proof?.opened;
+  const others = proof?.openedOthers ?? [];
   const side = world.cell_size;
   const [startX, startY, heading] = world.start;
   const [targetX, targetY, radius] = world.target;
@@ -122,11 +126,12 @@ function sceneWorld(model, proof) {
     radius: world.robot_radius / side,
     start: [startX / side, startY / side, heading],
     target: [targetX / side, targetY / side, radius / side],
+    others: othersOf(world),
     witness: proof && proof.witness,
     cut: proof && proof.cut,
     open: world.events
-      ? Object.assign(openChanging(model), { witness })
-      : { cells: world.cells, events: null, done: version, boxSince: (then) => model.boxSince(then), witness },
+      ? Object.assign(openChanging(model), { witness, others })
+      : { cells: world.cells, events: null, done: version, boxSince: (then) => model.boxSince(then), witness, others },
   };
 }
 
@@ -154,12 +159,13 @@ function drawBoard(board) {
 // Draws the robot's disc at the start, with its heading.
 function drawFootprint(pen, world) {
   const [x, y, heading] = world.start;
-  ring(pen, x, y, world.radius, pen.colours.start, 1.5);
+  const colour = pen.colours[world.others.length > 0 ? robotColour(1) : "start"];
+  ring(pen, x, y, world.radius, colour, 1.5);
   const { context, px, py } = pen;
   context.beginPath();
   context.moveTo(px(x), py(y));
   context.lineTo(px(x + Math.cos(heading) * (world.radius + 0.6)), py(y + Math.sin(heading) * (world.radius + 0.6)));
-  stroke(pen, pen.colours.start, 2.5);
+  stroke(pen, colour, 2.5);
 }
 
 // Draws the signal in colours, stronger where it is stronger,

@@ -295,7 +295,7 @@ function showPlace(draw, parts, point) {
     side = world.cell_size;
   const changes = world.events ? `, ${grouped(world.events.times.length)} changes` : "";
   const robots = robotsIn(world),
-    fleet = robots > 1 ? ` · robot 1 of ${robots}; Play shows all` : "";
+    fleet = robots > 1 ? ` · ${robots} robots; the tools move robot 1` : "";
   const mark = markAt(world, point);
   draw.canvas.title = mark && `${mark}: drag it with the tool of this name`;
   const place = point

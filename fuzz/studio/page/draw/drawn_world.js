@@ -1,6 +1,20 @@
 // The drawn world as the player draws it, so that it is visible before the server has answered.
 
 /**
+ * Returns start, target and radius of the robots after the first, in cells.
+ * @param {EditedWorld} world
+ * @returns {OtherEnds[]}
+ */
+export function othersOf({ others, cell_size: side }) {
+  return others.map(({ start: [x, y, heading], target, radius }) => ({
+    start: [x / side, y / side, heading],
+    target: /** @type {Triple} */ (target.map((value) => value / side)),
+    radius: radius / side,
+    witness: null,
+  }));
+}
+
+/**
  * Returns a world for the player, without copying its cells.
  * @param {EditedWorld} world
  * @returns {DrawnWorld}
@@ -17,6 +31,7 @@ export function drawnOf(world) {
     start: [startX / side, startY / side, heading],
     target: /** @type {Triple} */ (world.target.map((value) => value / side)),
     events: null,
+    others: othersOf(world),
     open: {
       cells,
       events: events && {

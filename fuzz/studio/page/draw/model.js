@@ -26,6 +26,7 @@ export function emptyWorld(width, height, { cell_size: cell, robot_radius, robot
     start: [near(width), near(height), 0],
     target: [far(width), far(height), round(0.5 * cell)],
     events: null,
+    others: [],
     source: null,
     name: "", // of its file in the folder; empty without a file
     file: null, // the digest of that file when it was opened or saved
@@ -34,12 +35,12 @@ export function emptyWorld(width, height, { cell_size: cell, robot_radius, robot
 }
 
 /**
- * Returns how many robots the world's file has; the page edits the first.
+ * Returns how many robots the world has; the page edits the first.
  * @param {EditedWorld} world
  * @returns {number}
  */
 export function robotsIn(world) {
-  return Math.max(1, world.source?.match(/^\[\[robot\]\]/gm)?.length ?? 1);
+  return 1 + world.others.length;
 }
 
 /**
@@ -75,7 +76,7 @@ export function worldOf(message, name = "", file = null) {
   const text = atob(message.cells),
     cells = new Uint8Array(message.width * message.height);
   for (let k = 0; k < cells.length; k += 1) cells[k] = (text.charCodeAt(k >> 3) >> (k & 7)) & 1; // ten times as fast as from()
-  return { ...message, cells, name, file, sheet: Symbol("sheet") };
+  return { ...message, others: message.others ?? [], cells, name, file, sheet: Symbol("sheet") };
 }
 
 /**

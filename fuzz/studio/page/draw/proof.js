@@ -3,11 +3,11 @@
 
 import { numbersOf } from "#player/decode.js";
 import { Ended } from "#studio/shared/connection.js";
-import { messageOf } from "#studio/draw/model.js";
+import { messageOf, robotsIn } from "#studio/draw/model.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 const SOON = 60; // ms after the last change
-const LATER = 500; // ms of quiet before asking for the widest robot
+const LATER = 500; // ms of quiet before asking for the widest robot, or whether several robots can arrive
 const LARGEST_WIDEST = 40_000; // cells: in larger worlds the user has to ask for the widest robot
 const LARGE = 500_000; // cells of a world whose proof takes seconds
 const DECIDING = {}; // placeholder for a proof that takes a while
@@ -33,10 +33,11 @@ export function proofWords(proof) {
   if (proof === DECIDING_LONG) return { head: "deciding …:", words: " a large world takes a few seconds; you can keep drawing", kind: "waiting" };
   if (proof.error) return { head: "", words: proof.error, kind: "bad" };
   if (proof.result === "reachable") {
-    const { length, duration, clearance } = proof;
+    const { length, duration, clearance, others = [] } = proof;
+    const who = others.length > 0 ? ` all ${others.length + 1} robots together,` : "";
     return {
       head: "✓ reachable:",
-      words: ` ${length.toFixed(2)} m, ${duration.toFixed(2)} s; clearance of the path shown ${clearance.toPrecision(4)} m`,
+      words: `${who} ${length.toFixed(2)} m, ${duration.toFixed(2)} s; clearance of the path shown ${clearance.toPrecision(4)} m`,
       kind: "good",
     };
   }
@@ -78,7 +79,7 @@ export function makeProver(studio, proved, widest) {
     clearTimeout(state.later);
     if (state.version !== studio.model.version) widest(null); // saving does not change the result
     state.version = studio.model.version;
-    state.soon = setTimeout(() => decide(studio, proved), SOON);
+    state.soon = setTimeout(() => decide(studio, proved), robotsIn(studio.model.world) > 1 ? LATER : SOON);
     if (!isWidestByHand(studio.model.world)) state.later = setTimeout(() => measure(studio, widest), LATER);
   };
   prove.widest = () => {
@@ -94,7 +95,10 @@ async function decide(studio, proved) {
     large = studio.model.world.cells.length > LARGE,
     waiting = setTimeout(() => current(large ? DECIDING_LONG : DECIDING), 150); // so that a quick proof does not flicker
   try {
-    const proof = await studio.connection.ask("decide", { world: { ...messageOf(studio.model.world), source: null } });
+    const sent = messageOf(studio.model.world);
+    // The server reads the other robots from the file's text; one robot does not need it.
+    const world = robotsIn(studio.model.world) > 1 ? sent : { ...sent, source: null };
+    const proof = await studio.connection.ask("decide", { world });
     current(proof);
   } catch (error) {
     if (error instanceof Refused) current({ error: error.message });

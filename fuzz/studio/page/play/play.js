@@ -40,7 +40,7 @@ export function makePlay(section, studio) {
   parts.stage = el("div", { class: "stage" }, parts.canvas);
   parts.beside = el("button", { type: "button", id: "beside", hidden: true, "aria-pressed": "false", onclick: () => toggleBeside(play) }, "Compare with the original, before shrinking");
   /** @type {any} */
-  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, isEdited: false, wantedStep: null, cut: false, way: false, runs: [], world: null, message: null, looked: 0, version: -1, under: null, asked: 0 };
+  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, isEdited: false, wantedStep: null, cut: false, way: false, runs: [], world: null, impossible: "", message: null, looked: 0, version: -1, under: null, asked: 0 };
   play.code = makeCodeNote(studio, () => run(play, true));
   play.driving = makeDriving({
     begin: () => beginDriving(play),
@@ -250,7 +250,7 @@ function hideStop(button) {
 // Handles a part of the answer: the world, which replaces earlier results, or a robot's run.
 function take(play, part, message) {
   if (part.world !== undefined) {
-    Object.assign(play, { world: part.world, message, runs: [], looked: 0 });
+    Object.assign(play, { world: part.world, impossible: part.impossible, message, runs: [], looked: 0 });
     play.parts.said.textContent = runningWords(message.controllers, 0);
     if (!play.player) showBare(play, part.world, "The robots are running.");
     return;
@@ -323,7 +323,13 @@ function goOn(player, seen, playing) {
 }
 
 function showTable(play) {
-  showRobots(play.parts.list, play.runs, play.looked, (number) => look(play, number), play.world.cut ? PARTED : "");
+  showRobots(play.parts.list, play.runs, play.looked, (number) => look(play, number), noteOf(play));
+}
+
+// Returns why no controller could have arrived; empty if one can.
+function noteOf({ world, impossible }) {
+  if (world.cut && !world.others?.length) return PARTED;
+  return impossible && `${impossible[0].toUpperCase()}${impossible.slice(1)}.`;
 }
 
 // Asks whether the campaign has the original of the opened failure, if the failure has not changed

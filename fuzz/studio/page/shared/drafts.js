@@ -144,7 +144,7 @@ export function keepDraft(model) {
     else if (!isTaken(model)) {
       const draft = { name, file, at: Date.now(), world: messageOf(model.world) };
       let text = JSON.stringify(draft);
-      if (text.length > LARGEST) text = JSON.stringify({ ...draft, world: { ...draft.world, source: null } });
+      if (text.length > LARGEST) text = JSON.stringify({ ...draft, world: { ...draft.world, others: [], source: null } });
       store(text);
       state.kept = model.version;
     }
