@@ -157,6 +157,7 @@ def test_a_plan_that_a_planner_keeps_is_no_leftover_of_a_run(worlds, tmp_path, s
     name = circle(tmp_path, world=", world", reset="self.plan = world.target.x")
     world = [hall(target=(x, 1.45)) for x in (2.45, 2.55)]
     assert [simulate(one, name).verdict for one in world] == ["loop", "loop"]
+    assert not survivors
 
 
 def test_what_differs_in_every_instance_is_no_leftover_of_a_run(tmp_path, survivors):
