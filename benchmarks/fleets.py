@@ -6,10 +6,10 @@ costs per robot. All numbers are from one run, in processor time; the best of al
 The halls have the same density: a robot of 0.07 m radius for each square metre, which drives at
 1 m/s to the place of another one. A step is 15 ms.
 
-Peers step the same robots, and only their own step is measured. Each runs in the interpreter that
-its option names, or in this one, and is left out if it is not installed: navground, pyrvo (van den
-Berg's RVO2), and pogema, where the hall is a grid of 0.2 m and the moves are random. None has
-verdicts or exact contact.
+The peers navground, pyrvo (van den Berg's RVO2) and pogema step the same robots, and only their own
+step is measured. For pogema, the hall is a grid of 0.2 m and the moves are random. No peer has
+verdicts or exact contact. An option such as ``--pyrvo PYTHON`` names the interpreter in which a peer
+is installed, by default this one. A peer that is not installed is skipped.
 """
 
 from __future__ import annotations

@@ -34,6 +34,7 @@ class CampaignConfig(SearchOptions):
         vary: Quantities of the robot and options of the motion model to draw from.
         fixed_map: A map on which only its robots' starts, headings, targets and radii vary.
         shrink: Whether to shrink failures; on a user's own map they are more useful unshrunk.
+        robots: Number of robots in each world.
     """
 
     scenario: Scenario
@@ -43,6 +44,7 @@ class CampaignConfig(SearchOptions):
     vary: tuple[Variation, ...] = ()
     fixed_map: World | None = None
     shrink: bool = True
+    robots: int = 1
 
     @property
     def slower(self) -> int:

@@ -58,7 +58,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         task=options.task,
     )
     families = (*options.families, *options.strategies)
-    robots = options.robots if fixed_map is None else _robots_on(fixed_map, options)
+    robots = (options.robots or 1) if fixed_map is None else _robots_on(fixed_map, options)
     for name in families:
         check_strategy(name, scenario, robots)
     time_steps: tuple[float, ...] = (scenario.run.time_step,)
@@ -85,7 +85,8 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         varied,
         fixed_map,
         shrink=fixed_map is None if options.shrink is None else options.shrink,
-        **(kept | {"oracles": options.asked_oracles, "robots": robots}),
+        robots=robots,
+        **(kept | {"oracles": options.asked_oracles}),
     )
     with working("loading the simulator and the controller"):
         _try_out(config, seconds, [NamedOracle.parse(text) for text in config.oracles])
@@ -95,7 +96,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
 def _robots_on(fixed_map: World, options: CampaignOptions) -> int:
     """Return the number of robots in a campaign on a map: at least as many as the map has."""
     own = len(fixed_map.robots)
-    if 1 < options.robots < own:
+    if options.robots is not None and options.robots < own:
         raise InvalidParameter(
             "fewer-robots",
             "{path} has {own} robots, not {robots}",
@@ -114,7 +115,7 @@ def _robots_on(fixed_map: World, options: CampaignOptions) -> int:
             own=own,
             most=MOST_ROBOTS,
         )
-    return max(own, options.robots)
+    return max(own, options.robots or 1)
 
 
 def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedOracle]) -> None:

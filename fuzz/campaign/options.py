@@ -28,8 +28,6 @@ class SearchOptions:
             wall or block; may be repeated.
         examples: Number of worlds that each unit of work tries; up to 80 times as many for compiled
             controllers.
-        robots: Number of robots in each world. Several robots are all driven by the same
-            controller; the search then looks for deadlocks, livelocks and collisions.
         epoch: Number of units in a round. Each round learns from the rounds before it; at most two
             rounds run at a time.
         database: Hypothesis database, such as .hypothesis/examples. Examples in it run first, and
@@ -38,7 +36,6 @@ class SearchOptions:
 
     oracles: Annotated[tuple[str, ...], Written("--oracle", "NAME[=NUMBER]")] = ()
     examples: Annotated[int, Bounds(1, 100_000)] = 400
-    robots: Annotated[int, Bounds(1, MOST_ROBOTS)] = 1
     epoch: Annotated[int, Bounds(1, 100_000)] = 16
     database: Annotated[str, Written(metavar="DIR", path="folder")] = ""
 
@@ -61,6 +58,9 @@ class CampaignOptions(SearchOptions):
         detour: Count a path longer than RATIO times the witness path as a failure; the same as
             --oracle detour=RATIO.
         shrink: Shrink failures.  [default: yes, but not with --world]
+        robots: Number of robots in each world. Several robots are all driven by the same
+            controller; the search then looks for deadlocks, livelocks and collisions.  [default: 1,
+            or those of --world]
 
     Raises:
         InvalidParameter: If a value is out of range or of the wrong type.
@@ -76,6 +76,7 @@ class CampaignOptions(SearchOptions):
     time_step: float | None = None
     detour: Annotated[float | None, Bounds(1.0), Written(metavar="RATIO")] = None
     shrink: bool | None = None
+    robots: Annotated[int | None, Bounds(1, MOST_ROBOTS)] = None
 
     def __post_init__(self) -> None:
         for option in self.declared():

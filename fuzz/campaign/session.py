@@ -335,9 +335,9 @@ class CampaignSession:
             self._say_late(late)
 
     def _say_late(self, late: int) -> None:
-        """Print the number of classes that were not shrunk, and the command that shrinks them.
+        """Print how many classes were not shrunk, and why.
 
-        Nothing is printed if there was no lack of time.
+        If time ran out, print the command that shrinks them, too.
         """
         state = self._campaign.state
         are = (

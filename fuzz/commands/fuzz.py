@@ -204,12 +204,6 @@ def _begin(
         )
     drawn = draw_seed(stored_seed(out) if seed is None and not force else seed)
     config = configure(options, drawn, run_budget.seconds)
-    # By default, a campaign on a map has the map's robots; 1 is also the default's value.
-    if typed("robots") and options.robots < config.robots:
-        raise click.UsageError(
-            f"{options.world} has {config.robots} robots, not {options.robots}; omit --robots, or "
-            "give a higher number to add robots"
-        )
     for sentence in ineffective([config.scenario]):
         note(f"note: {sentence}")
     return begin(config, out, run_budget, force=force)

@@ -30,7 +30,7 @@ class Overview:
     Args:
         causes: The causes, the worst first.
         natural: The results in natural worlds; ``None`` if none were run.
-        comparison: Changes since an earlier campaign; ``None`` if there is none.
+        comparison: Changes since an earlier campaign; ``None`` if it is the first.
     """
 
     causes: tuple[CauseTotals, ...]

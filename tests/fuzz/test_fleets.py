@@ -363,15 +363,17 @@ def test_a_campaign_on_the_map_of_a_fleet_finds_failures_of_all_its_robots(tmp_p
         assert (first.speed, second.speed, third.speed) == (2.0, 2.0, 1.0)
 
 
-@pytest.mark.parametrize(("robots", "drawn"), [(1, 3), (4, 4)])
+@pytest.mark.parametrize(("robots", "drawn"), [(None, 3), (4, 4)])
 def test_a_campaign_has_the_robots_of_its_map_and_more_on_demand(tmp_path, robots, drawn) -> None:
     options = CampaignOptions(controller="naive", world=fleet_map(tmp_path), robots=robots)
     assert configure(options, 1).robots == drawn
 
 
-def test_fewer_robots_than_the_map_has_are_refused(tmp_path) -> None:
-    with raises(InvalidParameter, code="fewer-robots", robots=2, own=3):
-        configure(CampaignOptions(controller="naive", world=fleet_map(tmp_path), robots=2), 1)
+@pytest.mark.parametrize("robots", [1, 2])
+def test_fewer_robots_than_the_map_has_are_refused(robots, tmp_path) -> None:
+    options = CampaignOptions(controller="naive", world=fleet_map(tmp_path), robots=robots)
+    with raises(InvalidParameter, code="fewer-robots", robots=robots, own=3):
+        configure(options, 1)
     command = ["fuzz", "--world", tmp_path / "fleet.grid", "--controller", "naive", "--robots", "1"]
     result = worldgen(*command, "--units", "1", "--out", tmp_path / "out")
     assert result.code == 2 and "has 3 robots, not 1; omit --robots" in result.err

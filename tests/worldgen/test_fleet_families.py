@@ -134,14 +134,19 @@ def test_placing_a_crowd_says_which_robot_it_places(name, monkeypatch):
     assert {f"robot {number}" for number in range(2, 17)} <= set(shown)
 
 
+def walled_up(rng: RandomStream, size: int) -> World:
+    """Return a maze with the witness that it had before a wall divided it."""
+    maze = FAMILIES.get("maze")(rng.below(100), size=size)
+    walls = maze.walls.copy()
+    walls[:, size // 2] = True
+    return replace(maze, walls=walls)
+
+
 def test_a_witness_of_another_world_does_not_count():
     @family("fenced", version=1)
     def fenced(rng: RandomStream, *, size: int = 16) -> World:
         """Build a maze and wall it up."""
-        maze = FAMILIES.get("maze")(rng.below(100), size=size)
-        walls = maze.walls.copy()
-        walls[:, size // 2] = True
-        return replace(maze, walls=walls)
+        return walled_up(rng, size)
 
     with raises(GenerationFailed, code="no-layout-found"):
         fenced(3)
@@ -151,10 +156,7 @@ def test_a_world_with_a_proof_that_it_is_blocked_is_not_reachable():
     @family("cut", version=1)
     def cut(rng: RandomStream, *, size: int = 16) -> World:
         """Build a maze that is walled up."""
-        maze = FAMILIES.get("maze")(rng.below(100), size=size)
-        walls = maze.walls.copy()
-        walls[:, size // 2] = True
-        blocked = replace(maze, walls=walls, certificate=None)
+        blocked = replace(walled_up(rng, size), certificate=None)
         return replace(blocked, certificate=decide(blocked).certificate)
 
     with raises(GenerationFailed, code="no-layout-found"):

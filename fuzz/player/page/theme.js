@@ -10,7 +10,7 @@ function setTheme(theme, button, changed) {
   changed();
 }
 
-// Returns the stored choice; empty if there is none, or the browser stores nothing.
+// Returns the stored choice, or an empty string if the browser has not stored one.
 function keptTheme() {
   try {
     return localStorage.getItem(KEPT) ?? "";

@@ -214,8 +214,7 @@ function notice(words, closable = true) {
   told.hidden = words === "";
 }
 
-// Called when the connection is established, for the first time or again;
-// repeats requests that failed.
+// Called each time the connection is established; repeats requests that failed.
 async function begun(begins) {
   const first = studio.offered === null;
   const moved = !first && begins.folder !== studio.folder;

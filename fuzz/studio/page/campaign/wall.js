@@ -160,14 +160,14 @@ function showCards(wall) {
 }
 
 function emptyWords({ folder, states, folders }) {
-  if (folder === null || folder === "" || (states.size === 0 && folders.length <= 1)) return "There are no failures in the opened folder yet. Start a campaign on the right; it searches for worlds in which the controller fails.";
+  if (folder === null || folder === "" || (states.size === 0 && folders.length <= 1)) return "The opened folder has no failures yet. Start a campaign on the right; it searches for worlds in which the controller fails.";
   const state = states.get(folder);
   if (state?.activity === "preparing") return "Preparing: the simulator and the controller are being loaded. Nothing has been tried yet.";
   if (state?.running && state.worlds === 0) return "Nothing has been tried yet.";
   if (state?.running) return "Failures appear here as soon as they are proved and shrunk.";
   if (state?.worlds === 0) return "Nothing was tried: the campaign ended before its first run. Continue it for longer.";
   if (state) return `No failure was found in ${plural(state.worlds, "world")}. Continue the campaign for longer, or start another on the right.`;
-  return "There are no failures in this folder. Choose another folder above, or start a campaign on the right.";
+  return "This folder has no failures. Choose another folder above, or start a campaign on the right.";
 }
 
 function moreButton(wall, left) {

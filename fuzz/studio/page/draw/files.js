@@ -168,7 +168,7 @@ function showList(studio, files) {
   if (own.length === 0 && found.length > 0) parts.found.open = true;
   if (files.files.length === 0) {
     const told = el("p", { role: "status" });
-    parts.list.append(el("li", { class: "quiet" }, "There are no worlds in this folder yet. Save the drawing, drop a map on the page, or start with an example:", el("div", { class: "actions" }, exampleButtons(studio, (words) => (told.textContent = words))), told));
+    parts.list.append(el("li", { class: "quiet" }, "This folder has no worlds yet. Save the drawing, drop a map on the page, or start with an example:", el("div", { class: "actions" }, exampleButtons(studio, (words) => (told.textContent = words))), told));
   }
   if (shown.length === 0 && files.files.length > 0)
     parts.list.append(el("li", { class: "quiet" }, `None of ${plural(files.files.length, "file")} matches.`));
