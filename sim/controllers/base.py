@@ -95,8 +95,8 @@ class Observation(NamedTuple):
         odometry_y: y according to the wheels, m.
         odometry_heading: Heading according to the wheels, rad.
         beams: Distance to the nearest wall or robot along each range beam, m, counter-clockwise
-            from straight ahead. Empty unless the controller's attribute ``beams`` or an option such
-            as ``+beams=36`` sets their number.
+            from straight ahead. Empty unless the controller's ``needs``, such as
+            ``RobotOptions(beams=36)``, or an option such as ``+beams=36`` sets their number.
         neighbours: Other robots within range, the nearest first.
     """
 

@@ -1,7 +1,10 @@
-"""Options that cannot change a run, because its controller reads nothing that they affect."""
+"""Options that cannot change a run, and range beams that a controller reads but does not have."""
 
 from __future__ import annotations
 
+import ast
+import inspect
+import textwrap
 from collections.abc import Iterable, Sequence
 
 from sim.controllers import CONTROLLERS
@@ -12,7 +15,7 @@ from sim.options.run import switch_class
 from sim.scenario import Scenario
 from sim.thesis.options import ThesisOptions
 
-__all__ = ["coarse_forces", "ineffective", "random_run", "unused_options"]
+__all__ = ["coarse_forces", "ineffective", "missing_beams", "random_run", "unused_options"]
 
 _SIGNAL = ("signal", "signal_heading")
 _SENSOR = (
@@ -50,6 +53,8 @@ _SHAPES = (
 def ineffective(scenarios: Iterable[Scenario], *, seeds: Sequence[str] = ()) -> list[str]:
     """Return a sentence for each option that has no effect on these runs, or less than expected.
 
+    Add one for each controller that reads range beams without having any.
+
     Args:
         scenarios: The scenarios that are run.
         seeds: Names of the options for seeds that were given; the first is reported as unused
@@ -57,7 +62,10 @@ def ineffective(scenarios: Iterable[Scenario], *, seeds: Sequence[str] = ()) -> 
     """
     runs = tuple(scenarios)
     sentences = [
-        one for scenario in runs for one in (*unused_options(scenario), *coarse_forces(scenario))
+        one
+        for scenario in runs
+        for tell in (unused_options, coarse_forces, missing_beams)
+        for one in tell(scenario)
     ]
     if seeds and not any(map(random_run, runs)):
         these = "this run" if len(runs) == 1 else "these runs"
@@ -113,6 +121,37 @@ def coarse_forces(scenario: Scenario) -> list[str]:
         "still: "
         "with cells of 0.1 m and ticks of 15 ms, one below 0.67 m/s"
     ]
+
+
+def missing_beams(scenario: Scenario) -> list[str]:
+    """Return a sentence if the code of a Python controller reads beams that its robot does not have.
+
+    It is empty otherwise.
+    """
+    controller = CONTROLLERS.get(scenario.controller)
+    if isinstance(controller, CompiledController):
+        return []
+    if robot_for(controller, scenario.run.robot).beams or not _reads_beams(type(controller)):
+        return []
+    return [
+        f"{scenario.controller} reads observation.beams, but its robot has no range beams: add "
+        "+beams=36 to its name, or needs = RobotOptions(beams=36) to its class"
+    ]
+
+
+def _reads_beams(kind: type) -> bool:
+    """Return True if the source of a class contains an attribute ``beams`` of anything but self."""
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(kind)))
+    except (OSError, SyntaxError, TypeError):
+        # The class has no source, for example because it was made at run time.
+        return False
+    return any(
+        isinstance(part, ast.Attribute)
+        and part.attr == "beams"
+        and not (isinstance(part.value, ast.Name) and part.value.id == "self")
+        for part in ast.walk(tree)
+    )
 
 
 def random_run(scenario: Scenario) -> bool:

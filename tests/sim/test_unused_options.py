@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim import simulate
-from sim.options.unused import coarse_forces, random_run, unused_options
+from sim.options.unused import coarse_forces, missing_beams, random_run, unused_options
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen.world import Pose, Target, World
@@ -148,3 +148,31 @@ def test_a_familys_robot_is_given_by_the_names_of_every_other_command(names):
         json.loads(made.out)["params"] | {"robot_radius": 0.1, "robot_speed": 1.5}
         == json.loads(made.out)["params"]
     )
+
+
+@pytest.mark.parametrize(
+    ("attributes", "reads", "option", "missing"),
+    [
+        ("", "min(observation.beams, default=1.0)", "", True),
+        # A class attribute of this name does not give the robot any beams.
+        ("beams = 36", "min(observation.beams, default=1.0)", "", True),
+        ("beams = 36", "self.beams / 36", "", False),
+        ("", "min(observation.beams, default=1.0)", "+beams=8", False),
+        ("needs = RobotOptions(beams=8)", "min(observation.beams, default=1.0)", "", False),
+        ("", "1.0", "", False),
+    ],
+)
+def test_beams_that_a_controller_reads_but_does_not_have_are_named(
+    tmp_path, attributes, reads, option, missing
+):
+    (tmp_path / "mine.py").write_text(
+        "from sim import Command, RobotOptions\n"
+        "class Robot:\n"
+        f"    {attributes}\n"
+        "    def reset(self):\n"
+        "        return ()\n"
+        "    def act(self, observation, memory):\n"
+        f"        return Command({reads}, 0.0), memory\n"
+    )
+    sentences = missing_beams(Scenario.parse(f"{tmp_path}/mine.py:Robot{option}"))
+    assert ["needs = RobotOptions(beams=36)" in one for one in sentences] == [True] * missing
