@@ -5,7 +5,15 @@ import math
 import pytest
 
 from tests.helpers.drawn_worlds import drawn
-from worldgen.interop import export_world, import_world, read_map, read_scenario, write_export
+from worldgen.generation import generate
+from worldgen.interop import (
+    ImportedRobot,
+    export_world,
+    import_world,
+    read_map,
+    read_scenario,
+    write_export,
+)
 
 ROOM = "######\n#S...#\n##.#.#\n#...G#\n######"
 
@@ -49,6 +57,19 @@ def test_of_several_problems_beside_the_map_none_is_taken(tmp_path):
     scenario = tmp_path / "world.map.scen"
     scenario.write_text(scenario.read_text() + scenario.read_text().splitlines()[1] + "\n")
     assert read_map(path).start is None
+
+
+def test_the_robots_of_an_exported_map_come_back_without_naming_its_scenario(tmp_path):
+    world = generate("alley", 0, size=13)
+    path = write_export(export_world(world, "movingai"), tmp_path)[0]
+    assert import_world(path).world.robots == world.robots
+    # A start that the user gives is for a single robot.
+    start = (world.start.x, world.start.y)
+    assert len(import_world(path, ImportedRobot(start=start)).world.robots) == 1
+    # The sidecar counts two robots; a file with another number of problems is not the exported one.
+    scenario = tmp_path / "world.map.scen"
+    scenario.write_text(scenario.read_text() + scenario.read_text().splitlines()[1] + "\n")
+    assert len(import_world(path).world.robots) == 1
 
 
 @pytest.mark.parametrize("text", ["version 1\n0\tm\t9\t9\t1\t1\t2\t2\t1.4\n", "no scenario"])

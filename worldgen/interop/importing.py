@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap, ForeignRobot
 from worldgen.interop.format import ROBOT_FACTS
-from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario
+from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario, scenario_contents
 from worldgen.interop.place import heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map_alone
 from worldgen.interop.sidecar import Sidecar, with_sidecar
@@ -135,6 +135,8 @@ def import_world(
     # Read the map and complete the robot.
     robot = robot or ImportedRobot()
     found, sidecar = read_map_alone(path, name, options)
+    if sidecar is not None:
+        robot = _with_exported_robots(robot, found, sidecar, path)
     if robot.scenario is not None or robot.robots > 1:
         found = _with_scenario(robot, found)
     if sidecar is not None:
@@ -240,6 +242,27 @@ def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
 
 def _scenario_radius(found: ForeignMap) -> float:
     return float(SCENARIO_RADIUS * exact(found.cell_size))
+
+
+def _with_exported_robots(
+    robot: ImportedRobot, found: ForeignMap, sidecar: Sidecar, path: Path
+) -> ImportedRobot:
+    """Name the scenario file of a map that was exported with several robots, unless places are given.
+
+    The sidecar says how many robots there were, and the scenario file has a problem for each.
+    """
+    own = path.with_name(f"{path.name}.scen")
+    count = 1 + len(sidecar.others)
+    chosen = (robot.scenario, robot.start, robot.target, robot.seed)
+    if found.params.get("format") != "movingai" or chosen != (None,) * 4 or robot.robots > 1:
+        return robot
+    try:
+        if count == 1 or not own.is_file() or scenario_contents(own)[1] != count:
+            return robot
+    except FormatError:
+        # The sidecar's warning says that the robots are missing.
+        return robot
+    return replace(robot, scenario=own, robots=count)
 
 
 def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
