@@ -21,8 +21,6 @@ from sim.controllers.flat_act import compiled_act
 from sim.kernels import layout
 from sim.options.robot import RobotOptions
 
-__all__ = ["AsClass"]
-
 
 @dataclass(frozen=True)
 class AsClass:

@@ -32,8 +32,6 @@ from fuzz.campaign.unit import run_unit
 from fuzz.search.plan import strategies_for
 from sim.scenario import Scenario
 
-__all__ = ["measure", "model"]
-
 WORLDS = 1_000_000_000
 # Units done first: after them every kernel is loaded.
 _WARM = 4

@@ -41,8 +41,6 @@ from fuzz.triage.diagnosis import cause_of
 from fuzz.triage.hazards import is_hazard
 from sim.scenario import Scenario
 
-__all__ = ["DESIGN", "Sorted", "apart", "purity", "sort_failures"]
-
 DESIGN = tuple(sorted(FAULTS)[::2])
 """The faults whose worlds were looked at while the rules for causes were written."""
 

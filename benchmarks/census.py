@@ -43,8 +43,6 @@ from worldgen.reach import REACHABLE
 from worldgen.support.intervals import interval_95
 from worldgen.world import World
 
-__all__ = ["ROWS", "Row", "measure"]
-
 EXAMPLES = Path(__file__).parents[1] / "examples" / "census"
 CELLS = ("0.45c", "0.7c", "1c")
 SEED = 1

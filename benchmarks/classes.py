@@ -38,8 +38,6 @@ from sim.scenario import Scenario
 from tests.helpers.interpreted import Interpreted
 from worldgen.random_streams import RandomStream
 
-__all__ = ["CASES", "Row", "measure"]
-
 # Steps.
 SHORT = 60
 BEAMS = 36

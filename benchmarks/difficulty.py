@@ -34,8 +34,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach import decide
 from worldgen.world import Pose, Target, World
 
-__all__ = ["barn_worlds", "fitted", "spearman", "worlds_of"]
-
 FAMILIES_AT_REST = ("cave", "corridor", "forest", "maze", "rooms", "rubble", "trap")
 # Worlds of each family.
 WORLDS = 110

@@ -18,8 +18,6 @@ import click
 from worldgen.difficulty.search import Search, constraint_for
 from worldgen.family import FAMILIES
 
-__all__ = ["tries_of"]
-
 CASES = (
     ("maze", "detour > 3 and bottleneck < 1.2r"),
     ("maze", "detour > 4"),

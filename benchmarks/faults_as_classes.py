@@ -24,8 +24,6 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.faults import FAULTS
 from sim.scenario import Scenario
 
-__all__ = ["WAYS", "Row", "look_for"]
-
 WAYS = {
     "compiled": "fuzz.faults:",
     "class": "benchmarks.as_classes:",

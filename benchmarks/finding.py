@@ -47,16 +47,6 @@ from worldgen.errors import WorldgenError
 from worldgen.files.grid import write_world
 from worldgen.world import World
 
-__all__ = [
-    "Limits",
-    "Row",
-    "controller_name",
-    "look_for",
-    "removable_cells",
-    "shows",
-    "tells",
-]
-
 # Worlds of a unit, so that it is known which world it was.
 EXAMPLES = 1
 # Strategies that do not ask oracles about runs that arrive.

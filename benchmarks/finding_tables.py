@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
-__all__ = ["summary", "tables"]
-
 # Wall seconds on two cores; a find within this many CPU seconds is also within this time.
 _FLOOR_SECONDS = 60.0
 

@@ -36,8 +36,6 @@ from sim.runners.lattice import LatticeRun
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Robot, Target, World
 
-__all__ = ["hall_of", "measure"]
-
 CONTROLLER_NAMES = ("naive", "right-hand", "orca", "turn-right")
 PEERS = ("navground", "pogema", "pyrvo")
 COUNTS = (1, 10, 100)

@@ -18,8 +18,6 @@ from worldgen.lattice import radius_in_cells
 from worldgen.support.grid_search import squared_distances
 from worldgen.world import World
 
-__all__ = ["InflatedAnswers", "InflationPlanners"]
-
 Labels = npt.NDArray[np.int32]
 
 

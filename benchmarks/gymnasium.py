@@ -39,8 +39,6 @@ import numpy as np
 
 import worldgen.gym
 
-__all__ = ["CASES", "PEERS", "measure"]
-
 # Seconds of a measurement.
 SECONDS = 1.5
 ROBOTS = 4096

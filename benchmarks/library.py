@@ -31,8 +31,6 @@ from worldgen.family import FAMILIES
 from worldgen.files.grid import read_world
 from worldgen.world import Witness, World
 
-__all__ = ["Row", "controllers", "family_worlds", "rows_of", "tables"]
-
 # Worlds of each family.
 WORLDS = 500
 # Five minutes in steps of 15 ms, in which a robot can drive 600 m; the worlds are 3 m wide.

@@ -23,8 +23,6 @@ from fuzz.campaign.unit import run_unit
 from sim.scenario import Scenario
 from worldgen.family import FAMILIES
 
-__all__ = ["Found", "search"]
-
 # Units of each strategy.
 UNITS = 1
 FEATURES = "features"

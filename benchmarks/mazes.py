@@ -36,8 +36,6 @@ from worldgen.families.builtin.maze import maze
 from worldgen.families.parts.mazes import METHODS, cells_of, grow, pitch
 from worldgen.random_streams import RandomStream
 
-__all__ = ["PEERS", "measure", "measure_peers", "peak_memory"]
-
 LARGE = (
     "eller",
     "sidewinder",

@@ -44,8 +44,6 @@ from sim.runners.lattice import LatticeRun
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream
 
-__all__ = ["NAMES", "Row", "measure"]
-
 NAMES = ("benchmarks.simulator:BOUNCER", "turn-right", "turn-left", "wall-left", "vfh")
 ALONE_STEPS = 300_000
 # Scenes.

@@ -33,16 +33,6 @@ import click
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    "Instance",
-    "PibtRun",
-    "goal_distances",
-    "least_makespan",
-    "pibt_step",
-    "run_pibt",
-    "table",
-]
-
 Ints = npt.NDArray[np.int64]
 
 MOVES = ((-1, 0), (1, 0), (0, -1), (0, 1), (0, 0))

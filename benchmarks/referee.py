@@ -27,8 +27,6 @@ from worldgen.lattice import UNIT, clear_distance_sq
 from worldgen.random_streams import RandomStream
 from worldgen.timeline import CellState
 
-__all__ = ["Report", "referee"]
-
 SOLID = int(CellState.SOLID)
 # Lattice units.
 TOLERANCE = 1e-6

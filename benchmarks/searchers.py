@@ -27,7 +27,8 @@ from itertools import count
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.unit import run_unit
-from fuzz.search.features import LAYOUT_BYTES, decode_world
+from fuzz.search.features import decode_world
+from fuzz.search.layout_bytes import LAYOUT_BYTES
 from fuzz.triage.proofs import certified
 from fuzz.triage.triage import Triage
 from sim.controllers import CONTROLLERS
@@ -45,8 +46,6 @@ from worldgen.world import (
     Target,
     World,
 )
-
-__all__ = ["SEARCHERS", "STILL_FAMILIES", "Searcher", "genetic", "random_cells", "strategies"]
 
 Searcher = Callable[[CampaignConfig], Iterator[UnitResult]]
 

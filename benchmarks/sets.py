@@ -23,8 +23,6 @@ import click
 from worldgen import stream
 from worldgen.sets import check_set, make_set, manifest_of, plan_set
 
-__all__ = ["CASES", "measure"]
-
 FAMILIES = ("maze", "trap")
 CASES: dict[str, dict[str, Any]] = {
     "folder": {"name": "set", "metrics": False},

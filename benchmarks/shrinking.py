@@ -26,7 +26,8 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.database import InMemoryExampleDatabase
 
 from fuzz.failure import Failure
-from fuzz.search.features import LAYOUT_BYTES, decode_world
+from fuzz.search.features import decode_world
+from fuzz.search.layout_bytes import LAYOUT_BYTES
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import layouts
@@ -36,8 +37,6 @@ from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import WorldgenError
 from worldgen.random_streams import RandomStream
-
-__all__ = ["CASES", "Found", "failures_of", "measure", "tables"]
 
 CASES = (
     ("turn-right", "swept", 0.015), ("turn-left", "swept", 0.015), ("wall-left", "swept", 0.015),

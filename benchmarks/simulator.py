@@ -54,8 +54,6 @@ from worldgen import generate
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World
 
-__all__ = ["CASES", "PEERS", "measure"]
-
 # Seconds.
 STEP = 0.015
 # Turn rate, rad/s.

@@ -22,8 +22,6 @@ from fuzz.campaign.unit import run_unit
 from fuzz.search.plan import strategies_for
 from sim.scenario import Scenario
 
-__all__ = ["CASES", "Row", "campaign", "strategies_at"]
-
 CASES = (
     ("turn-right", "swept"), ("turn-right", "stepped"), ("turn-left", "endpoint"), ("wall-left", "swept"),
     ("vfh", "swept"), ("three-layer", "swept"), ("fuzz.faults:handedness_forgotten", "swept"),

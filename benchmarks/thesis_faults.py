@@ -27,8 +27,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Pose, Target, World
 
-__all__ = ["KINDS", "draw_worlds", "tally"]
-
 # Cells.
 SIDE = 30
 # Five minutes at the thesis's 15 ms.

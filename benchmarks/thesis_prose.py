@@ -32,8 +32,6 @@ from sim.evidence import LoopEvidence
 from worldgen.files.whole import check_output
 from worldgen.world import Target, World
 
-__all__ = ["CONFIGURATIONS", "Drawing", "Found", "lacks_of_sixth", "lacks_of_third", "main"]
-
 STEPS = 3000
 CHANCE_STEPS = 6000
 SEEDS = 20

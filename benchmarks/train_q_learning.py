@@ -24,8 +24,6 @@ from sim.options.run import RunOptions
 from sim.verdict import Verdict
 from worldgen.random_streams import RandomStream
 
-__all__ = ["TABLE", "Learner", "as_c", "train"]
-
 TABLE = Path(__file__).parent.parent / "sim" / "core" / "controllers" / "shared" / "q_table.c"
 
 EPISODES = 12_000

@@ -46,8 +46,6 @@ from worldgen.lattice import radius_in_cells
 from worldgen.reach import REACHABLE, check_certificate, decide, decide_many
 from worldgen.world import Pose, Target, World
 
-__all__ = ["documented", "measure"]
-
 STILL = ("corridor", "trap", "maze", "rooms", "cave", "forest", "rubble")
 BATCH = 100
 MARKS = (

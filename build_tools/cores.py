@@ -27,8 +27,6 @@ from pathlib import Path
 
 from build_tools.targets import Target, import_library, zig
 
-__all__ = ["CORES", "Core", "compile_core", "compiler", "main", "suffix"]
-
 ROOT = Path(__file__).parent.parent
 
 FLAGS = (

@@ -8,8 +8,6 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["TARGETS", "Target", "chosen_target", "import_library", "zig"]
-
 VARIABLE = "WORLDGEN_TARGET"
 _HERE = Path(__file__).parent
 

@@ -15,8 +15,6 @@ from pathlib import Path
 
 from build_tools.targets import TARGETS, VARIABLE, Target
 
-__all__ = ["build_wheel", "main"]
-
 ROOT = Path(__file__).parent.parent
 
 

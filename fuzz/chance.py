@@ -18,16 +18,6 @@ from sim.verdict import ARRIVALS
 from worldgen.support.intervals import interval_95
 from worldgen.world import Cut, Value, World
 
-__all__ = [
-    "MOST_STATES",
-    "Chance",
-    "chance_details",
-    "chance_of",
-    "in_words",
-    "seeds_that_fail",
-    "share_that_fails",
-]
-
 MOST_STATES = 100_000
 """Limit on the states to explore before counting seeds instead; this many take a few seconds."""
 

@@ -17,17 +17,14 @@ from sim.drawing.picture import trails_of
 from sim.episode import Episode
 from sim.evidence import Evidence
 from sim.runners.stopping import OutOfTime
-from worldgen.cli.output import shown
 from worldgen.render import draw_terminal, wants_color
-from worldgen.support.plain_text import counted, shown_lines
+from worldgen.support.plain_text import counted, shown, shown_lines
 
 _CHANCES = {
     "sure": ", arrives with probability one but not in time",
     "trap": ", never arrives whatever it draws",
     "part": ", after some draws it is lost forever",
 }
-
-__all__ = ["describe", "describe_seeds", "run_to_draw"]
 
 
 def describe_seeds(failure: Failure) -> str:

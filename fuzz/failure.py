@@ -19,8 +19,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.files.grid import dumps, read_world, write_world
 from worldgen.world import Cut, FailureRecord, Value, World
 
-__all__ = ["ID_DIGITS", "Failure", "regardless_of_walls"]
-
 ID_DIGITS = 16
 """Number of hex digits in a failure's id."""
 

@@ -12,17 +12,6 @@ from sim.scenario import Scenario
 from worldgen.lattice import in_cells
 from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World
 
-__all__ = [
-    "ORDER",
-    "Case",
-    "FailureOrder",
-    "Measure",
-    "number_cost",
-    "rounder",
-    "simplicity",
-    "turned",
-]
-
 _LEADING = {1: 1, 2: 2, 5: 3}  # cost of a number's only digit; other digits cost 4
 _EIGHTH = math.pi / 4
 _EQUAL = 1e-9  # tolerance for headings: multiples of pi/4 are not exact floats

@@ -16,7 +16,8 @@ from hypothesis import reject
 from hypothesis import strategies as st
 
 from fuzz.campaign.variation import Variation, applied
-from fuzz.search.features import LAYOUT_BYTES, decode_world
+from fuzz.search.features import decode_world
+from fuzz.search.layout_bytes import LAYOUT_BYTES
 from sim.scenario import Scenario
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, ROBOTS, ROBOTS_PARAMETER, Parameter
@@ -24,8 +25,6 @@ from worldgen.generation import generate
 from worldgen.parameters import find_parameter
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Value, Witness, World
-
-__all__ = ["family_worlds", "feature_worlds", "layouts", "scenarios", "scenarios_in", "worlds"]
 
 
 def layouts() -> st.SearchStrategy[bytes]:

@@ -8,8 +8,6 @@ from dataclasses import dataclass, field
 from sim.evidence import Evidence, evidence_table
 from worldgen.world import Value
 
-__all__ = ["Violation"]
-
 
 @dataclass(frozen=True)
 class Violation:

@@ -33,8 +33,6 @@ from worldgen.lattice import UNIT
 from worldgen.support.arrays import Bools, Floats, Ints, Words
 from worldgen.world import Pose, Value, World
 
-__all__ = ["VERDICTS", "Runs", "simulate_many"]
-
 VERDICTS = tuple(Verdict)
 """The verdict for each number in :attr:`Runs.verdict`."""
 

@@ -31,8 +31,6 @@ from worldgen.support.arrays import Ints
 from worldgen.support.ccall import check, pointer
 from worldgen.world import World
 
-__all__ = ["ARRIVED", "ENDED", "UNSEEN", "Outcomes", "explore", "states_of", "why_not_explored"]
-
 ARRIVED = -1
 """Follows a state from which the robot arrives, in place of another state."""
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import os
 
-__all__ = ["contain", "is_contained"]
-
 _contained: list[bool] = []
 
 

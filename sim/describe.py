@@ -20,8 +20,6 @@ from sim.verdict import Verdict
 from worldgen.timeline import CellState
 from worldgen.world import Value, World
 
-__all__ = ["describe_evidence", "describe_frames", "describe_unreachable"]
-
 _BLOCKED = "the target cannot be reached in this world, whatever the controller does"
 _BLOCKED_TOGETHER = "the robots cannot all arrive in this world, whatever the controllers do"
 _UNDECIDED = "it is undecided whether the target can be reached in this world"

@@ -17,22 +17,6 @@ import msgspec
 from sim.verdict import Verdict
 from worldgen.world import Value
 
-__all__ = [
-    "BudgetEvidence",
-    "BurnedEvidence",
-    "CollisionEvidence",
-    "CoveredEvidence",
-    "Evidence",
-    "FaultEvidence",
-    "JointLoopEvidence",
-    "LoopEvidence",
-    "ReachedEvidence",
-    "WallEvidence",
-    "evidence_table",
-    "fault_evidence",
-    "read_evidence",
-]
-
 Cell: TypeAlias = tuple[int, int]
 Manner: TypeAlias = Literal["drifting", "confined"]
 Frame: TypeAlias = Mapping[str, Any]

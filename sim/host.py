@@ -27,8 +27,6 @@ from sim.controllers.contract import ContractBroken, no_memory
 from sim.controllers.vector import OneOfMany
 from worldgen.errors import InvalidParameter, WorldgenError
 
-__all__ = ["serve"]
-
 
 def serve(controller: PythonController, lines: BinaryIO, answers: BinaryIO) -> None:
     """Answer observations until there are no more.

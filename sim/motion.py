@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from sim._core import lib
 from worldgen.errors import InvalidParameter
 
-__all__ = ["LATTICE", "MOTIONS", "THESIS", "Motion", "Motions"]
-
 # Integer poses, any controller.
 LATTICE = "lattice"
 # float64 poses in pixels, the thesis's own robots.

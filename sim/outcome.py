@@ -20,17 +20,6 @@ from worldgen.lattice import exact
 from worldgen.support.arrays import Words
 from worldgen.world import World
 
-__all__ = [
-    "ENDINGS",
-    "LIMIT",
-    "Ending",
-    "Episode",
-    "Outcome",
-    "Runnable",
-    "area_of",
-    "wall_evidence",
-]
-
 LIMIT: Literal["limit"] = "limit"
 """The ending of a run that spent its budget."""
 

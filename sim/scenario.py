@@ -27,8 +27,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.parameters import parameters_of_fields, split_options, with_options
 from worldgen.world import Value, World
 
-__all__ = ["Scenario", "read_settings"]
-
 _OF_EVERY_RUN = {
     option.name: option
     for option in parameters_of_fields(RunOptions)

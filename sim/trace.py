@@ -14,8 +14,6 @@ from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Bools, Floats, Ints, Words
 
-__all__ = ["BEHAVIOURS", "Recall", "Trace", "fnv1a", "state_digest"]
-
 BEHAVIOURS = ("collide", "seek", "drive")
 """Behaviours of the thesis's robot, in the order of their numbers."""
 

@@ -4,19 +4,6 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-__all__ = [
-    "ARRIVALS",
-    "AT_ONCE",
-    "BY_THE_CONTROLLER",
-    "FAILURES",
-    "JOINT_LOOPS",
-    "MEANINGS",
-    "NEVER",
-    "OUT_OF_BUDGET",
-    "UNENDED",
-    "Verdict",
-]
-
 
 class Verdict(StrEnum):
     """How a run ended; equal to its word, as written in files and JSON.

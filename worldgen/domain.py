@@ -12,19 +12,6 @@ from typing import Final
 
 from worldgen.errors import Message
 
-__all__ = [
-    "CELL_SIZES",
-    "LATEST",
-    "MASK64",
-    "MAX_ROBOTS",
-    "MAX_SIDE",
-    "RADII",
-    "SPEEDS",
-    "number_fault",
-    "radius_fault",
-    "speed_fault",
-]
-
 MASK64: Final = (1 << 64) - 1
 """All bits of a 64-bit word, and the largest seed."""
 

@@ -12,21 +12,6 @@ from fractions import Fraction
 
 from worldgen.world import World
 
-__all__ = [
-    "TURN",
-    "UNIT",
-    "cell_middle",
-    "clear_distance_sq",
-    "exact",
-    "heading_from_lattice",
-    "heading_to_lattice",
-    "in_cells",
-    "lattice_to_metres",
-    "lattice_units",
-    "metres_to_lattice",
-    "radius_in_cells",
-]
-
 # Lattice units per cell.
 UNIT = 1024
 # Heading units per turn.

@@ -25,22 +25,6 @@ from typing import Any
 from worldgen.errors import InvalidParameter
 from worldgen.support.bounds import Bounds, check_choice
 
-__all__ = [
-    "Group",
-    "Parameter",
-    "Written",
-    "argument_notes",
-    "check_declared",
-    "find_parameter",
-    "parameters_of",
-    "parameters_of_fields",
-    "parse_options",
-    "split_headed",
-    "split_options",
-    "with_options",
-    "without_class_options",
-]
-
 # Files hold no larger integer.
 _INT64 = 2**63
 _PLAIN = (bool, int, float, str)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from fuzz.replay.regression import RegressionRun
+    from fuzz.replay.fixed import RegressionRun
     from sim.episode import Episode
     from worldgen.world import World
 
@@ -284,7 +284,7 @@ def worldgen_world(request: pytest.FixtureRequest) -> World:
         world = generate(case.family, case.seed, **case.parameters)
     except WorldgenError as error:
         pytest.fail(str(error), pytrace=False)
-    from fuzz.replay.regression import RegressionRun
+    from fuzz.replay.fixed import RegressionRun
 
     # If the test fails, its report shows how to run this world again.
     request.node.stash[_SEEN] = RegressionRun(world)

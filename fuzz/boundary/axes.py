@@ -15,8 +15,6 @@ from sim.scenario import Scenario
 from worldgen.generation import generate
 from worldgen.world import Witness, World
 
-__all__ = ["AXES", "Axis", "Subject", "index_of", "three_digits"]
-
 # Three-digit numbers from 100 to 999.
 _DECADE = 900
 _TRAP = "trap"

@@ -13,8 +13,6 @@ from sim.scenario import Scenario
 from worldgen.files.json_file import converted
 from worldgen.world import Value
 
-__all__ = ["describe_boundaries", "is_bounded", "subject_of", "with_boundaries"]
-
 # Axes measured for each failure; the others are only recorded if a strategy found them.
 _MEASURED = (
     "radius",

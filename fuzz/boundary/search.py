@@ -18,17 +18,6 @@ from worldgen.errors import WorldgenError
 from worldgen.files.json_file import plain
 from worldgen.world import Value, Witness, World
 
-__all__ = [
-    "Boundary",
-    "BoundaryRun",
-    "BoundaryRuns",
-    "RecordedBoundary",
-    "Stretch",
-    "nearest_boundary",
-    "run_subject",
-    "scan",
-]
-
 # Number of values; with three digits, a factor of nearly 4.
 _REACH = 512
 

@@ -11,8 +11,6 @@ from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.world import World
 
-__all__ = ["CampaignConfig"]
-
 # A step in Python takes microseconds.
 _SLOWER = 8
 

@@ -22,8 +22,6 @@ from worldgen.files.grid import read_world
 from worldgen.support.progress import working
 from worldgen.world import World
 
-__all__ = ["configure"]
-
 _VARY = "--vary"
 
 

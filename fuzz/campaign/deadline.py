@@ -8,8 +8,6 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-__all__ = ["NO_DEADLINE", "TO_HAND_IN", "Deadline", "now", "stop_from", "stopping_from"]
-
 # Seconds after a stop within which running units must return their results.
 TO_HAND_IN = 3.0
 # Seconds after a stop during which earlier failures are still proved; less than TO_HAND_IN.

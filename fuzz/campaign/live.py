@@ -20,18 +20,6 @@ import msgspec
 
 from worldgen.files.whole import read_text
 
-__all__ = [
-    "LIVE_FILE",
-    "LiveCounts",
-    "LiveState",
-    "Phase",
-    "count_in",
-    "count_live",
-    "has_not_arrived",
-    "read_live",
-    "shown_in",
-]
-
 LIVE_FILE = "live.json"
 """Name, in the campaign store, of the file with the counts while a campaign runs."""
 

@@ -13,8 +13,6 @@ from typing import Annotated, Any, Literal
 from worldgen.parameters import Parameter, Written, parameters_of_fields
 from worldgen.support.bounds import Bounds
 
-__all__ = ["MOST_ROBOTS", "CampaignOptions", "SearchOptions"]
-
 MOST_ROBOTS = 100
 """Limit on the robots in a campaign's worlds; proving that more can arrive takes a long time."""
 

@@ -9,8 +9,6 @@ from dataclasses import dataclass, field, replace
 from fuzz.failure import Failure
 from sim.runners.controller_time import Effort
 
-__all__ = ["Elite", "SearchState", "StrategyYield", "UnitResult"]
-
 
 @dataclass(frozen=True)
 class Elite:

@@ -30,8 +30,6 @@ from fuzz.campaign.unit import run_unit
 from fuzz.campaign.unit_search import Submitted, UnitSearch
 from fuzz.failure import Failure
 
-__all__ = ["Campaign"]
-
 
 class Campaign(UnitSearch[UnitResult, Progress]):
     """A search with a budget.

@@ -10,8 +10,6 @@ from typing import NamedTuple
 
 from fuzz.campaign.deadline import NO_DEADLINE, Deadline, now
 
-__all__ = ["Beginning", "Schedule"]
-
 # Share of the time after which shrinking takes precedence.
 _SEARCH = 0.75
 # Share of the time after which the search ends, even if nothing is left to shrink.

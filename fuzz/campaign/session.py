@@ -36,14 +36,12 @@ from fuzz.search.names import DATABASE
 from fuzz.triage.hazards import hazard_words, is_hazard
 from sim.controllers.contract import state_survives_reset
 from sim.runners.stopping import stopping_when
-from worldgen.cli.output import emit_json, note, shown
+from worldgen.cli.output import emit_json, note
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.json_file import plain
 from worldgen.render import wants_color
-from worldgen.support.plain_text import counted
+from worldgen.support.plain_text import counted, shown
 from worldgen.support.progress import is_verbose, working
-
-__all__ = ["CampaignSession"]
 
 # Minimum seconds between two summaries while the search continues.
 _SUMMARY_EVERY = 1.0

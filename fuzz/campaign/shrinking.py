@@ -17,8 +17,6 @@ from sim.runners.renewal import as_loaded
 from sim.runners.stopping import OutOfTime, check_time, stopping_when
 from worldgen.errors import WorldgenError
 
-__all__ = ["RESTARTS", "ShrinkJob", "ShrinkQueue", "Shrinking", "shrunk_or_same"]
-
 # Number of failures per class that are shrunk; the smallest result is kept.
 RESTARTS = 6
 

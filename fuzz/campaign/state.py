@@ -9,8 +9,6 @@ from fuzz.campaign.result import SearchState
 from fuzz.failure import Failure
 from sim.runners.controller_time import Effort
 
-__all__ = ["CampaignState", "Discovery", "DiscoveryTotals", "Progress", "UnitDone"]
-
 
 @dataclass(frozen=True)
 class UnitDone:

@@ -12,15 +12,6 @@ from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from worldgen.files.json_file import converted
 from worldgen.support.plain_text import aligned, counted
 
-__all__ = [
-    "controller_share",
-    "describe_share",
-    "describe_strategies",
-    "describe_time",
-    "describe_units",
-    "summary_of",
-]
-
 
 def summary_of(config: CampaignConfig, state: CampaignState, status: Status) -> Summary:
     """Return the summary of a campaign's current state.

@@ -16,8 +16,6 @@ from sim.runners.controller_time import Effort
 from sim.runners.renewal import as_loaded
 from sim.runners.stopping import OutOfTime, check_time, stopping_when
 
-__all__ = ["run_unit"]
-
 
 def run_unit(
     config: CampaignConfig,

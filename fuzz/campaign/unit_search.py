@@ -17,8 +17,6 @@ from fuzz.campaign.schedule import Schedule
 from sim.scenario import Scenario
 from worldgen.support.workers import LISTEN
 
-__all__ = ["Submitted", "UnitSearch"]
-
 # Seconds after the end of the time in which results may still arrive.
 _GRACE = 1.0
 # Units that may be finished before an earlier one is.

@@ -12,8 +12,6 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import Provenance, Value, World
 
-__all__ = ["Variation", "applied", "map_provenance"]
-
 # Fields of a world.
 _OF_THE_ROBOT = {"robot_radius": "m", "robot_speed": "m/s"}
 _OPTION = "--vary"

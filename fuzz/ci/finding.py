@@ -18,8 +18,6 @@ from worldgen.files.grid.writer import world_digest
 from worldgen.render import draw_terminal
 from worldgen.support.plain_text import counted, shown, shown_lines
 
-__all__ = ["CiFinding", "FindingState", "Report"]
-
 
 class FindingState(StrEnum):
     """How a command reports a failure.

@@ -7,8 +7,6 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from fuzz.ci.finding import CiFinding, FindingState, Report
 
-__all__ = ["junit"]
-
 _SKIPPED = {
     FindingState.KNOWN: "known: the baseline has this class",
     FindingState.HAZARD: "hazard: none of the controller's senses detects what burned the robot",

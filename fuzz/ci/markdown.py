@@ -7,8 +7,6 @@ import re
 
 from fuzz.ci.finding import CiFinding, Report
 
-__all__ = ["escaped", "markdown"]
-
 _MOST = 400_000  # characters of pictures; GitHub drops step summaries larger than 1 MiB
 _MARKUP = re.compile(r"[\\`*_{}\[\]<>#!|~&@$^]|(?<=:)//|(?<=www)\.")
 

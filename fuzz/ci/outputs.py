@@ -13,8 +13,6 @@ from fuzz.ci.sarif import sarif
 from worldgen.errors import OutputError
 from worldgen.files.whole import check_output, refused_writes, write_bytes
 
-__all__ = ["NO_OUTPUTS", "Outputs"]
-
 
 @dataclass(frozen=True)
 class Outputs:

@@ -16,8 +16,6 @@ from sim.controllers.programs.process import is_process_name
 from sim.controllers.shared.object_file import is_library_name, library_file
 from worldgen.files.whole import read_text
 
-__all__ = ["Place", "place_of", "repository", "uri_of"]
-
 
 @dataclass(frozen=True)
 class Place:

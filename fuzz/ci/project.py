@@ -16,8 +16,6 @@ from worldgen.errors import FormatError, InvalidParameter, OutputError
 from worldgen.files.whole import write_bytes
 from worldgen.plugins.installation import origin, requirement
 
-__all__ = ["FIXED", "KNOWN", "SEED", "Project"]
-
 SEED = 1
 """Seed of every pull request's search, so that equal changes give equal results."""
 

@@ -18,8 +18,6 @@ from fuzz.ci.place import Place, place_of, uri_of
 from sim.verdict import MEANINGS, Verdict
 from worldgen.support.plain_text import shown
 
-__all__ = ["sarif"]
-
 _SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 )

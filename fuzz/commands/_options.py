@@ -11,8 +11,6 @@ import click
 from worldgen.cli.output import PATH, named_also
 from worldgen.parameters import Parameter
 
-__all__ = ["Duration", "declared_options", "output_options"]
-
 F = TypeVar("F", bound=Callable[..., Any])
 
 

@@ -12,8 +12,6 @@ from worldgen.cli.output import CONTROLLER_HELP, PATH, SEED, emit_json, json_opt
 if TYPE_CHECKING:
     from fuzz.boundary import Axis, BoundaryRun, Stretch, Subject
 
-__all__ = ["boundary"]
-
 EXAMPLES = (
     "\b\n  worldgen boundary w.grid --controller turn-right --axis radius\n"
     "  worldgen boundary failures/loop.grid --axis speed --json\n"

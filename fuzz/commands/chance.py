@@ -6,17 +6,9 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import (
-    CONTROLLER_HELP,
-    PATH,
-    emit_json,
-    json_option,
-    shown,
-    time_step_option,
-)
+from worldgen.cli.output import CONTROLLER_HELP, PATH, emit_json, json_option, time_step_option
+from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
-
-__all__ = ["chance"]
 
 EXAMPLES = (
     "\b\n  worldgen chance w.grid --controller turn-random+coin=4+lattice=16\n"

@@ -9,21 +9,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from worldgen.cli.output import (
-    PATH,
-    emit_json,
-    force_option,
-    json_option,
-    note,
-    shown,
-    write_bytes,
-)
-from worldgen.support.plain_text import aligned, counted
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.files.whole import write_bytes
+from worldgen.support.plain_text import aligned, counted, shown
 
 if TYPE_CHECKING:
     from fuzz.corpus import Corpus, CorpusEntry
-
-__all__ = ["corpus"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 

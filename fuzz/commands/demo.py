@@ -11,8 +11,6 @@ import click
 
 from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 
-__all__ = ["demo"]
-
 _SEED = 7
 # This takes about ten seconds, including shrinking.
 _UNITS = 3

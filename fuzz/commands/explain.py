@@ -6,10 +6,9 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, json_option, note, shown
+from worldgen.cli.output import PATH, emit_json, json_option, note
+from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
-
-__all__ = ["explain"]
 
 EXAMPLES = "\b\n  worldgen explain failures/loop-wall.grid\n  worldgen explain failures/ --json"
 

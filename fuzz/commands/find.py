@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from fuzz.find import FindConfig, OutcomeSearch, OutcomeTarget, Result
     from worldgen.world import Pose, Value
 
-__all__ = ["find"]
-
 EXAMPLES = (
     '\b\n  worldgen find --outcome "./mine.py:Robot=loop, turn-left=reached" --budget 1m --out '
     "w.grid\n"

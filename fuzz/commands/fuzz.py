@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from fuzz.campaign.store import Budget, CampaignRun
     from fuzz.corpus import Baseline
 
-__all__ = ["fuzz"]
-
 EXAMPLES = (
     "\b\n  worldgen fuzz --controller turn-right --motion stepped --budget 30s --seed 1 --out "
     "failures/\n"

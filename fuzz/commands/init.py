@@ -19,8 +19,6 @@ from worldgen.cli.output import (
 if TYPE_CHECKING:
     from fuzz.ci.project import Project
 
-__all__ = ["init"]
-
 EXAMPLES = (
     "\b\n  worldgen init --controller ./robot.py:Robot\n"
     "  worldgen init --controller 'cmd:./robot --fast' --ci gitlab\n"

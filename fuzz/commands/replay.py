@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import output_options
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, shown
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from fuzz.replay.answer import State
-
-__all__ = ["replay"]
 
 
 def _check(_context: click.Context, _option: click.Parameter, name: str | None) -> str | None:

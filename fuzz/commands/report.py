@@ -8,8 +8,6 @@ import click
 
 from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 
-__all__ = ["report"]
-
 
 @click.command(epilog="\b\n  worldgen report failures/ --out report.html")
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="PATH|DIR|ARCHIVE...")

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import Duration
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, named_also, note, shown
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, named_also, note
+from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from fuzz.failure import Failure
     from fuzz.shrink import Shrunk
     from worldgen.world import World
-
-__all__ = ["shrink"]
 
 
 def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) -> None:

@@ -8,8 +8,6 @@ import click
 
 from worldgen.cli.output import PATH, note
 
-__all__ = ["studio"]
-
 EXAMPLES = (
     "\b\n  worldgen studio\n  worldgen studio worlds/maze.grid\n  worldgen studio "
     "--controller ./mine.py:Robot"

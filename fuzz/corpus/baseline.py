@@ -18,8 +18,6 @@ from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import WorldgenError
 from worldgen.support.plain_text import shown
 
-__all__ = ["Baseline"]
-
 _Key = tuple[str, str, str]
 _SHOWN = 3  # limit on the controllers that a message names
 _FIXED = "no longer fails"

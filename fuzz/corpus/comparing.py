@@ -9,8 +9,6 @@ from typing import Literal
 from fuzz.corpus.entry import CorpusEntry
 from fuzz.corpus.merging import smallest
 
-__all__ = ["BucketDifference", "Change", "differences"]
-
 Change = Literal["new", "gone", "smaller", "larger", "same"]
 
 

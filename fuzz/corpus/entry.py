@@ -16,8 +16,6 @@ from sim.controllers import in_plain_place
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.world import World
 
-__all__ = ["CorpusEntry", "Facts", "name_of"]
-
 _MOST = 80  # characters of a name that come from the text itself
 _DIGITS = 8  # hex digits of the digest that follows a shortened name
 

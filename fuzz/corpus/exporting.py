@@ -19,8 +19,6 @@ from worldgen.files.archives import ENDINGS, is_archive, writer_for
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.plugins.installation import pip_install
 
-__all__ = ["TABLE", "export"]
-
 TABLE = "corpus.csv"  # name of the table in an archive
 _FACTS = [field.name for field in fields(Facts) if field.name != "size"]
 _COLUMNS = ("file", *("class" if name == "bucket" else name for name in _FACTS))

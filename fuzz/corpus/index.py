@@ -14,8 +14,6 @@ from worldgen.errors import FormatError, OutputError
 from worldgen.files.json_file import JsonFile
 from worldgen.files.whole import write_bytes
 
-__all__ = ["INDEX_FOLDER", "Index"]
-
 INDEX_FOLDER = ".worldgen-corpus"  # in the corpus; it contains a .gitignore for itself
 _FILE = "index.json"
 # Version of `Facts` and of how they are read from a file; an index of another version is ignored.

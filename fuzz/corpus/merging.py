@@ -13,8 +13,6 @@ from worldgen.errors import OutputError
 from worldgen.files.whole import refused_writes, write_bytes
 from worldgen.files.worlds import files_in
 
-__all__ = ["distinct", "merge", "places", "smallest"]
-
 
 def distinct(entries: Iterable[CorpusEntry]) -> list[CorpusEntry]:
     """Return one entry for each failure, in order; of equal files, the first by path."""

@@ -13,8 +13,6 @@ from worldgen.render import draw_png
 from worldgen.render.overlay import Trails, each_trail
 from worldgen.render.sheet import Panel, draw_sheet
 
-__all__ = ["contact_sheet", "draw_failure"]
-
 _PIXELS = 480  # longer side of a map; at 900 a picture takes 250 kB
 _MOST = 200  # panels: a sheet of five columns is then 16,000 px high
 

@@ -12,8 +12,6 @@ from fuzz.triage.judging import replay
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import OutputError
 
-__all__ = ["Judgement", "judge_all", "remove"]
-
 
 @dataclass(frozen=True)
 class Judgement:

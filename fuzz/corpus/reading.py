@@ -16,8 +16,6 @@ from worldgen.files.grid.disk import unpack_world
 from worldgen.files.grid.schema import MAX_FILE_BYTES
 from worldgen.files.worlds import files_in, is_world_file
 
-__all__ = ["Corpus", "Selection", "read_corpus"]
-
 
 @dataclass(frozen=True)
 class Selection:

@@ -13,17 +13,6 @@ from sim.trace import Trace
 from worldgen.timeline import CellState
 from worldgen.world import Witness, World
 
-__all__ = [
-    "cell_box",
-    "check_budget",
-    "first_new_cell_of_second_half",
-    "is_solid_at",
-    "lattice_cell",
-    "places_gap",
-    "step_path",
-    "target_gap",
-]
-
 
 def cell_box(world: World, ix: int, iy: int) -> shapely.Polygon:
     """Return a cell as a shapely box, in metres."""

@@ -7,8 +7,6 @@ from sim.evidence import WallEvidence
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["check_breach"]
-
 
 def check_breach(world: World, trace: Trace, whole: Trace, evidence: WallEvidence) -> str:
     """Check that the run, continued past the wall, first enters the target in step ``reached``.

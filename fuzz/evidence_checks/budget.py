@@ -14,8 +14,6 @@ from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["check_stalled", "check_timeout"]
-
 _SAME_PLACE = 1e-7  # cells, a millionth of the thesis's pixels
 _SAME_HEADING = 1e-6  # rad
 _ROUNDING = 1e-9  # relative difference between what was measured in pixels and in metres

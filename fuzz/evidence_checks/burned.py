@@ -9,8 +9,6 @@ from sim.trace import Trace
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["check_burned"]
-
 
 def check_burned(world: World, trace: Trace, evidence: BurnedEvidence, motion: Motion) -> str:
     """Check that the named cell is in the named state and within the robot's radius."""

@@ -8,8 +8,6 @@ from sim.chance import ARRIVED, ENDED, UNSEEN, Outcomes, states_of
 from sim.trace import Trace
 from sim.verdict import UNENDED, Verdict
 
-__all__ = ["check_chance"]
-
 
 def check_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace, str]]) -> str:
     """Check that the states are closed, that they imply the claim, and that runs stay in them.

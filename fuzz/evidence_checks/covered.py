@@ -13,8 +13,6 @@ from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["check_covered"]
-
 _ROUNDING = 1e-9  # m
 
 

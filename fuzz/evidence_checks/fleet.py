@@ -33,8 +33,6 @@ from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.world import Robot, World
 
-__all__ = ["check_fleet"]
-
 # Cells: start and target are rounded to the pose lattice, 1/1024 of a cell each.
 _LATTICE = 2 / 1024
 

@@ -12,8 +12,6 @@ from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["check_loop"]
-
 
 def check_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motion) -> str:
     """Check that two whole periods are equal, after the last event and away from the target.

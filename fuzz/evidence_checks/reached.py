@@ -10,8 +10,6 @@ from sim.motion import THESIS, Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["check_reached"]
-
 
 def check_reached(world: World, trace: Trace, evidence: ReachedEvidence, motion: Motion) -> str:
     """Check that the last step touches the target's disc or, for the thesis's robot, its cell.

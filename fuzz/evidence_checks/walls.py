@@ -22,8 +22,6 @@ from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["LEAST_OVERLAP", "check_cause", "check_overlap", "check_tunnel"]
-
 LEAST_OVERLAP = 1e-7  # cells, a millionth of a pixel: less than this is rounding
 _SLACK = 1e-10  # cells by which recorded metres may differ from the simulator's pixels
 _PIXELS = 10  # pixels per cell

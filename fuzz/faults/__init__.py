@@ -16,9 +16,10 @@ from fuzz.faults.planting import Fault
 __all__ = ["FAULTS", "Fault"]
 
 FAULTS: dict[str, Fault] = {
-    getattr(module, name).name: getattr(module, name)
+    value.name: value
     for module in (by_touch, by_sight)
-    for name in module.__all__
+    for _, value in sorted(vars(module).items())
+    if isinstance(value, Fault)
 }
 
 

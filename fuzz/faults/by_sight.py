@@ -13,24 +13,6 @@ from sim.controllers.library.three_layer import three_layer
 from sim.controllers.library.vfh import vfh
 from sim.verdict import Verdict
 
-__all__ = [
-    "dynamic_window_brakes_for_the_target",
-    "dynamic_window_speed_in_km_h",
-    "potential_field_gap_in_whole_cells",
-    "potential_field_never_slows",
-    "q_learning_eighth_of_nine",
-    "q_learning_last_turn_lost",
-    "q_learning_timer_off_by_one",
-    "three_layer_columns_and_rows_swapped",
-    "three_layer_forgets_its_map",
-    "three_layer_patience_starts_anew",
-    "three_layer_stale_target",
-    "three_layer_turn_not_wrapped",
-    "vfh_beam_beyond_the_last",
-    "vfh_histogram_never_clears",
-    "vfh_turn_sign",
-]
-
 three_layer_patience_starts_anew = planted(
     "three-layer-patience-starts-anew",
     three_layer,

@@ -10,20 +10,6 @@ from sim.controllers.library.bug1 import bug1
 from sim.controllers.library.bug2 import bug2
 from sim.verdict import Verdict
 
-__all__ = [
-    "bug1_hit_point_moves_along",
-    "bug1_keeps_the_last_place",
-    "bug1_lost_wall_wrong_side",
-    "bug1_stale_round_is_over",
-    "bug1_turn_not_wrapped",
-    "bug2_bearing_in_degrees",
-    "bug2_hit_point_not_kept",
-    "bug2_leaves_behind_the_hit_point",
-    "bug2_leaves_by_equality",
-    "bug2_stale_line",
-    "bug2_turn_not_wrapped",
-]
-
 bug1_keeps_the_last_place = planted(
     "bug1-keeps-the-last-place",
     bug1,

@@ -10,8 +10,6 @@ from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct
 from sim.verdict import Verdict
 
-__all__ = ["Fault", "FaultAct", "planted"]
-
 _ffi: Any = _core.ffi
 _lib: Any = _core.lib
 

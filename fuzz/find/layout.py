@@ -13,8 +13,6 @@ from worldgen.lattice import cell_middle, in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
-__all__ = ["Layout"]
-
 Box = tuple[int, int, int, int]
 Walls = npt.NDArray[np.bool_]
 

@@ -15,15 +15,14 @@ from fuzz.campaign.schedule import Schedule
 from fuzz.campaign.unit_search import Submitted, UnitSearch
 from fuzz.find.layout import Layout
 from fuzz.find.targets import OutcomeTarget, Result
-from fuzz.search.features import LAYOUT_BYTES, decode_world
+from fuzz.search.features import decode_world
+from fuzz.search.layout_bytes import LAYOUT_BYTES
 from sim.runners.stopping import OutOfTime, stopping_when
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, stream_for
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Certificate, Pose, Provenance, Value, World
-
-__all__ = ["VERSION", "FindConfig", "NearestWorld", "OutcomeSearch", "draw"]
 
 # Raise this whenever equal seeds find a different world than before.
 VERSION = 1

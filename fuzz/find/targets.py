@@ -20,8 +20,6 @@ from sim.verdict import FAILURES, NEVER, UNENDED, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
-__all__ = ["SEEDS", "OutcomeTarget", "Result", "parse_targets"]
-
 # Number of runs of a random controller.
 SEEDS = 20
 # Seeds that may have another outcome: one in twenty.

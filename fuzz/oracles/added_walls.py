@@ -21,8 +21,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.reach import check_certificate
 from worldgen.world import World
 
-__all__ = ["walled_where_unnoticed", "with_a_block_near_the_path"]
-
 Cells = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]

@@ -18,8 +18,6 @@ from sim.motion import THESIS
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.world import Cut, World
 
-__all__ = ["BREACH", "VERDICT", "BreachOracle", "VerdictOracle", "verdict_oracle"]
-
 
 @dataclass(frozen=True)
 class VerdictOracle(Oracle):

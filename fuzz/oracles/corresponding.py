@@ -21,8 +21,6 @@ from sim.verdict import ARRIVALS
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.world import Value, World
 
-__all__ = ["block", "finer", "mirror", "scale", "shift", "turn", "wall"]
-
 _SHORTEST_STEP = 0.001  # s: the simulator's minimum
 
 

@@ -12,8 +12,6 @@ from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value
 
-__all__ = ["detour"]
-
 _DIGITS = 9  # decimal places of lengths in evidence, m
 # Relative difference allowed between the recorded path and the length that the simulator summed up.
 _RELATIVE = 1e-6

@@ -20,8 +20,6 @@ from worldgen.plugins.registry import Registry, user_code
 from worldgen.support.plain_text import quote
 from worldgen.world import Value
 
-__all__ = ["ORACLES", "NamedOracle", "OracleFunction"]
-
 OracleFunction = Callable[..., Any]
 
 _DEEPEST = 16  # levels of nested tables and lists

@@ -10,8 +10,6 @@ from fuzz.triage.proofs import certified
 from fuzz.violation import Violation
 from worldgen.world import World
 
-__all__ = ["Oracle"]
-
 
 class Oracle(ABC):
     """Judges runs and returns its finding.

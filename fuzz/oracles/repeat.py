@@ -9,8 +9,6 @@ from sim.trace import Trace
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value
 
-__all__ = ["repeat"]
-
 _MOST = 1000
 
 

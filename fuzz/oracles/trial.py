@@ -18,8 +18,6 @@ from sim.trace import Trace
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.world import Witness, World
 
-__all__ = ["Trial"]
-
 
 @dataclass(frozen=True)
 class Trial:

@@ -13,8 +13,6 @@ import numpy as np
 from worldgen.lattice import exact
 from worldgen.world import Pose, Robot, Target, World
 
-__all__ = ["mirrored", "scaled", "shifted", "turned"]
-
 # The shift differs along the two axes, so that mixing them up shows.
 _COLUMNS = 3
 _ROWS = 5

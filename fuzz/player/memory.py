@@ -19,8 +19,6 @@ from sim.trace import Trace
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT
 
-__all__ = ["BLOCKED", "CELL", "DEGREE", "EDGE", "NODE", "PLACE", "PLAN", "drawn_memory"]
-
 BLOCKED, CELL, PLAN, PLACE, NODE, EDGE, DEGREE = range(7)
 """Kinds of shapes: a blocked line, an occupied rectangle, part of the plan, a remembered point, a place
 of a graph, an edge between two of them, and a rectangle with a degree."""

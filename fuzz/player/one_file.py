@@ -16,8 +16,6 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
 
-__all__ = ["modules", "one_file", "policy_source", "replay_page"]
-
 
 def one_file(
     body: str,

@@ -27,8 +27,6 @@ from sim.trace import BEHAVIOURS, Trace
 from sim.verdict import Verdict
 from worldgen.lattice import TURN, UNIT
 
-__all__ = ["MOST_STEPS", "SHARE", "drawn_robots", "drawn_run", "sensors_of"]
-
 Ints = npt.NDArray[np.int64]
 
 # Steps of a run that the page includes, 10 to 25 kB. A longer run is reduced to every second step,

@@ -11,8 +11,6 @@ import base64
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["MOST", "bits", "numbers"]
-
 _GROUPS = 9  # groups of seven bits: enough for any number below 2**62
 _ONES = np.int64(127)
 MOST = 2**50

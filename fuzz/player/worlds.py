@@ -10,8 +10,6 @@ from fuzz.player.streams import bits, numbers
 from worldgen.lattice import UNIT
 from worldgen.world import Cut, JointWitness, Witness, World
 
-__all__ = ["MOST_CELLS", "drawn_certificate", "drawn_others", "drawn_world"]
-
 MOST_CELLS = 1 << 22  # limit on a world that can be drawn; 700 kB in the page
 
 

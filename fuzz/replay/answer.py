@@ -14,8 +14,6 @@ from sim.evidence import BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, 
 from sim.verdict import ARRIVALS, Verdict
 from worldgen.errors import WorldgenError
 
-__all__ = ["ReplayAnswer", "State", "answer", "describe_summary"]
-
 
 class State(StrEnum):
     """The state of a stored failure today."""

@@ -17,8 +17,6 @@ from sim.verdict import ARRIVALS, UNENDED
 from worldgen.errors import InvalidWorld
 from worldgen.world import Cut, World
 
-__all__ = ["Checked", "RegressionRun", "arrives", "is_fixed", "who_drives"]
-
 
 @dataclass(frozen=True)
 class RegressionRun:

@@ -26,18 +26,6 @@ from worldgen.render import draw_terminal
 from worldgen.support.plain_text import shown_lines
 from worldgen.world import World
 
-__all__ = [
-    "CONFIRMED",
-    "FIXED",
-    "Checked",
-    "FailingWorld",
-    "RegressionRun",
-    "check",
-    "fixed",
-    "run",
-    "tell",
-]
-
 FIXED = "fixed"
 CONFIRMED = "confirmed"
 

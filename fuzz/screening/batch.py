@@ -21,19 +21,6 @@ from sim.runners.packing import disc_numbers
 from worldgen.lattice import UNIT, in_cells
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = [
-    "CRASH",
-    "HANG",
-    "LOOK",
-    "NOT_RUN",
-    "REPORT_FIELDS",
-    "Batch",
-    "Patience",
-    "Seat",
-    "ffi",
-    "lib",
-]
-
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]

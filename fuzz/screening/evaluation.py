@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.screening.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat, lib
+from fuzz._core import lib
+from fuzz.screening.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat
 from fuzz.screening.guarded import look_guarded
 from fuzz.screening.in_lockstep import screen_in_batch, screen_in_lockstep
 from fuzz.screening.one_by_one import OneByOne
@@ -32,8 +33,6 @@ from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import TURN, UNIT
 from worldgen.world import DEFAULT_CELL_SIZE, World
-
-__all__ = ["Screening", "can_screen", "evaluate"]
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]

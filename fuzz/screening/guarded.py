@@ -8,13 +8,12 @@ from __future__ import annotations
 import zlib
 from dataclasses import replace
 
-from fuzz.screening.batch import CRASH, HANG, Batch, Seat, ffi, lib
+from fuzz._core import ffi, lib
+from fuzz.screening.batch import CRASH, HANG, Batch, Seat
 from fuzz.triage.crash_bucket import crash_bucket
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
-
-__all__ = ["CRASH_NUMBERS", "MOST_HANGS", "look_guarded"]
 
 CRASH_NUMBERS = (1 << 24) - 1
 """Numbers that identify crashes."""

@@ -12,7 +12,8 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.screening.batch import Batch, Seat, ffi, lib
+from fuzz._core import ffi, lib
+from fuzz.screening.batch import Batch, Seat
 from sim.controllers import ProcessController, VectorController
 from sim.controllers.controller_error import ControllerError
 from sim.controllers.vector import Asker
@@ -22,8 +23,6 @@ from sim.runners.lockstep import ControllerRaised, its_own_fault
 from sim.runners.python_loop import begun_anew
 from sim.runners.stopping import OutOfTime, check_time
 from worldgen.support.ccall import writable
-
-__all__ = ["screen_in_batch", "screen_in_lockstep"]
 
 Floats = npt.NDArray[np.float64]
 

@@ -11,7 +11,8 @@ import zlib
 from collections.abc import Callable
 from dataclasses import replace
 
-from fuzz.screening.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat, ffi, lib
+from fuzz._core import ffi, lib
+from fuzz.screening.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat
 from fuzz.screening.guarded import CRASH_NUMBERS, MOST_HANGS
 from fuzz.triage.crash_bucket import crash_bucket
 from sim.controllers import ProcessController, PythonController, VectorController
@@ -23,8 +24,6 @@ from sim.runners.python_loop import begun_anew, crash_of, driver_of, memory_at_s
 from sim.runners.stopping import OutOfTime, is_out_of_time
 from sim.verdict import Verdict
 from worldgen.world import World
-
-__all__ = ["OneByOne"]
 
 _ENDINGS = {
     Verdict.CRASH: CRASH,

@@ -25,8 +25,6 @@ from fuzz.search.task import Task
 from sim.verdict import Verdict
 from worldgen.random_streams import RandomStream
 
-__all__ = ["ARCHIVE", "archive_table", "search"]
-
 ARCHIVE = "archive"
 
 _UNRELATED = 10  # one in this many scenes of a generation has no parents

@@ -18,7 +18,8 @@ from fuzz.boundary import (
     nearest_boundary,
     subject_of,
 )
-from fuzz.search.features import LAYOUT_BYTES, decode_world
+from fuzz.search.features import decode_world
+from fuzz.search.layout_bytes import LAYOUT_BYTES
 from fuzz.search.task import Task
 from fuzz.triage.proofs import certified
 from sim.episode import Episode
@@ -27,8 +28,6 @@ from sim.runners.stopping import OutOfTime, check_time
 from worldgen.errors import GenerationFailed
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
-
-__all__ = ["BOUNDARY", "search"]
 
 BOUNDARY = "boundary"
 

@@ -12,8 +12,6 @@ from fuzz.campaign.config import CampaignConfig
 from worldgen.files.grid import world_digest
 from worldgen.files.whole import refused_writes
 
-__all__ = ["Failed", "exception_of", "remembered"]
-
 
 def remembered(config: CampaignConfig, strategy: str) -> ExampleDatabase:
     """Return the database of a strategy; its key covers everything that gives examples a meaning.

@@ -38,8 +38,6 @@ from worldgen.lattice import cell_middle
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World
 
-__all__ = ["explore", "poses_on", "search", "search_again", "strategy_worlds"]
-
 # Budget of a first run, before the witness is known.
 _SEARCH_STEPS = 6_000
 # Feature layouts that take as long to draw as one world of a family.

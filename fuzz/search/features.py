@@ -41,17 +41,6 @@ from worldgen.world import (
     World,
 )
 
-__all__ = [
-    "FEATURE_BYTES",
-    "LAYOUT_BYTES",
-    "MAX_FEATURES",
-    "RADII",
-    "SCENE_BYTES",
-    "TARGET_RADII",
-    "decode_scene",
-    "decode_world",
-]
-
 RADII = (DEFAULT_ROBOT_RADIUS, 0.06, 0.08, 0.09)
 """Radii of a scene's robot, m.
 

@@ -15,8 +15,6 @@ from worldgen.errors import InvalidWorld
 from worldgen.lattice import cell_middle
 from worldgen.world import Pose, Robot, Target, World
 
-__all__ = ["fleet_worlds"]
-
 _HEADINGS = 8  # headings to draw from, evenly spaced
 
 

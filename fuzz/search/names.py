@@ -5,8 +5,6 @@ from __future__ import annotations
 from sim.motion import MOTIONS, THESIS
 from sim.scenario import Scenario
 
-__all__ = ["DATABASE", "LAYOUT_STRATEGIES", "SEALED", "TIME_STEPS", "can_breach"]
-
 DATABASE = "database"
 """Runs earlier failures again, from a Hypothesis database."""
 

@@ -27,19 +27,6 @@ from sim.runners.stopping import OutOfTime, check_time, is_out_of_time, stopping
 from worldgen.random_streams import RandomStream
 from worldgen.world import DEFAULT_CELL_SIZE
 
-__all__ = [
-    "NATIVE",
-    "Draw",
-    "Few",
-    "Pace",
-    "Seen",
-    "fits",
-    "look_through",
-    "pace_of",
-    "scenes",
-    "search",
-]
-
 NATIVE = "native"
 
 Draw = Callable[[RandomStream], npt.NDArray[np.uint8]]

@@ -21,8 +21,6 @@ from fuzz.search.native import NATIVE
 from fuzz.search.native import fits as fits_native
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 
-__all__ = ["Prices", "planned_strategy", "prices_of", "strategies_for", "strategy_shares"]
-
 _DRAWN = (
     "features",
     "trap",

@@ -24,8 +24,6 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 
-__all__ = ["OWN_STRATEGIES", "Strategy", "Task", "check_strategy", "strategy_of"]
-
 Strategy = Callable[[Task], None]
 """Does the work of one unit: counts its runs and passes those that fail to the task's triage."""
 

@@ -8,10 +8,9 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from fuzz.search.features import FEATURE_BYTES, decode_world
+from fuzz.search.features import decode_world
+from fuzz.search.layout_bytes import FEATURE_BYTES
 from worldgen.world import World
-
-__all__ = ["SEALED_BYTES", "decode_sealed"]
 
 # Width, height, form, wall, bend; start and target across and along the wall; heading; number of
 # features.

@@ -12,8 +12,6 @@ from sim.controllers import CONTROLLERS, Controller
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream
 
-__all__ = ["Task"]
-
 
 @dataclass(frozen=True)
 class Task:

@@ -16,13 +16,6 @@ from worldgen.errors import InvalidWorld
 from worldgen.lattice import exact
 from worldgen.world import Pose, Robot, Target, World
 
-__all__ = [
-    "drop_lines",
-    "edited",
-    "free_cells",
-    "with_robots",
-]
-
 _SMALLEST_SIDE = 1  # cells
 
 _Place = TypeVar("_Place", Pose, Target)

@@ -13,8 +13,6 @@ from worldgen.lattice import exact
 from worldgen.timeline import Timeline
 from worldgen.world import Robot, World
 
-__all__ = ["removable", "removed"]
-
 
 def removable(world: World, still_fails: Callable[[World], World | None]) -> list[str]:
     """Return everything that could still be removed: a robot, a solid cell, a row, a column.

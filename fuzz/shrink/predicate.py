@@ -35,8 +35,6 @@ from sim.verdict import (
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.world import World
 
-__all__ = ["StillFails"]
-
 _PROVED_BY_THE_RUN = tuple(verdict for verdict in FAILURES if verdict not in OUT_OF_BUDGET)
 _SHOWN_BY_ITS_END = tuple(verdict for verdict in FAILURES if verdict not in UNENDED)
 

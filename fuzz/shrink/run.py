@@ -25,8 +25,6 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value, World
 
-__all__ = ["KEEP", "Shrunk", "shrink", "shrink_class"]
-
 KEEP = ("verdict", "class")
 """The properties that a shrunk failure can be required to share with the original."""
 

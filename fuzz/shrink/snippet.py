@@ -12,8 +12,6 @@ from sim.controllers.shared.object_file import is_library_name, library_file
 from worldgen.files.grid import dumps
 from worldgen.support.plain_text import shown
 
-__all__ = ["snippet"]
-
 _MODULE = '''"""{title}."""
 
 from fuzz.replay.regression import fixed

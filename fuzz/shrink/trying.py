@@ -18,8 +18,6 @@ from sim.options.run import TARGET
 from sim.runners.edited import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_path
 from sim.verdict import Verdict
 
-__all__ = ["Trying"]
-
 _WANTED = {
     Verdict.LOOP: Wanted(lib.WG_LOOP, overlap=False),
     Verdict.TUNNEL: Wanted(lib.WG_TUNNEL),

@@ -62,8 +62,6 @@ from worldgen.render import draw_gif, draw_svg
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, JointWitness, Value, Witness, World
 
-__all__ = ["Answers"]
-
 _TRIES = 500  # most worlds that a search generates, as on the command line
 _KEPT_STEPS = 30_000  # steps of a run that the page receives: more than a window has pixels
 _PREVIEW_SIDE = 24  # cells per side in a preview of a family: enough to recognise it

@@ -26,8 +26,6 @@ from fuzz.studio.session import PROTOCOL, Session
 from fuzz.studio.workers import WORKER_OF, Worker
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
 
-__all__ = ["FULL", "MOST_PAGES", "Studio", "make_app"]
-
 MOST_PAGES = 64  # connected at the same time; more would mean a program out of control
 FULL = 4000  # WebSocket code that closes one more; its reason is a sentence for the page
 _KINDS = {

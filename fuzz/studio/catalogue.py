@@ -31,8 +31,6 @@ from worldgen.interop import FORMATS
 from worldgen.parameters import Parameter
 from worldgen.support.bounds import Bounds
 
-__all__ = ["IDLE", "catalogue"]
-
 # s: a controller that took longer to fail is not tried again, because each new page would have to
 # wait.
 _SLOW = 3.0

@@ -21,8 +21,6 @@ from worldgen.generation import generate
 from worldgen.reach import decide
 from worldgen.world import World
 
-__all__ = ["CompareAnswers"]
-
 Message = Mapping[str, Any]
 Part = Callable[[dict[str, Any]], None]
 

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from sim.controllers.base import Command, Memory, Observation
 from worldgen.errors import InvalidParameter
 
-__all__ = ["MOST_DRIVEN", "HandDriven"]
-
 # Limit on the steps of a drive, which is simulated again from the start several times a second: 5
 # minutes at 15 ms, half a second of work.
 MOST_DRIVEN = 20_000

@@ -19,8 +19,6 @@ from typing import Any
 from worldgen.files.whole import expanded
 from worldgen.plugins.user_modules import digest_of_source, sources_read
 
-__all__ = ["UNKNOWN", "Edits", "digest_of_file", "edited_files", "loaded_files"]
-
 UNKNOWN = "?"
 """Digest of code that was read at an unknown time during an edit; no file's contents equal it."""
 

@@ -25,8 +25,6 @@ from worldgen.files.worlds import is_world_file
 from worldgen.interop import FORMATS, ImportedRobot, export_world, import_world, write_export
 from worldgen.interop.formats.movingai import scenario_contents
 
-__all__ = ["ExchangeAnswers"]
-
 _MOST_FILES = 20  # files that can be dropped on the page at once
 # Suffixes of files that accompany a map but are not maps themselves.
 _BESIDE = (".worldgen.toml", ".scen", ".tsx", ".inc")

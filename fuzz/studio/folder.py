@@ -17,8 +17,6 @@ from worldgen.files.archives import ENDINGS
 from worldgen.files.worlds import is_world_file
 from worldgen.support.plain_text import shown
 
-__all__ = ["KNOWN", "MOST_FAILURES", "MOST_FILES", "Folder", "Opened"]
-
 KNOWN = "known"
 """The folder, in the opened one, of failures that are marked as known.
 

@@ -34,8 +34,6 @@ from worldgen.files.grid.disk import unpack_world
 from worldgen.files.whole import refused_writes, write_bytes
 from worldgen.files.worlds import is_world_file
 
-__all__ = ["WallAnswers"]
-
 _MOST_STEPS = 200_000  # of a run in a picture; the Play page shows longer ones
 
 _TOLD = 500  # files between progress reports

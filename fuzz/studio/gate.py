@@ -24,8 +24,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from fuzz.player.one_file import policy_source
 
-__all__ = ["IMPORTS", "LOOPBACK", "SUBPROTOCOL", "Gate", "Guarded"]
-
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
 SUBPROTOCOL = "worldgen-studio"
 IMPORTS = '{"imports":{"#player/":"/player/","#studio/":"/studio/"}}'

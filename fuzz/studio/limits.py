@@ -13,21 +13,6 @@ from fuzz.player import MOST_CELLS
 from sim.options.run import TIME_STEPS
 from worldgen.domain import MASK64, MAX_SIDE
 
-__all__ = [
-    "LENGTHS",
-    "MOST_COMPARED",
-    "MOST_DROPPED",
-    "MOST_MESSAGE",
-    "MOST_ROBOTS",
-    "MOST_SECONDS",
-    "MOST_SEEDS",
-    "MOST_STEPS",
-    "MOST_UNITS",
-    "MOST_WORKERS",
-    "MOST_WORLDS",
-    "limits",
-]
-
 MOST_MESSAGE = 32 << 20
 """Bytes of a message to the server: dropped files, or the largest world with its text."""
 MOST_DROPPED = 16 << 20

@@ -22,17 +22,6 @@ from worldgen.files.json_file import converted
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Robot, Target, World
 
-__all__ = [
-    "checked",
-    "field",
-    "is_same_place",
-    "message_of",
-    "opened_message",
-    "restored",
-    "seed_of",
-    "world_of",
-]
-
 T = TypeVar("T")
 
 # A column or row, which may be outside the grid but not absurdly far.

@@ -17,16 +17,6 @@ from worldgen.errors import FormatError, Message, Note, WorldgenError
 from worldgen.support.plain_text import quote
 from worldgen.world import Value
 
-__all__ = [
-    "IMPORT_OPTIONS",
-    "REMEDIES",
-    "describe_note",
-    "frames_of",
-    "hide",
-    "our_fault",
-    "refusal",
-]
-
 _ANOTHER_FOLDER = "choose another folder"
 
 REMEDIES: Mapping[str, str] = {

@@ -25,18 +25,6 @@ from worldgen.plugins.registry import only_code
 from worldgen.support.plain_text import shown
 from worldgen.world import FailureRecord, Value
 
-__all__ = [
-    "allow_only",
-    "chart_message",
-    "check_named",
-    "check_record",
-    "check_registered",
-    "from_anywhere",
-    "may_run",
-    "names_of",
-    "scenario_of",
-]
-
 
 def allow_only(named: Sequence[str]) -> None:
     """Restrict this process and those it starts to registered code and named controllers.

@@ -14,8 +14,6 @@ from fuzz.studio.app import Studio, make_app
 from fuzz.studio.limits import MOST_MESSAGE
 from worldgen.errors import InvalidParameter, Message
 
-__all__ = ["USUAL_PORT", "bind", "called", "serve"]
-
 
 def bind(host: str, port: int | None) -> socket.socket:
     """Return a socket at a port; 0 means any free port.

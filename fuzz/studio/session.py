@@ -21,8 +21,6 @@ from fuzz.studio.refusals import our_fault, refusal
 from fuzz.studio.workers import WORKER_OF, Ended, Worker
 from worldgen.errors import Message
 
-__all__ = ["PROTOCOL", "Session"]
-
 PROTOCOL = 3  # increased whenever an older page would not understand
 # Only the newest request of these kinds counts.
 _REPLACED = frozenset(

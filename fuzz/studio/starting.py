@@ -17,9 +17,6 @@ from worldgen.files.whole import expanded
 from worldgen.files.worlds import is_world_file
 from worldgen.interop import read_map
 
-__all__ = ["check_controller", "check_world"]
-
-
 _MAKES_NAMES = {
     "*",
     "__getattr__",

@@ -21,8 +21,6 @@ from fuzz.studio.refusals import our_fault, refusal
 from worldgen.errors import Message, WorldgenError
 from worldgen.support.workers import become_worker, sigint_blocked
 
-__all__ = ["WORKER_OF", "Ended", "Worker", "start_beside"]
-
 _NICE = 5  # gives the page priority
 
 WORKER_OF = {

@@ -3,5 +3,22 @@
 The audit is an independent check: it shares no code with the simulator.
 """
 
-from sim.audit.judge import *  # noqa: F403
-from sim.audit.judge import __all__ as __all__
+from sim.audit.judge import (
+    DEFAULT_TOLERANCE,
+    KINDS,
+    LEAST_TOLERANCE,
+    Audit,
+    Finding,
+    Trajectory,
+    audit,
+)
+
+__all__ = [
+    "DEFAULT_TOLERANCE",
+    "KINDS",
+    "LEAST_TOLERANCE",
+    "Audit",
+    "Finding",
+    "Trajectory",
+    "audit",
+]

@@ -18,8 +18,6 @@ from worldgen.support.arrays import Bools, Floats, Indices, Ints
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["Pairs", "Surroundings"]
-
 
 @dataclass(frozen=True)
 class Pairs:

@@ -11,8 +11,6 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-__all__ = ["Move", "decimal", "is_beyond", "meet_inside", "run_along", "run_between"]
-
 # Fractions of a move before its beginning and after its end.
 _BEFORE = Fraction(-1)
 _AFTER = Fraction(2)

@@ -15,8 +15,6 @@ from sim.audit.judge import Trajectory
 from worldgen.errors import FormatError
 from worldgen.support.arrays import Floats, Ints
 
-__all__ = ["parse_trajectories", "read_trajectories"]
-
 COLUMNS = ("t", "x", "y")
 # Column with the robot of each sample, in a recording of several robots.
 _ROBOT = "robot"

@@ -18,8 +18,6 @@ import numpy as np
 
 from worldgen.support.arrays import Bools, Floats, Indices, Ints
 
-__all__ = ["Parts", "deepest", "nearest", "slab", "within"]
-
 _CORNERS = ((-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5))
 
 

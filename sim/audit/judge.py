@@ -18,16 +18,6 @@ from worldgen.errors import InvalidParameter, Message
 from worldgen.support.arrays import Floats
 from worldgen.world import World
 
-__all__ = [
-    "DEFAULT_TOLERANCE",
-    "KINDS",
-    "LEAST_TOLERANCE",
-    "Audit",
-    "Finding",
-    "Trajectory",
-    "audit",
-]
-
 KINDS = ("tunnel", "overlap", "outside", "jump", "burned", "start")
 # Depth up to which a cut is not reported, m.
 DEFAULT_TOLERANCE = 1e-6

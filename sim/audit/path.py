@@ -9,8 +9,6 @@ from sim.audit.geometry import Parts, slab
 from worldgen.support.arrays import Bools, Floats
 from worldgen.world import World
 
-__all__ = ["AuditPath"]
-
 # Cells. Longer moves are examined in pieces of at most this length.
 _PIECE = 2.0
 

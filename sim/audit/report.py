@@ -15,8 +15,6 @@ from worldgen.render.overlay import MarkKind
 from worldgen.support.arrays import Floats
 from worldgen.world import World
 
-__all__ = ["as_lines", "as_object", "draw", "fleet_lines", "fleet_object"]
-
 _MOST_LINES = 40
 # Limit on marks of one kind; more of them would hide the picture.
 _MOST_MARKS = 400

@@ -19,8 +19,6 @@ from sim.audit.path import AuditPath
 from worldgen.support.arrays import Bools, Floats, Indices, Ints
 from worldgen.timeline import CellState
 
-__all__ = ["Hits", "Scan", "merged", "scan"]
-
 # Sizes of the arrays that are worked on at once, in pieces and in pairs, to limit memory.
 _PIECES_AT_ONCE = 60_000
 _ROWS_AT_ONCE = 400_000

@@ -17,8 +17,6 @@ from worldgen.cli.output import (
 )
 from worldgen.support.progress import working
 
-__all__ = ["audit"]
-
 EXAMPLES = (
     "\b\n  worldgen audit w.grid recording.csv --picture audit.png\n"
     "  worldgen run w.grid --controller turn-right --trace own.csv; worldgen audit w.grid own.csv\n"

@@ -19,8 +19,6 @@ from worldgen.cli.output import (
 if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration
 
-__all__ = ["behaviours"]
-
 EXAMPLES = (
     "\b\n  worldgen behaviours\n"
     "  worldgen behaviours behaviours:avoid+angle=2,follow,wander --chart out.svg\n"

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from sim.scenario import Scenario
     from worldgen.world import World
 
-__all__ = ["compare"]
-
 EXAMPLES = (
     "\b\n  worldgen compare worlds/ --controller turn-left,turn-right,./mine.py:Robot\n"
     "  worldgen compare worlds/ --controller thesis-1,thesis-1+repaired --motion stepped --picture "

@@ -11,10 +11,9 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
 from worldgen.errors import InvalidParameter, OutputError
-
-__all__ = ["new_controller"]
+from worldgen.files.whole import write_bytes
 
 EXAMPLES = (
     "\b\n  worldgen new-controller mine --kind python\n"

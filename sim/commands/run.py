@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from sim.scenario import Scenario
     from worldgen.world import World
 
-__all__ = ["run"]
-
 EXAMPLES = (
     "\b\n  worldgen run w.grid --controller turn-right --trail run.png\n"
     "  worldgen run two-robots.grid --controller 1=bug2,2=turn-right\n"

@@ -14,15 +14,13 @@ from worldgen.cli.output import (
     force_option,
     json_option,
     note,
-    write_bytes,
     write_out,
 )
+from worldgen.files.whole import write_bytes
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from sim.controllers.learning import Learned
-
-__all__ = ["train"]
 
 EXAMPLES = (
     "\b\n  worldgen train failures/ --controller q-learner --out taught.json\n"

@@ -34,18 +34,6 @@ from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.support.intervals import interval_95
 from worldgen.world import World
 
-__all__ = [
-    "MAX_SEEDS",
-    "PERCENTILES",
-    "Cell",
-    "ComparedRun",
-    "Comparison",
-    "NamedWorld",
-    "Total",
-    "compare",
-    "standing",
-]
-
 MAX_SEEDS = 1_000_000
 PERCENTILES = (5, 25, 50, 75, 95)
 # Seconds. Times are rounded to this, so smaller differences are meaningless.

@@ -11,8 +11,6 @@ from sim.verdict import ARRIVALS
 from worldgen.render import Panel, Trail, draw_sheet
 from worldgen.world import World
 
-__all__ = ["MAX_CONTROLLERS", "draw_comparison"]
-
 MAX_CONTROLLERS = 8
 _LONGEST_LABEL = 18
 # Limit on the drawn steps of a run that does not arrive. More of its path would only blacken the

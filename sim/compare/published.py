@@ -18,16 +18,6 @@ from sim.scenario import Scenario, read_settings
 from sim.verdict import FAILURES, NEVER, Verdict
 from worldgen.errors import FormatError, InvalidParameter
 
-__all__ = [
-    "Agreement",
-    "Deviation",
-    "PublishedRow",
-    "agreement",
-    "figures_of",
-    "read_figures",
-    "relative",
-]
-
 _NEEDED = ("world", "controller", "time")
 # Seconds; a longer time counts as a mistake.
 _LONGEST = 1e9

@@ -17,8 +17,6 @@ from sim.verdict import JOINT_LOOPS, NEVER, Verdict
 from worldgen.support.plain_text import aligned
 from worldgen.world import World
 
-__all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text", "describe_outcome"]
-
 CSV_COLUMNS = (
     "world",
     "controller",

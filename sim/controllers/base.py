@@ -26,25 +26,6 @@ if TYPE_CHECKING:
     from sim.controllers.behaviours.arbitration import Arbitration
     from sim.controllers.learning import Learning
 
-__all__ = [
-    "Act",
-    "Command",
-    "Commands",
-    "CompiledController",
-    "Controller",
-    "Memory",
-    "Neighbour",
-    "Observation",
-    "Observations",
-    "PythonController",
-    "VectorController",
-    "bits_of",
-    "check_declared",
-    "robot_for",
-    "senses_of",
-    "wants_world",
-]
-
 Act: TypeAlias = Callable[[Floats, Floats, Floats], None]
 Memory: TypeAlias = tuple[float, ...]
 

@@ -35,8 +35,6 @@ from worldgen.files.whole import expanded
 from worldgen.parameters import split_options
 from worldgen.plugins.registry import Registry, check_code, user_code
 
-__all__ = ["CONTROLLERS", "called", "controller_of", "in_plain_place", "names_in", "own_words"]
-
 _NAMES_CODE = re.compile(r"[\w./~-]+:[A-Za-z_]\w*")
 _IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)
 
@@ -65,6 +63,7 @@ class ControllerRegistry(Registry[Controller]):
     """A registry that also knows programs (``cmd:``) and shared libraries (``lib:``)."""
 
     def get(self, name: str) -> Controller:
+        """Return the controller with this name, whatever its kind."""
         # Programs, compositions and what was learned have a prefix.
         if is_process_name(name):
             if name not in self._loaded:
@@ -170,6 +169,7 @@ class ControllerRegistry(Registry[Controller]):
             )
 
     def source(self, name: str) -> Path | None:
+        """Return the file that the controller comes from; None if it is built in."""
         if is_learned_name(name):
             return learned_file(name)
         name, _ = own_words(name)

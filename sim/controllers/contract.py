@@ -19,15 +19,6 @@ from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, Message
 from worldgen.support.plain_text import shown
 
-__all__ = [
-    "ContractBroken",
-    "check_contract",
-    "flat_memory",
-    "no_command",
-    "no_memory",
-    "state_survives_reset",
-]
-
 # Characters of an answer that are quoted.
 _LONGEST_ANSWER = 200
 _RETURN = "end {} with: return Command(speed, turn_rate), memory"

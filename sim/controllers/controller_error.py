@@ -9,8 +9,6 @@ from sim.evidence import fault_evidence
 from sim.verdict import Verdict
 from worldgen.world import Value
 
-__all__ = ["NO_ANSWER", "ControllerError", "how_it_ended", "rule_of"]
-
 NO_ANSWER = "no answer"
 """The error of a controller that hangs."""
 

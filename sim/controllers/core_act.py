@@ -21,16 +21,6 @@ from sim.verdict import Verdict
 from worldgen.support.arrays import Floats
 from worldgen.world import Value
 
-__all__ = [
-    "CoreAct",
-    "controller_error_of",
-    "default_of",
-    "fields_of",
-    "memory_at_reset",
-    "place",
-    "size_of",
-]
-
 # Bytes of a number.
 _NUMBER = 8
 

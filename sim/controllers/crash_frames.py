@@ -15,8 +15,6 @@ from types import TracebackType
 from worldgen.support.plain_text import shown
 from worldgen.world import Value
 
-__all__ = ["MOST_FRAMES", "crash_facts", "is_users_file"]
-
 MOST_FRAMES = 6
 """Number of frames to keep, counted from the innermost."""
 

@@ -14,8 +14,6 @@ from sim.kernels import layout
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.installation import pip_install
 
-__all__ = ["compiled_act", "flat_address"]
-
 # Functions whose addresses the core may hold; dropping a function would free its code.
 _kept: list[Any] = []
 

@@ -9,8 +9,6 @@ from typing import Any
 
 from worldgen.plugins.registry import user_code
 
-__all__ = ["InstanceOrigin", "instance_of", "origin_of", "remember"]
-
 
 @dataclass
 class InstanceOrigin:

@@ -22,17 +22,6 @@ from worldgen.files.json_file import converted, faulty_field
 from worldgen.files.whole import expanded
 from worldgen.support.arrays import Floats
 
-__all__ = [
-    "LEARNED",
-    "Episodes",
-    "Learned",
-    "Learning",
-    "is_learned_name",
-    "learned_file",
-    "learned_text",
-    "read_learned",
-]
-
 LEARNED = "learned"
 """The option that gives a controller the numbers of such a file: ``mine.py:Mine+learned=FILE``."""
 _PREFIX = f"{LEARNED}:"

@@ -16,8 +16,6 @@ import numpy as np
 from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Floats
 
-__all__ = ["MemoryField", "MemoryMap", "check_fields"]
-
 
 class MemoryField(NamedTuple):
     """A number of the memory that has a name.

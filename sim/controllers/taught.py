@@ -17,14 +17,6 @@ from sim.controllers.learning import Learning
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.registry import user_code
 
-__all__ = [
-    "learning_of",
-    "memory_at_reset",
-    "restarted",
-    "with_exploration",
-    "with_numbers",
-]
-
 
 def learning_of(controller: Controller, name: str) -> Learning:
     """Return what a controller learns.

@@ -23,12 +23,11 @@ import numpy as np
 from sim.controllers.base import CompiledController
 from sim.controllers.behaviours.arbitration import Arbitration, PartFacts, in_words
 from sim.controllers.behaviours.library import IDLE, TURN_WORDS, TURNS, collide, drive, seek
-from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
+from sim.controllers.core_act import CoreAct, memory_at_reset, size_of
 from sim.controllers.memory_view import MemoryField
+from sim.kernels.layout import place
 from sim.thesis.options import ThesisOptions
 from worldgen.support.arrays import Floats, Ints
-
-__all__ = ["RANDOM", "thesis_arbitration", "turn_left", "turn_random", "turn_right"]
 
 # The thesis's numbers for its rules.
 RIGHT = 1

@@ -10,8 +10,6 @@ from worldgen.parameters import parameters_of_fields, parse_options
 if TYPE_CHECKING:
     from sim.controllers.base import CompiledController
 
-__all__ = ["Variants"]
-
 
 class Variants(NamedTuple):
     """The options that a controller has, and how to make one with them.

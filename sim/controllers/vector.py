@@ -21,8 +21,6 @@ from sim.runners.controller_time import timed
 from sim.runners.stopping import breakable
 from worldgen.support.arrays import Floats
 
-__all__ = ["Asker", "OneOfMany"]
-
 
 class Asker:
     """Calls a controller that acts for many robots, always with the same arrays.

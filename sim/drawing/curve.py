@@ -7,8 +7,6 @@ from xml.sax.saxutils import escape
 
 from sim.controllers.learning import Episodes
 
-__all__ = ["curve_svg"]
-
 # Sizes in px.
 _WIDTH = 640
 _HEIGHT = 320

@@ -24,15 +24,6 @@ from worldgen.render.overlay import Disturbances, MarkKind, Remembered, Shove
 from worldgen.support.arrays import Bools
 from worldgen.world import World
 
-__all__ = [
-    "disturbances_in",
-    "drive_of",
-    "drives_of",
-    "remembered_at_the_end",
-    "trail_of",
-    "trails_of",
-]
-
 # Limit on the marks of bumps; more of them would hide the picture.
 _MOST_BUMPS = 400
 

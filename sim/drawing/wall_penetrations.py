@@ -18,8 +18,6 @@ from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["penetrated_cells"]
-
 # Cells. No motion model reports a shallower cut of the disc.
 _TOLERANCE = 0.1
 

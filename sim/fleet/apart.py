@@ -20,8 +20,6 @@ from sim.outcome import LIMIT, Outcome
 from sim.trace import Trace
 from sim.verdict import Verdict
 
-__all__ = ["Loops", "separate_loops"]
-
 # Number of places of one robot to compare with all places of another at a time.
 _PART = 256
 

@@ -35,8 +35,6 @@ from sim.runners.stopping import OutOfTime, breakable, check_time
 from sim.verdict import Verdict
 from worldgen.support.plain_text import counted
 
-__all__ = ["FleetAskers", "message_not_finite", "own_controllers"]
-
 Floats = npt.NDArray[np.float64]
 
 # Steps between two checks of the clock.

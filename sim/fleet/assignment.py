@@ -9,8 +9,6 @@ from typing import TypeVar
 from worldgen.errors import InvalidParameter
 from worldgen.support.plain_text import counted, quote
 
-__all__ = ["assigned", "controllers_in", "is_numbered"]
-
 T = TypeVar("T")
 
 _NUMBERED = re.compile(r"\s*(?P<number>\d{1,9})=(?P<controller>.+)", re.DOTALL)

@@ -17,8 +17,6 @@ from sim.runners.lattice import LatticeRun
 from worldgen.lattice import clear_distance_sq, radius_in_cells
 from worldgen.support.ccall import check, pointer
 
-__all__ = ["CoreFleet", "FleetMember", "driver_in_core"]
-
 Ints = npt.NDArray[np.int64]
 
 # Steps in the first call of a run; later calls grow until they take long enough.

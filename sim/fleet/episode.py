@@ -27,8 +27,6 @@ from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import JointWitness, World
 
-__all__ = ["FleetEpisode", "fleet_traces", "simulate_fleet"]
-
 Named = str | Controller | type
 
 

@@ -37,8 +37,6 @@ from worldgen.random_streams import GAMMA, mix64
 from worldgen.support.arrays import Words
 from worldgen.world import World
 
-__all__ = ["FleetOutcome", "FleetRun", "JointProof", "robot_seed"]
-
 Ints = npt.NDArray[np.int64]
 Recordings = list[tuple[Ints, Ints]]
 

@@ -12,8 +12,6 @@ from typing import Any, ClassVar, Self
 from worldgen.parameters import Parameter, find_parameter, parameters_of_fields
 from worldgen.world import Value
 
-__all__ = ["OptionSet"]
-
 
 @dataclass(frozen=True)
 class OptionSet:

@@ -16,18 +16,6 @@ from sim.options.robot import RobotOptions
 from worldgen.lattice import exact, in_cells
 from worldgen.world import Witness, World
 
-__all__ = [
-    "Decoy",
-    "Doubt",
-    "Push",
-    "PushPlace",
-    "decoys_of",
-    "delay_of",
-    "pushes_of",
-    "pushing_places_of",
-    "why_arrival_is_not_certain",
-]
-
 
 class Doubt(StrEnum):
     """Why a disturbed robot may fail whatever its controller does."""

@@ -7,8 +7,6 @@ from sim.controllers.base import Controller, robot_for, senses_of
 from sim.options.robot import RobotOptions
 from sim.options.run import RunOptions
 
-__all__ = ["is_noisy", "noisy_senses"]
-
 
 def noisy_senses(robot: RobotOptions) -> int:
     """Return the ``WG_SENSE_`` bits of the senses that an option of the robot makes random."""

@@ -16,8 +16,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.parameters import Group
 from worldgen.support.bounds import Bounds
 
-__all__ = ["MAX_BEAMS", "MOST_PUSHES", "SIGNALS", "RobotOptions", "Signal"]
-
 MAX_BEAMS = 1000
 MAX_NEIGHBOURS = 64
 MAX_MESSAGE = 8

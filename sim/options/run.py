@@ -26,33 +26,6 @@ from worldgen.support.bounds import Bounds, check_choice
 from worldgen.support.plain_text import quote
 from worldgen.world import JointWitness, Pose, Value, Witness, World
 
-__all__ = [
-    "BUDGET_FACTOR",
-    "COVER",
-    "DEFAULT_TIME_STEP",
-    "FEWEST_STEPS",
-    "MAX_RECORDED",
-    "MAX_STEPS",
-    "TARGET",
-    "TASKS",
-    "TIME_STEPS",
-    "RunOptions",
-    "Task",
-    "check_recordable",
-    "check_step_length",
-    "check_world",
-    "option_without_effect",
-    "options_from",
-    "options_of",
-    "poses_of",
-    "seeds_of",
-    "step_budget",
-    "switch_class",
-    "switch_sets",
-    "whole",
-    "worlds_of",
-]
-
 Task = Literal["target", "cover"]
 TASKS: tuple[Task, ...] = typing.get_args(Task)
 TARGET: Task = "target"

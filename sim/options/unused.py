@@ -15,8 +15,6 @@ from sim.options.run import switch_class
 from sim.scenario import Scenario
 from sim.thesis.options import ThesisOptions
 
-__all__ = ["coarse_forces", "ineffective", "missing_beams", "random_run", "unused_options"]
-
 _SIGNAL = ("signal", "signal_heading")
 _SENSOR = (
     "sensor_cells",

@@ -13,8 +13,6 @@ from typing import ParamSpec, Self, TypeVar
 
 from sim.runners.stopping import steps_broken_off
 
-__all__ = ["MEASURED_EVERY", "Effort", "count_survivors", "timed"]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

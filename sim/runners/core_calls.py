@@ -31,24 +31,6 @@ from sim.kernels.layout import OBS_SIZE
 from worldgen.support.arrays import Bytes, Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = [
-    "REPORT",
-    "BeamTables",
-    "CoreArena",
-    "CoreEpisode",
-    "Driver",
-    "EpisodeHandle",
-    "Workspace",
-    "beam_tables",
-    "copy_of",
-    "grid_of",
-    "headings",
-    "memory_for",
-    "most_points",
-    "near_masks",
-    "ray_table",
-]
-
 Table = npt.NDArray[np.int32]
 
 # Words of a state before the controller's memory.

@@ -22,8 +22,6 @@ from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["ANY_ENDING", "CellEdit", "EditKind", "EditedRuns", "Wanted", "has_sure_path"]
-
 ANY_ENDING = int(lib.WG_ANY_ENDING)
 """Matches a run that did not go through a wall, burn or fail."""
 

@@ -14,8 +14,6 @@ import numpy as np
 
 from worldgen.plugins.user_modules import neighbours_of
 
-__all__ = ["HiddenState", "hidden_state", "own_attributes"]
-
 
 class HiddenState(NamedTuple):
     """State outside a controller's memory, as bytes to compare.

@@ -53,8 +53,6 @@ from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import CellState
 from worldgen.world import Pose, World
 
-__all__ = ["LatticeRun"]
-
 # Lattice units that robots of a fleet look further than they move, and what rounding adds to that.
 _FLEET_SLACK = 40
 

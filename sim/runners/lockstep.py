@@ -24,8 +24,6 @@ from worldgen.lattice import UNIT
 from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["ControllerRaised", "LockstepRun", "its_own_fault"]
-
 Reports = npt.NDArray[Any]
 
 

@@ -16,8 +16,6 @@ from sim.controllers.base import CompiledController
 from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, copy_of, most_points
 from worldgen.support.arrays import Ints
 
-__all__ = ["MOST_HELD", "Portion", "portions"]
-
 MOST_HELD = 1 << 26
 """Bytes of states. A run that needs less is recorded in whole."""
 

@@ -15,8 +15,6 @@ from sim.runners.lattice import LatticeRun
 from worldgen.support.arrays import Ints, Words
 from worldgen.support.ccall import check, pointer
 
-__all__ = ["run_many"]
-
 Reports = npt.NDArray[Any]
 
 # Runs in one call of the core.

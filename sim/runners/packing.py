@@ -11,8 +11,6 @@ from worldgen.lattice import UNIT, clear_distance_sq, exact, in_cells, radius_in
 from worldgen.timeline import Event
 from worldgen.world import World
 
-__all__ = ["STEP_TIME", "disc_numbers", "event_step", "event_time", "start_overlaps", "target_sq"]
-
 # Parts of a step in which times are counted.
 STEP_TIME = 1 << 32
 

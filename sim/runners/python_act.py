@@ -14,8 +14,6 @@ from sim.controllers.contract import flat_memory, no_command, no_memory
 from sim.runners.controller_time import MEASURED_EVERY, timed
 from sim.runners.stopping import breakable, portions
 
-__all__ = ["Stops", "act_in_core", "settled"]
-
 # Speed, turn rate, and whether the random number was used.
 _COMMAND = struct.Struct("3d")
 

@@ -33,8 +33,6 @@ from worldgen.support.arrays import Ints
 from worldgen.support.progress import working
 from worldgen.world import World
 
-__all__ = ["PythonLoop", "begun_anew", "crash_of", "driver_of", "memory_at_start", "plans"]
-
 # Characters of a controller's exception that are kept.
 _LONGEST_ERROR = 500
 

@@ -14,8 +14,6 @@ from worldgen.lattice import TURN, UNIT, exact, lattice_to_metres
 from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.world import World
 
-__all__ = ["FIRST_OF_STATE", "POINT_FIELDS", "trace_of"]
-
 # Columns of a recorded row: whether a wall was touched, then the state. Next, the same for a point
 # of the path.
 _BUMP = 0

@@ -23,8 +23,6 @@ from worldgen.errors import Message
 from worldgen.files.whole import expanded
 from worldgen.plugins.user_modules import digest_of_source, sources_read
 
-__all__ = ["as_loaded", "has_shared_state_changed", "reset_anew", "survivors_found"]
-
 _SHARED = "a variable of its class or module"
 
 

@@ -22,8 +22,6 @@ from worldgen.support.arrays import Ints
 from worldgen.support.ccall import pointer
 from worldgen.world import World
 
-__all__ = ["PackedDisturbances", "fill_settings"]
-
 _PUSH_FIELDS = 6  # of a WgPush
 _SCALE_BITS = 30  # of the table of headings
 _LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits

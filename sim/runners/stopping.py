@@ -18,18 +18,6 @@ from contextvars import ContextVar
 from types import CodeType, FrameType
 from typing import NamedTuple, ParamSpec, TypeVar
 
-__all__ = [
-    "OutOfTime",
-    "breakable",
-    "check_time",
-    "in_time",
-    "is_out_of_time",
-    "portions",
-    "steps_broken_off",
-    "stopping_when",
-    "unbreakable",
-]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

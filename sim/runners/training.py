@@ -27,8 +27,6 @@ from worldgen.support.arrays import Floats
 from worldgen.support.bounds import check_between
 from worldgen.world import World
 
-__all__ = ["Progress", "TrainingOptions", "train"]
-
 Progress = Callable[[int], None]
 
 # Number of trials during training, in addition to the one before it.

@@ -17,8 +17,6 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Target, World
 
-__all__ = ["EMPTY_ARENA", "try_out"]
-
 EMPTY_ARENA = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0.6, 0.05))
 """A world without walls."""
 

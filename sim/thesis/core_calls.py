@@ -20,19 +20,6 @@ from sim._core import ffi, lib
 from worldgen.support.arrays import Floats, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = [
-    "CELL",
-    "FLAME",
-    "ROW",
-    "STATE_FIELDS",
-    "WALL",
-    "ThesisEpisode",
-    "ThesisSetup",
-    "add_noise",
-    "new_rows",
-    "signal_map",
-]
-
 Cells = npt.NDArray[np.int32]
 Rows = npt.NDArray[np.void]
 

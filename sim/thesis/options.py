@@ -14,12 +14,10 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 from sim.options.declared import OptionSet
-from sim.options.robot import SIGNALS, Signal
+from sim.options.robot import Signal
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import Group
 from worldgen.support.bounds import Bounds
-
-__all__ = ["ARBITERS", "REPAIRS", "SIGNALS", "ThesisOptions"]
 
 Arbiter = Literal["A0", "A1", "A2", "A3", "A4", "A5", "A6", "interruptible"]
 ARBITERS: tuple[Arbiter, ...] = typing.get_args(Arbiter)

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.evidence import BudgetEvidence
+from sim.options.robot import SIGNALS
 from sim.options.run import RunOptions, check_step_length
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.packing import disc_numbers, event_step, start_overlaps
@@ -31,7 +32,7 @@ from sim.thesis.core_calls import (
     new_rows,
     signal_map,
 )
-from sim.thesis.options import ARBITERS, SIGNALS, ThesisOptions
+from sim.thesis.options import ARBITERS, ThesisOptions
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
@@ -42,8 +43,6 @@ from worldgen.support.ccall import pointer
 from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState
 from worldgen.world import World
-
-__all__ = ["ThesisRun", "signal_in"]
 
 Cells = npt.NDArray[np.int32]
 Rows = npt.NDArray[np.void]

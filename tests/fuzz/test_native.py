@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
-from fuzz.search.features import LAYOUT_BYTES, SCENE_BYTES, decode_scene, decode_world
+from fuzz.search.features import decode_scene, decode_world
+from fuzz.search.layout_bytes import LAYOUT_BYTES, SCENE_BYTES
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
 from sim import CompiledController

@@ -12,7 +12,8 @@ import pytest
 
 from fuzz.failure import Failure
 from fuzz.replay.answer import State, answer, describe_summary
-from fuzz.replay.regression import CONFIRMED, RegressionRun, check, run, tell
+from fuzz.replay.fixed import RegressionRun
+from fuzz.replay.regression import CONFIRMED, check, run, tell
 from fuzz.triage.judging import failure_of, replay
 from sim.scenario import Scenario
 from tests.helpers.raising import raises

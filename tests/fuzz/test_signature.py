@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzz.oracles import worlds as corresponding
-from fuzz.search.features import LAYOUT_BYTES, decode_world
+from fuzz.search.features import decode_world
+from fuzz.search.layout_bytes import LAYOUT_BYTES
 from fuzz.triage.contacts import contacts, enclosure, part_of, winding_number
 from fuzz.triage.proofs import certified
 from fuzz.triage.signature import failure_class

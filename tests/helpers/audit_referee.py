@@ -10,8 +10,6 @@ import shapely
 
 from worldgen.timeline import CellState
 
-__all__ = ["Opinion", "second_opinion"]
-
 FAR = 100.0  # m; extent of the outside
 
 

@@ -3,8 +3,6 @@
 import numpy as np
 import trimesh
 
-__all__ = ["BUILDING_BOXES", "building", "building_file", "ground_floor", "turned_y_up"]
-
 LEGS = [((x, y, 0.0), (x + 0.1, y + 0.1, 0.7)) for x in (1.0, 1.9) for y in (1.0, 1.9)]
 BUILDING_BOXES = [
     # The ground floor: a slab, outer walls, a partition whose doorway has a lintel, and a table.

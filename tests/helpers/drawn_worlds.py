@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Pose, Target, World
 
-__all__ = ["RADII", "changing_worlds", "drawn", "still_worlds", "tight_worlds"]
-
 # In cells: just below, at and just above half of the gaps 1, sqrt(2), 2, sqrt(5), sqrt(8), 3,
 # sqrt(10) and 5.
 RADII = (0.3, 0.5, 0.51, 0.7, 0.707, 0.71, 1.0, 1.01, 1.1, 1.118, 1.119, 1.41, 1.42, 1.5, 1.58, 2.5)

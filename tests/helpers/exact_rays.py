@@ -13,8 +13,6 @@ from tests.helpers.core_parts import heading_table, ray_distance
 from tests.reference.sim.layout import TURN, UNIT
 from worldgen.timeline import CellState
 
-__all__ = ["Beam", "beams", "solid_at"]
-
 _HEADINGS = heading_table()
 
 

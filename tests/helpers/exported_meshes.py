@@ -10,16 +10,6 @@ from hypothesis.extra import numpy as hnp
 from worldgen.interop.geometry.boxes import closing_boxes
 from worldgen.world import Pose, Target, World
 
-__all__ = [
-    "TINY",
-    "any_worlds",
-    "covered_cells",
-    "glb_parts",
-    "solid_volume",
-    "stl_triangles",
-    "volume",
-]
-
 SHAPES = st.tuples(st.integers(1, 7), st.integers(1, 7))
 TINY = World(
     np.array([[1, 1, 1, 1], [1, 0, 0, 0], [1, 0, 1, 1]], np.bool_), Pose(0.15, 0.15, 0.5), Target(0.35, 0.15, 0.05),

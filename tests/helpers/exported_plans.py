@@ -18,8 +18,6 @@ from PIL import Image
 
 from tests.helpers.exported_meshes import glb_parts, stl_triangles
 
-__all__ = ["CELLS_ONLY", "PLANS", "Plan"]
-
 
 @dataclass(frozen=True)
 class Plan:

@@ -28,8 +28,6 @@ from worldgen.world import (
     World,
 )
 
-__all__ = ["damaged_files", "fleets_with_everything", "values", "worlds_with_everything"]
-
 _finite = st.floats(allow_nan=False, allow_infinity=False)
 _sides = st.sampled_from([0.1, 0.05, 1.0, 0.3]) | st.floats(*CELL_SIZES)
 _integers = st.integers(-(2**200), 2**200) | st.integers(0, 2**64 - 1)

@@ -11,8 +11,6 @@ from sim.fleet.core_calls import CoreFleet, driver_in_core
 from sim.options.run import options_of
 from tests.helpers.fleets import crowd
 
-__all__ = ["JointMoves", "draw_displacements"]
-
 
 class JointMoves:
     """Robots of a world, moved in the core step by step."""

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzz.screening.batch import LOOK, Batch, Patience, Seat, ffi, lib
+from fuzz._core import ffi, lib
+from fuzz.screening.batch import LOOK, Batch, Patience, Seat
 
 
 class Drawn(NamedTuple):

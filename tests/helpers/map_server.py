@@ -7,8 +7,6 @@ import numpy as np
 import yaml
 from PIL import Image
 
-__all__ = ["occupied_at", "published", "published_map"]
-
 
 def published(greys, *, negate, occupied_thresh, free_thresh, mode):
     """OccupancyGrid values, top row first, of greys without transparency."""

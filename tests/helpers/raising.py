@@ -10,8 +10,6 @@ import pytest
 
 from worldgen.errors import WorldgenError
 
-__all__ = ["check_says", "raises"]
-
 
 @contextmanager
 def raises(

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from sim.controllers.base import Command, Memory, Observation
 
-__all__ = ["Straight"]
-
 
 @dataclass(frozen=True)
 class Straight:

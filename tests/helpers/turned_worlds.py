@@ -7,8 +7,6 @@ import numpy as np
 from fuzz.oracles import worlds
 from worldgen.world import JointWitness, Pose, Robot, Target, Witness, World
 
-__all__ = ["mirrored", "scaled", "turned"]
-
 
 def mirrored(world: World) -> World:
     """Left and right swapped."""

@@ -20,8 +20,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.files.whole import expanded
 from worldgen.support.progress import say_once
 
-__all__ = ["FILE", "configured"]
-
 FILE = "pyproject.toml"
 # Options that name code in a file, such as ./robot.py:Robot, besides those of type path.
 _CODE = ("controller", "families", "oracles")

@@ -11,8 +11,6 @@ import time
 from collections.abc import Iterator
 from types import FrameType
 
-__all__ = ["no_ctrl_c_lost"]
-
 # Seconds.
 _AGAIN = 0.01
 

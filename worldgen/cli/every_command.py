@@ -15,8 +15,6 @@ from worldgen.cli.configuration import FILE, configured
 from worldgen.cli.output import note
 from worldgen.support.progress import set_verbosity
 
-__all__ = ["QUIET_AND_VERBOSE", "equip"]
-
 
 def _be_quiet(context: click.Context, option: click.Parameter, value: bool) -> None:
     if value:

@@ -22,8 +22,6 @@ from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_hidden, prefer_own_packages
 from worldgen.support.progress import display_on_stderr
 
-__all__ = ["cli", "main"]
-
 EPILOG = (
     "\b\n  worldgen maze --size 60 --out w.grid\n  worldgen run w.grid --controller turn-right "
     "--trail run.png\n"

@@ -15,30 +15,8 @@ from click.core import ParameterSource
 
 from worldgen.domain import MASK64
 from worldgen.files.whole import check_output, write_bytes
-from worldgen.support.plain_text import shown, shown_lines
+from worldgen.support.plain_text import shown_lines
 from worldgen.support.progress import is_quiet, spoke
-
-__all__ = [
-    "CONTROLLER_HELP",
-    "PATH",
-    "SEED",
-    "check_out",
-    "draw_seed",
-    "emit_json",
-    "force_option",
-    "json_option",
-    "named_also",
-    "note",
-    "say",
-    "seed_option",
-    "shown",
-    "steps_option",
-    "time_step_option",
-    "typed",
-    "workers_option",
-    "write_bytes",
-    "write_out",
-]
 
 CONTROLLER_HELP = (
     "Name, package.module:name, ./file.py:name, or 'cmd:./program --flag'; +option=value varies "

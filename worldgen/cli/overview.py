@@ -5,8 +5,6 @@ from __future__ import annotations
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-__all__ = ["COMMANDS", "describe_versions"]
-
 COMMANDS: dict[str, dict[str, str]] = {
     "Make worlds": {
         "compose": "Make worlds from parts with a recipe, such as a trap in a maze.",

@@ -18,10 +18,10 @@ from worldgen.cli.output import (
     json_option,
     note,
     seed_option,
-    shown,
-    write_bytes,
 )
 from worldgen.errors import InvalidParameter, OutputError
+from worldgen.files.whole import write_bytes
+from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from worldgen.interop.census.folders import FolderMaps
     from worldgen.interop.census.generators import GeneratedMaps
     from worldgen.world import World
-
-__all__ = ["census"]
 
 EXAMPLES = (
     "\b\n  worldgen census maps/ --radius 0.2 --radius 0.3 --seed 1\n"

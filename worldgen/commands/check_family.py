@@ -6,8 +6,6 @@ import click
 
 from worldgen.cli.output import emit_json, json_option
 
-__all__ = ["check_family"]
-
 EXAMPLES = (
     "\b\n  worldgen check-family warehouse\n  worldgen check-family ./mine.py:my_family\n"
     "  worldgen check-family ./recipe.toml --except different-seeds-give-different-worlds"

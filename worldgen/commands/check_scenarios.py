@@ -6,17 +6,8 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import (
-    PATH,
-    SEED,
-    emit_json,
-    force_option,
-    json_option,
-    note,
-    write_bytes,
-)
-
-__all__ = ["check_scenarios"]
+from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note
+from worldgen.files.whole import write_bytes
 
 EXAMPLES = (
     "\b\n  worldgen check-scenarios hog2/maps/dao hog2/scenarios/dao\n"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import click
 
-__all__ = ["compose"]
-
 
 class _Recipes(click.Group):
     """A group whose commands are recipes, each with its own parameters."""

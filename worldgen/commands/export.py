@@ -13,9 +13,6 @@ from worldgen.support.progress import working
 if TYPE_CHECKING:
     from worldgen import interop
 
-__all__ = ["export"]
-
-
 EXAMPLES = (
     "\b\n  worldgen export w.grid --to ros --out office.yaml\n"
     "  worldgen export w.grid --to movingai --out arena.map\n"

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from worldgen.support.progress import Work
     from worldgen.world import JointWitness, Value, Witness, World
 
-__all__ = ["command_of", "family_command"]
-
 _EXAMPLES = (
     "\b\n  worldgen {name} --seed 7 --out w.grid\n  worldgen {name} --count 20 --out worlds/\n"
     "  worldgen {name} --where 'detour > 2' --out w.grid"

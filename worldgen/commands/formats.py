@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from worldgen.interop import Format
     from worldgen.parameters import Parameter
 
-__all__ = ["formats"]
-
 EXAMPLES = "\b\n  worldgen formats\n  worldgen formats ros"
 
 

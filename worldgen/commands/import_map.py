@@ -9,9 +9,6 @@ import click
 from worldgen.cli.output import PATH, SEED, emit_json, force_option, json_option, note
 from worldgen.support.progress import working
 
-__all__ = ["import_map"]
-
-
 EXAMPLES = (
     "\b\n  worldgen import arena.map --out w.grid\n"
     "  worldgen import arena.map --scen arena.map.scen --row 12 --out w.grid\n"

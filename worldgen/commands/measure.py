@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import emit_json, json_option, shown
+from worldgen.cli.output import emit_json, json_option
 from worldgen.errors import InvalidWorld
+from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from worldgen.world import World
-
-__all__ = ["measure"]
 
 
 @click.command(

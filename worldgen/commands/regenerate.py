@@ -15,8 +15,6 @@ from worldgen.support.progress import working
 if TYPE_CHECKING:
     from worldgen.sets import Manifest
 
-__all__ = ["regenerate"]
-
 EXAMPLES = (
     "\b\n  worldgen regenerate mazes/ --check\n  worldgen regenerate mazes/manifest.jsonl --out "
     "again/\n"

@@ -16,8 +16,6 @@ from worldgen.support.progress import working
 if TYPE_CHECKING:
     from worldgen.sets import SetPlan
 
-__all__ = ["Output", "make_many", "told", "workers_for"]
-
 # Number of worlds below which starting processes takes longer than it saves.
 _LARGE = 200
 

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.files.whole import write_bytes
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from worldgen.world import Certificate, FailureRecord, Robot, World
-
-__all__ = ["show"]
 
 T = TypeVar("T")
 

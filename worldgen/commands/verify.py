@@ -7,10 +7,9 @@ from typing import Any
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, json_option, say, shown
+from worldgen.cli.output import PATH, emit_json, json_option, say
+from worldgen.support.plain_text import shown
 from worldgen.support.progress import working
-
-__all__ = ["verify"]
 
 
 @click.command(epilog="\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json")

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from worldgen.sets import SetPlan
     from worldgen.world import Value
 
-__all__ = ["CONSTRAINT_OPTIONS", "WorldQuery", "flag_of", "given_parameters", "make_wanted"]
-
 _TRIES = 500
 _ROBOT = {"robot_radius": "radius", "robot_speed": "speed"}
 

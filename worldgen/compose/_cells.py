@@ -10,18 +10,6 @@ import numpy.typing as npt
 from worldgen.errors import InvalidParameter
 from worldgen.timeline import CellState, Timeline
 
-__all__ = [
-    "HOW",
-    "Bools",
-    "Events",
-    "How",
-    "put_together",
-    "settled",
-    "state_of_two",
-    "taken",
-    "timeline_of",
-]
-
 Bools: TypeAlias = npt.NDArray[np.bool_]
 Whole: TypeAlias = npt.NDArray[np.int64]
 How: TypeAlias = Literal["over", "union", "intersection", "carve"]

@@ -13,20 +13,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.lattice import TURN, exact, heading_from_lattice, heading_to_lattice, in_cells
 from worldgen.world import Pose, Target, World
 
-__all__ = [
-    "HALF",
-    "START",
-    "TARGET",
-    "Mark",
-    "Marks",
-    "frozen",
-    "mark_at",
-    "marks_of",
-    "moved",
-    "pose_of",
-    "target_of",
-]
-
 START = "start"
 TARGET = "target"
 HALF = Fraction(1, 2)

@@ -32,8 +32,6 @@ from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS
 if TYPE_CHECKING:
     from worldgen.compose.piece import Piece
 
-__all__ = ["corner_of", "overlaid", "put_down"]
-
 
 def corner_of(
     host: Piece,

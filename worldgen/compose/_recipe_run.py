@@ -17,8 +17,6 @@ from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, check_choice
 from worldgen.random_streams import RandomStream
 
-__all__ = ["RecipeCells", "RecipeRun"]
-
 # Limit on the cells of all intermediate pieces together, so that a small file cannot keep the
 # machine busy for hours.
 MOST_WORK = 64_000_000

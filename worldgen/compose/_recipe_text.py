@@ -16,17 +16,6 @@ from worldgen.family import MARGIN
 from worldgen.files.grid.header import Header
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
 
-__all__ = [
-    "MAX_BYTES",
-    "ROBOT",
-    "Declared",
-    "Part",
-    "RecipeText",
-    "Step",
-    "read_recipe",
-    "words_of",
-]
-
 # Limit per recipe, whose text is stored in the header of every world that it makes.
 MAX_BYTES = 64 << 10
 # MAX_STEPS is the limit for all parts together.

@@ -7,8 +7,6 @@ import numpy as np
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import InvalidParameter
 
-__all__ = ["MAX_CELLS", "TooLarge", "check_size", "whole"]
-
 # Limit per piece, 4000 x 4000 cells: each of its index arrays then takes 128 MB.
 MAX_CELLS = 16_000_000
 

@@ -11,18 +11,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
 from worldgen.support.expressions import Language, Node, evaluate, parse_number, variables_in
 
-__all__ = [
-    "Choice",
-    "Formula",
-    "Range",
-    "Scalar",
-    "Spec",
-    "compute",
-    "is_drawn",
-    "spec_of",
-    "value_of",
-]
-
 Scalar: TypeAlias = bool | int | float | str
 
 # Above this limit a float cannot represent every whole number.

@@ -13,8 +13,6 @@ from worldgen.compose._marks import Mark
 from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
 
-__all__ = ["DRAWN", "NAMED", "draw_corner", "named_corner"]
-
 # Shares of the leftover space, in halves: (0, 0) is the lower left corner, (1, 1) the centre and
 # (2, 2) the upper right corner.
 NAMED = {

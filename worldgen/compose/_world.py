@@ -16,8 +16,6 @@ from worldgen.reach import REACHABLE, decide
 from worldgen.timeline import Timeline
 from worldgen.world import Witness, World
 
-__all__ = ["proved", "usual", "witness_path_of", "world_of"]
-
 Robot = tuple[float, float, float]  # cell size, radius, m; top speed, m/s
 
 

@@ -30,8 +30,6 @@ from worldgen.world import (
     World,
 )
 
-__all__ = ["Piece"]
-
 # Units per cell when a piece is turned by an arbitrary angle.
 _FINE = 64
 # Units by which turned walls are thickened. It exceeds (sqrt(2) - 1) / 2 cells, so a slanted wall

@@ -32,8 +32,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Value, World
 
-__all__ = ["family_from_recipe"]
-
 # Bump this whenever an existing recipe would make a different world.
 VERSION = 1
 _PLAIN = re.compile(r"[A-Za-z0-9_-]{1,60}\Z")

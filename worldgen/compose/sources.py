@@ -27,20 +27,6 @@ from worldgen.world import Value, World
 
 T = TypeVar("T")
 
-__all__ = [
-    "above",
-    "beside",
-    "drawn",
-    "first_possible",
-    "first_solvable",
-    "of_cells",
-    "of_family",
-    "of_world",
-    "read",
-    "rectangle",
-    "row_size",
-]
-
 _SIGNS = {"#": True, ".": False, "S": False, "G": False}
 _NOTHING = "_"
 MOST_REFUSALS = 16  # compositions to draw before giving up on parts that do not fit

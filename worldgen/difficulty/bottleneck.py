@@ -31,8 +31,6 @@ from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import Timeline
 from worldgen.world import World
 
-__all__ = ["bottleneck", "narrowest_gap_sq"]
-
 # Relative precision of the radius where a pose next to the target's centre may take a larger disc.
 _CLOSE = 1e-7
 # Cells: if the target's centre cannot be reached, smaller discs are not tried.

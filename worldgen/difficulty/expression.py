@@ -23,8 +23,6 @@ from worldgen.support.expressions import (
     variables_in,
 )
 
-__all__ = ["Expression", "parse"]
-
 # Name of the robot's radius among the values; no metric has it.
 _RADIUS: Final = "robot_radius"
 _LANGUAGE = Language(

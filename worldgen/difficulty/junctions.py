@@ -23,8 +23,6 @@ from worldgen.difficulty.path import Ints
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.support.grid_search import squared_distances
 
-__all__ = ["decision_points"]
-
 
 def decision_points(nodes: Nodes, touched: Ints) -> list[tuple[int, int, int]]:
     """Return the decision points along a path, each once.

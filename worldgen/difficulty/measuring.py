@@ -22,9 +22,6 @@ from worldgen.reach.still.disc import target_disc
 from worldgen.timeline import CellState
 from worldgen.world import Certificate, JointWitness, Witness, World
 
-__all__ = ["measure", "with_metrics"]
-
-
 _BOTTLENECK = frozenset({"bottleneck", "bottleneck_radii"})
 _MEANS = frozenset({"wall_distance", "visibility", "dispersion", "characteristic_dimension"})
 _POCKETS = frozenset({"concavity", "retreat"})

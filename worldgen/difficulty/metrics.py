@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Final, NamedTuple
 
-__all__ = ["DIGITS", "METRICS", "Metric", "Metrics", "rounded"]
-
 # Significant digits of a metric: more than its meaning supports, fewer than a float's last bits.
 DIGITS: Final = 6
 

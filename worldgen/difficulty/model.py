@@ -16,8 +16,6 @@ from typing import Final
 
 from worldgen.difficulty.metrics import METRICS
 
-__all__ = ["INPUTS", "difficulty", "squashed"]
-
 # Metric: (scale, weight). Lengths are in radii of the robot, so that a world and its robot can be
 # scaled together.
 WEIGHTS: Final = {"concavity": (7.8, 3.46), "detour": (0.39, 2.2)}

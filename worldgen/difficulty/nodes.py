@@ -19,8 +19,6 @@ from worldgen.reach.still.walls import ExactPoint, Walls
 from worldgen.support.grid_search import squared_distances
 from worldgen.world import World
 
-__all__ = ["HALF", "Nodes", "nodes_of"]
-
 # Half a cell, in 1/1024 cell.
 HALF = UNIT // 2
 

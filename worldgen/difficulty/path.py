@@ -11,8 +11,6 @@ import numpy.typing as npt
 from worldgen.lattice import UNIT
 from worldgen.world import Witness, World
 
-__all__ = ["Ints", "WitnessPath", "angle", "distance", "witness_path_of"]
-
 Ints = npt.NDArray[np.int64]
 
 

@@ -26,8 +26,6 @@ from worldgen.reach.still.lattice_graph import nodes_within
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.support.grid_search import by_distance
 
-__all__ = ["pockets"]
-
 
 def pockets(nodes: Nodes, way: WitnessPath, disc: Disc) -> tuple[float, float] | None:
     """Return the depth of the deepest pocket, and how far every path must go back.

@@ -26,8 +26,6 @@ from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 from worldgen.world import Value, World
 
-__all__ = ["CLOSE", "TRIES", "Nearest", "Search", "constraint_for", "search_world"]
-
 # Worlds made before a search gives up.
 TRIES = 500
 # Tolerance of the difficulty.

@@ -12,8 +12,6 @@ from worldgen.family import MARGIN, Family, Parameter
 from worldgen.random_streams import RandomStream
 from worldgen.world import Value
 
-__all__ = ["KEPT", "drawn", "free_parameters", "mixed", "varied"]
-
 KEPT = frozenset({"robot_radius", "robot_speed", MARGIN})
 """Never varied, because they belong to the robot."""
 

@@ -26,8 +26,6 @@ from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 from worldgen.world import Value, World
 
-__all__ = ["MOST_STRATA", "InStratum", "StrataSearch", "check_range", "edges_of"]
-
 MOST_STRATA = 10
 # Least width of a range: the edges of its strata are rounded to a millionth and must differ.
 _NARROWEST = 1e-3

@@ -23,8 +23,6 @@ from worldgen.difficulty.path import Ints, WitnessPath
 from worldgen.lattice import UNIT
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["Samples", "samples_of", "surroundings"]
-
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 

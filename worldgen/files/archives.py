@@ -21,16 +21,6 @@ from typing import IO, Protocol
 
 from worldgen.errors import FormatError, Message
 
-__all__ = [
-    "ENDINGS",
-    "ArchiveWriter",
-    "Member",
-    "archive_in",
-    "is_archive",
-    "members",
-    "writer_for",
-]
-
 ENDINGS = (".zip", ".tar.gz", ".tgz", ".tar.bz2", ".tar")
 
 # Compression level: zlib's own default, fixed.

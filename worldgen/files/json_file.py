@@ -18,8 +18,6 @@ from msgspec.structs import FieldInfo, fields
 from worldgen.errors import FormatError
 from worldgen.files.whole import read_text, write_bytes
 
-__all__ = ["JsonFile", "converted", "faulty_field", "plain"]
-
 T = TypeVar("T")
 
 

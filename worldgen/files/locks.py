@@ -13,8 +13,6 @@ try:
 except ImportError:
     fcntl = None  # type: ignore[assignment]
 
-__all__ = ["holder", "lock", "sign"]
-
 # Bytes of a locked file's contents.
 _LONGEST = 400
 

@@ -13,8 +13,6 @@ from pathlib import Path
 
 from worldgen.errors import FormatError, OutputError, WorldgenError
 
-__all__ = ["check_output", "expanded", "read_text", "refused_writes", "write_bytes"]
-
 _MOST_BYTES = 64 << 20
 
 

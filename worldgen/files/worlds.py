@@ -11,8 +11,6 @@ from worldgen.files.grid import read_world
 from worldgen.files.grid.disk import unpack_world
 from worldgen.world import World
 
-__all__ = ["files_in", "is_world_file", "read_worlds"]
-
 _ENDINGS = (".grid", ".grid.gz")
 
 

@@ -17,8 +17,6 @@ from worldgen.parameters import split_options
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_SPEED, Value, World
 
-__all__ = ["Export", "export_world", "frozen_at", "guess_format", "write_export"]
-
 
 @dataclass(frozen=True)
 class Export:

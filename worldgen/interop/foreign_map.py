@@ -22,26 +22,6 @@ from worldgen.lattice import exact
 from worldgen.support.plain_text import quote
 from worldgen.world import Value, World
 
-__all__ = [
-    "FLOOR_ROBOT",
-    "GRID_AGENT",
-    "MAX_CELLS",
-    "MAX_FILE_BYTES",
-    "THESIS_ROBOT",
-    "ForeignMap",
-    "ForeignRobot",
-    "UsualRobot",
-    "check_sides",
-    "digest",
-    "names_its_file",
-    "naming",
-    "origin_of",
-    "read_bounded",
-    "sibling_file",
-    "unix_text",
-    "without_file",
-]
-
 _Options = ParamSpec("_Options")
 _Contents = TypeVar("_Contents")
 

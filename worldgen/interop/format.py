@@ -20,25 +20,6 @@ from worldgen.plugins.registry import Registry
 from worldgen.support.bounds import check_between
 from worldgen.world import Robot, Value, World
 
-__all__ = [
-    "FORMATS",
-    "HELD",
-    "LENGTHS",
-    "PAIRS",
-    "ROBOT_FACTS",
-    "Destination",
-    "Exported",
-    "Format",
-    "decimal",
-    "decimal_text",
-    "degrees_text",
-    "fact_numbers",
-    "held_lines",
-    "held_values",
-    "radians",
-    "robot_values",
-]
-
 # Limit on coordinates, m; beyond it a float cannot distinguish cells of a millimetre.
 _FURTHEST = 1e12
 

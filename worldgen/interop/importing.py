@@ -20,16 +20,6 @@ from worldgen.reach import Decision, decide
 from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Robot, Target, Value, World
 
-__all__ = [
-    "VERSION",
-    "Imported",
-    "ImportedRobot",
-    "as_json",
-    "describe",
-    "import_world",
-    "parse_point",
-]
-
 # Raise this whenever some file becomes a different world than before.
 VERSION = 2
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")

@@ -15,8 +15,6 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-__all__ = ["octile_lengths", "octile_moves"]
-
 _ROOT_TWO = math.sqrt(2.0)
 # Distances that one batch of searches may return: 32 MB of float64.
 _BATCH_CELLS = 4_000_000

@@ -29,8 +29,6 @@ from worldgen.reach.still.lattice_graph import build_graph
 from worldgen.reach.still.walls import Walls, point_box_sq
 from worldgen.support.grid_search import Floods
 
-__all__ = ["Placement", "heading_towards", "is_clear", "place"]
-
 _HALF = UNIT // 2
 # Radii of clearance around a chosen place, the widest first.
 _ROOMY = (Fraction(2), Fraction(3, 2), Fraction(5, 4))

@@ -17,8 +17,6 @@ from worldgen.parameters import split_options
 from worldgen.support.bounds import check_between
 from worldgen.world import Value
 
-__all__ = ["find_format", "looks_like_a_map", "read_map", "read_map_alone", "readable_formats"]
-
 # Bytes read to recognise a file.
 _HEAD = 4096
 _COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", ".gz",

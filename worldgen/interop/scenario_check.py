@@ -26,16 +26,6 @@ from worldgen.interop.octile import octile_lengths
 from worldgen.random_streams import RandomStream
 from worldgen.support.plain_text import aligned, counted
 
-__all__ = [
-    "ScenarioFiles",
-    "ScenarioReport",
-    "as_csv",
-    "as_text",
-    "check_scenario",
-    "find_scenarios",
-    "total",
-]
-
 # Files of "version 1.0" write two decimals: half of the last one, and rounding.
 _TWO_DECIMALS = 0.0051
 # Files of "version 1" write six digits or more, summed in floating point: a fraction of the length.

@@ -27,8 +27,6 @@ from worldgen.interop.format import (
 )
 from worldgen.world import Robot, Value, World
 
-__all__ = ["SUFFIX", "Sidecar", "read_sidecar", "sidecar_text", "with_sidecar"]
-
 SUFFIX = ".worldgen.toml"
 _VERSION = 1
 _MOST_BYTES = 1 << 20

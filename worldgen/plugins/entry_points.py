@@ -10,8 +10,6 @@ import sys
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-__all__ = ["points_of"]
-
 
 def points_of(group: str) -> tuple[EntryPoint, ...]:
     """Return the entry points of a group, such as ``worldgen.families``.

@@ -16,14 +16,6 @@ from pathlib import Path
 import worldgen
 from worldgen.errors import InvalidParameter
 
-__all__ = [
-    "check_hidden",
-    "check_import",
-    "check_not_ours",
-    "hidden_package",
-    "prefer_own_packages",
-]
-
 _PACKAGES = ("sim", "fuzz", "worldgen_plugins")
 _ROOT = Path(worldgen.__file__).resolve().parent.parent
 

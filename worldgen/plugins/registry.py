@@ -27,8 +27,6 @@ from worldgen.plugins.user_modules import (
 )
 from worldgen.support.time_limit import TimeLimitReached, time_limit
 
-__all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_code", "user_code"]
-
 T = TypeVar("T")
 
 _LENT: dict[str, Path] = {}

@@ -23,16 +23,6 @@ from typing import Any
 
 from worldgen.errors import InvalidParameter
 
-__all__ = [
-    "SourceLoader",
-    "digest_of_source",
-    "forget_folder",
-    "import_in",
-    "neighbours_of",
-    "package_of",
-    "sources_read",
-]
-
 _OURS = ("worldgen", "sim", "fuzz", "worldgen_plugins")
 _FOLDERS: dict[str, Path] = {}  # by the private name of the package
 _READ: dict[str, str] = {}  # digest of each source file, as it was last read

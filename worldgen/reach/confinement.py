@@ -8,8 +8,6 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["NEVER_ENDS", "Confinement"]
-
 NEVER_ENDS = 2**60
 """Last slab of a stay that does not end."""
 

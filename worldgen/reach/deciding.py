@@ -9,8 +9,6 @@ from worldgen.reach.joint.decide import decide_joint
 from worldgen.reach.still import prove
 from worldgen.world import World
 
-__all__ = ["decide", "decide_many"]
-
 
 def decide(
     world: World,

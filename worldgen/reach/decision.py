@@ -9,17 +9,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.reach.confinement import Confinement
 from worldgen.world import Certificate
 
-__all__ = [
-    "BLOCKED",
-    "REACHABLE",
-    "UNDECIDED",
-    "Decision",
-    "Swap",
-    "check_deadline",
-    "check_margin",
-    "check_radius",
-]
-
 REACHABLE = "reachable"
 BLOCKED = "blocked"
 UNDECIDED = "undecided"

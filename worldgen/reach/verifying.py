@@ -20,8 +20,6 @@ from worldgen.reach.decision import (
 from worldgen.reach.timed.deadline import decide_in_time, latest_start, until
 from worldgen.world import Cut, Witness, World
 
-__all__ = ["verify_world"]
-
 
 def verify_world(
     world: World, radius: float | None = None, deadline: float | None = None

@@ -44,8 +44,6 @@ from worldgen.render.trail_parts import breach_crosses, pierced_parts
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["MOST_FRAMES", "draw_gif"]
-
 MOST_FRAMES = 120
 # Length of an animation, s, before it is extended by another loop.
 SECONDS = 9.0

@@ -36,8 +36,6 @@ from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive,
 from worldgen.render.trail_parts import arrow, arrow_head, cross, stays_put
 from worldgen.world import Cut, JointWitness, Witness, World
 
-__all__ = ["BAR", "caption", "facts", "printable", "scale_bar", "text_width"]
-
 # Sizes in units.
 TITLE_SIZE = 16.0
 TEXT_SIZE = 12.5

@@ -13,8 +13,6 @@ from worldgen.render.overlay import Trail
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["Changes", "Content"]
-
 Mask = npt.NDArray[np.bool_]
 
 

@@ -9,8 +9,6 @@ import numpy.typing as npt
 
 from worldgen.support.rows import flip_rows
 
-__all__ = ["coverage"]
-
 # Rows shrunk together, which bounds the memory for worlds of 20,000 cells per side.
 BLOCK = 1024
 

@@ -16,8 +16,6 @@ from worldgen.render.palette import MISSED, PAPER, PUSH, PUSH_HEAD, TARGET, mix
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
 from worldgen.render.trail_parts import arrow, arrow_head
 
-__all__ = ["above_the_trail", "decoy_mark", "missed_cells", "push_arrow", "under_the_walls"]
-
 # Arrows of a drift along the longer side of the map.
 _DRIFT_ARROWS = 6
 

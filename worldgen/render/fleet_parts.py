@@ -16,8 +16,6 @@ from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive,
 from worldgen.render.trail_parts import arrow, ring_and_cross
 from worldgen.world import JointWitness, Robot, World
 
-__all__ = ["COLOURS", "colour_of", "joint_witness_parts", "robot_parts"]
-
 COLOURS = ("#C85400", "#0072B2", "#A8447F", "#00825F", "#7A6200", "#4F5BB8")
 """Colours of the robots, as in the player; a seventh robot has the first one's."""
 

@@ -11,8 +11,6 @@ import numpy.typing as npt
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
-__all__ = ["DEFAULT_PIXELS", "MAX_PIXELS", "MIN_PIXELS", "Frame"]
-
 DEFAULT_PIXELS = 900
 # Smaller pictures are unreadable; larger ones take gigabytes.
 MIN_PIXELS = 100

@@ -12,8 +12,6 @@ from worldgen.render.svg import svg_element
 from worldgen.support.plain_text import describe_value
 from worldgen.world import JointWitness, Witness, World
 
-__all__ = ["draw_html"]
-
 STYLE = """
 body { font: 15px/1.5 system-ui, Helvetica, Arial, sans-serif; margin: 2rem auto; max-width: 60rem;
        padding: 0 1rem; color: #1b1f24; background: #fff; }

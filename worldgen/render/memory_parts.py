@@ -10,8 +10,6 @@ from worldgen.render.overlay import Remembered
 from worldgen.render.palette import MEMORY, PAPER
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
 
-__all__ = ["floor_of_memory", "lines_of_memory"]
-
 # More shapes than this are left out: they would only make a file large.
 _MOST_SHAPES = 20_000
 # Opacity of the strongest tint.

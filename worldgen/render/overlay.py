@@ -12,19 +12,6 @@ import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 
-__all__ = [
-    "Disturbances",
-    "Drive",
-    "EventMark",
-    "MarkKind",
-    "Remembered",
-    "Shove",
-    "Trail",
-    "Trails",
-    "WallPenetration",
-    "each_trail",
-]
-
 MarkKind = Literal["bump", "tunnel", "overlap", "end"]
 
 

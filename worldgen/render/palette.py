@@ -7,31 +7,6 @@ Source: Masataka Okabe, Kei Ito, "Color Universal Design: How to make figures an
 
 from __future__ import annotations
 
-__all__ = [
-    "APPROACH",
-    "FIRE",
-    "FLOOR",
-    "FULL_TINT",
-    "GREY",
-    "INK",
-    "LOOP",
-    "LOOP_HEAD",
-    "MEMORY",
-    "MISSED",
-    "PAPER",
-    "PIERCED",
-    "PIERCED_GROUND",
-    "PUSH",
-    "PUSH_HEAD",
-    "START",
-    "SWEPT",
-    "TARGET",
-    "TUNNEL",
-    "WALL",
-    "mix",
-    "rgb",
-]
-
 # Okabe and Ito's colours.
 # Blue: the target, and its signal as a tint.
 TARGET = "#0072B2"

@@ -30,8 +30,6 @@ from worldgen.render.primitives import (
 from worldgen.render.scene import compose
 from worldgen.world import World
 
-__all__ = ["draw_parts", "draw_png"]
-
 # Oversampling of masks.
 FINE = 4
 # Oversampling for pictures so large that FINE would take gigabytes.

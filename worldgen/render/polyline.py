@@ -7,8 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["along", "arc_length", "arrow_places", "corners", "dashes", "simplified"]
-
 Points = npt.NDArray[np.float64]
 # Points thinned together, which bounds the work on a long scribble.
 CHUNK = 2000

@@ -8,8 +8,6 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["DrawnCells", "DrawnCircle", "DrawnLine", "Glow", "Paint", "Primitive", "Text"]
-
 
 @dataclass(frozen=True, slots=True)
 class Paint:

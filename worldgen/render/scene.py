@@ -41,8 +41,6 @@ from worldgen.render.trail_parts import (
 )
 from worldgen.world import Cut, JointWitness, Witness, World
 
-__all__ = ["Picture", "compose", "map_parts", "moment_parts"]
-
 # A robot with a smaller radius, units, gets a ring of this radius.
 HIDDEN = 6.0
 FINDER = 11.0

@@ -23,8 +23,6 @@ from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive
 from worldgen.render.scene import map_parts
 from worldgen.world import World
 
-__all__ = ["COLOURS", "Panel", "draw_sheet"]
-
 # Okabe and Ito's colours, without those that a map uses for start and target.
 COLOURS = ("#D55E00", "#56B4E9", "#CC79A7", "#E69F00", "#000000", "#8A6D00", "#7A3B9A", "#5F6773")
 

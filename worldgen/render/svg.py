@@ -21,8 +21,6 @@ from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow,
 from worldgen.render.scene import Picture, compose
 from worldgen.world import World
 
-__all__ = ["draw_svg", "svg_element"]
-
 # Limit on the corners of cells drawn as a path; beyond that, an image of them is smaller.
 MOST_CORNERS = 40_000
 # Stops of the floor's gradient: it is logarithmic, and SVG's are linear between stops.

@@ -33,8 +33,6 @@ from worldgen.render.polyline import along, arc_length
 from worldgen.support.rows import flip_rows
 from worldgen.world import JointWitness, Witness, World
 
-__all__ = ["draw_terminal", "wants_color"]
-
 # Limit on the rows of dots or letters; a taller world is scaled down.
 MOST_ROWS = 100
 # Approximate side, in dots, to which a smaller world is scaled up in colour.

@@ -27,19 +27,6 @@ from worldgen.render.palette import (
 from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
 
-__all__ = [
-    "arrow",
-    "arrow_head",
-    "breach_crosses",
-    "cross",
-    "cross_with_casing",
-    "pierced_parts",
-    "ring_and_cross",
-    "stays_put",
-    "swept_parts",
-    "trail_parts",
-]
-
 Points = npt.NDArray[np.float64]
 # Deviations of a drawn trail from the true one, px; the first that gives a short enough line is
 # used.

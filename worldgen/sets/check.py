@@ -12,8 +12,6 @@ from worldgen.errors import FormatError
 from worldgen.files.archives import is_archive, members
 from worldgen.sets.manifest import MANIFEST, Manifest, parse_manifest, read_manifest
 
-__all__ = ["SetDifference", "check_set", "manifest_of"]
-
 # Limit on the bytes of a file; a .grid file is never larger.
 _MOST = 512 << 20
 

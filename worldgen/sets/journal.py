@@ -11,8 +11,6 @@ from worldgen.files.locks import lock
 from worldgen.files.whole import refused_writes
 from worldgen.sets.manifest import Manifest, parse_manifest
 
-__all__ = ["Journal"]
-
 
 class Journal:
     """A manifest that grows by whole lines, written by one process at a time.

@@ -13,8 +13,6 @@ from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHe
 from worldgen.sets.plan import SetPlan
 from worldgen.sets.stores import PART, SetFolder, Store, store_for
 
-__all__ = ["SetDiffers", "SetDone", "begun_set", "make_set", "regenerate_set", "restore_set"]
-
 Progress = Callable[[int], None]
 """Called with the number of worlds saved so far, at the beginning and after each."""
 

@@ -21,8 +21,6 @@ from worldgen.generation import generate
 from worldgen.support.workers import LISTEN, WorkerPool, ctrl_c_held_back
 from worldgen.world import Provenance, Value, World
 
-__all__ = ["Job", "Made", "make_all"]
-
 # Area that a process gets at a time, square metres: some tenths of a second of work.
 _CELLS = 50_000
 # Limit on the worlds that a process gets at a time.

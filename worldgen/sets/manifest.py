@@ -17,16 +17,6 @@ from worldgen.errors import FormatError, Message
 from worldgen.files.json_file import converted, faulty_field, plain
 from worldgen.world import Value
 
-__all__ = [
-    "FORMAT",
-    "MANIFEST",
-    "Manifest",
-    "ManifestEntry",
-    "ManifestHeader",
-    "parse_manifest",
-    "read_manifest",
-]
-
 FORMAT = "worldgen-set 1"
 MANIFEST = "manifest.jsonl"
 

@@ -18,8 +18,6 @@ from worldgen.sets.making import Job, Made, make_all
 from worldgen.sets.manifest import ManifestHeader
 from worldgen.world import Value
 
-__all__ = ["SearchedPlan", "SeededPlan", "SetPlan", "header_of", "plan_set"]
-
 # Limit on the worlds in one folder.
 _FLAT = 10_000
 # Worlds in each subfolder if there are more.

@@ -19,15 +19,6 @@ from worldgen.sets.manifest import Manifest
 from worldgen.sets.plan import SearchedPlan, header_of
 from worldgen.world import Provenance, Value, World
 
-__all__ = [
-    "StratifiedPlan",
-    "StratumCount",
-    "WantedPlan",
-    "plan_stratified_set",
-    "plan_wanted_set",
-    "strata_of",
-]
-
 
 @dataclass(frozen=True, kw_only=True)
 class WantedPlan(SearchedPlan):

@@ -15,8 +15,6 @@ from worldgen.files.whole import refused_writes
 from worldgen.sets.journal import Journal, append_at
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, read_manifest
 
-__all__ = ["PART", "ArchiveStore", "SetFolder", "Store", "store_for"]
-
 # Suffix of the folder in which an archive grows.
 PART = ".part"
 # File in that folder with the files' bytes, one after another.

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import functools
 
-__all__ = ["SCALE", "direction"]
-
 # The sine of 90 degrees.
 SCALE = 1 << 20
 # In degrees.

@@ -8,8 +8,6 @@ from typing import Any
 
 from worldgen.errors import InvalidParameter
 
-__all__ = ["Bounds", "check_at_least", "check_between", "check_choice", "check_positive", "shown"]
-
 
 @dataclass(frozen=True)
 class Bounds:

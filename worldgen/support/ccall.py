@@ -10,8 +10,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["check", "pointer", "writable"]
-
 _C_TYPES = {
     np.dtype(np.bool_): "uint8_t[]",
     np.dtype(np.uint8): "uint8_t[]",

@@ -20,18 +20,6 @@ from typing import Any, Final, NoReturn, TypeAlias
 
 from worldgen.errors import InvalidParameter, Message
 
-__all__ = [
-    "Constant",
-    "Language",
-    "Node",
-    "Operation",
-    "Variable",
-    "evaluate",
-    "parse_condition",
-    "parse_number",
-    "variables_in",
-]
-
 MOST_NESTED: Final = 50
 # Most levels of the syntax tree; Python allows a thousand nested calls.
 _DEEPEST: Final = 250

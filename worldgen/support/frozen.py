@@ -11,8 +11,6 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["HoldsFrozen", "freeze", "frozen"]
-
 T = TypeVar("T", bound=np.generic)
 
 # Arrays that were created or frozen here, by identity; no writable view of them exists elsewhere.

@@ -14,17 +14,6 @@ import numpy.typing as npt
 from worldgen import _core
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = [
-    "Floods",
-    "by_distance",
-    "components",
-    "free_windows",
-    "shortest_path",
-    "squared_distances",
-    "steps_from",
-    "window_at",
-]
-
 Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["interval_95"]
-
 
 def interval_95(count: int, total: int) -> tuple[float, float]:
     """Return the two-sided 95 % interval of a probability observed as ``count`` out of ``total``.

@@ -9,8 +9,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NoReturn
 
-__all__ = ["refuse"]
-
 
 def refuse(package: str, folder: str) -> NoReturn:
     """Raise the error for a package without its core.

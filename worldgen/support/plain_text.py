@@ -9,8 +9,6 @@ import reprlib
 from collections.abc import Collection, Sequence
 from numbers import Number
 
-__all__ = ["GAP", "aligned", "counted", "describe_value", "quote", "shown", "shown_lines"]
-
 # Gap between two columns.
 GAP = "  "
 

@@ -22,18 +22,6 @@ from multiprocessing import parent_process
 
 from worldgen.support.plain_text import shown
 
-__all__ = [
-    "Display",
-    "Work",
-    "display_on_stderr",
-    "is_quiet",
-    "is_verbose",
-    "say_once",
-    "set_verbosity",
-    "spoke",
-    "working",
-]
-
 _clock = time.monotonic
 _LOGGER = logging.getLogger("worldgen")
 # Seconds of silence before the first line.

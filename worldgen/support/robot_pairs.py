@@ -18,8 +18,6 @@ from worldgen.errors import Message
 if TYPE_CHECKING:
     from worldgen.world import Robot
 
-__all__ = ["pair_fault"]
-
 # Pairs are compared in float64 first. The exact comparison decides only pairs within this fraction
 # of the limit, which is far more than the rounding error of a few operations.
 _DOUBT = 1e-6

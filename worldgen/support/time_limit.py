@@ -14,8 +14,6 @@ import threading
 import time
 from collections.abc import Iterator
 
-__all__ = ["TimeLimitReached", "time_limit"]
-
 # Seconds after which the exception is raised again, because the code may have caught it.
 _AGAIN = 1.0
 

@@ -13,14 +13,6 @@ from multiprocessing import get_context, parent_process, resource_tracker
 from types import FrameType
 from typing import Any, ParamSpec, TypeVar
 
-__all__ = [
-    "LISTEN",
-    "WorkerPool",
-    "become_worker",
-    "ctrl_c_held_back",
-    "sigint_blocked",
-]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

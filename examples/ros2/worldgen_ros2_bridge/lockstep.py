@@ -24,8 +24,6 @@ from worldgen_ros2_bridge.messages import (
     twist_between,
 )
 
-__all__ = ["Bridge", "Ports", "Settings", "Situation", "serve"]
-
 VERSION = 1
 STILL = Twist()
 # Seconds of simulated time between two episodes; time never goes back, because tf2 would forget

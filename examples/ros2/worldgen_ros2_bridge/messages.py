@@ -10,11 +10,6 @@ import math
 import tomllib
 from dataclasses import dataclass
 
-__all__ = [
-    "FREE", "OCCUPIED", "Grid", "Pose", "Scan", "Twist", "between", "composed", "grid_of", "inverse", "pose_in_map",
-    "quaternion", "scan_of", "stamp", "twist_between",
-]  # fmt: skip
-
 FREE = 0
 OCCUPIED = 100
 """Values of nav_msgs/OccupancyGrid; -1, unknown, never comes from a world."""

@@ -26,8 +26,6 @@ from tf2_ros import TransformBroadcaster
 from worldgen_ros2_bridge.lockstep import Situation
 from worldgen_ros2_bridge.messages import Grid, Pose, Scan, Twist, quaternion, stamp
 
-__all__ = ["RosPorts"]
-
 MAP = "map"
 ODOM = "odom"
 BASE = "base_link"

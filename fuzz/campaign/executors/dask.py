@@ -19,8 +19,6 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.support.workers import ctrl_c_held_back
 
-__all__ = ["DaskExecutor"]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

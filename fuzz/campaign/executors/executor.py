@@ -10,8 +10,6 @@ from fuzz.campaign.live import LiveCounts
 from sim.scenario import Scenario
 from worldgen.errors import WorldgenError
 
-__all__ = ["Executor", "WorkersLost"]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

@@ -22,8 +22,6 @@ from sim.runners.try_out import EMPTY_ARENA, try_out
 from sim.scenario import Scenario
 from worldgen.support.workers import WorkerPool, ctrl_c_held_back
 
-__all__ = ["InlineExecutor", "ProcessExecutor", "load", "local_executor"]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

@@ -29,8 +29,6 @@ from worldgen.family import FAMILIES
 from worldgen.files.whole import expanded
 from worldgen.plugins.registry import Registry, lend
 
-__all__ = ["RemoteJob", "give_dask_its_own_random"]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

@@ -18,8 +18,6 @@ from fuzz.campaign.store.fingerprint import digest_of
 from fuzz.failure import ID_DIGITS, Failure
 from worldgen.files.json_file import plain
 
-__all__ = ["Done", "StoredElite", "UnitEntry", "read_entry", "write_entry"]
-
 _FailureId = Annotated[str, msgspec.Meta(pattern=rf"^[0-9a-f]{{{ID_DIGITS}}}\Z")]
 _Hex = Annotated[str, msgspec.Meta(pattern=r"^([0-9a-f]{2})*\Z")]
 

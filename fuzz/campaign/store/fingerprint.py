@@ -25,8 +25,6 @@ from worldgen.files.grid import dumps, loads
 from worldgen.plugins.registry import Registry
 from worldgen.support.plain_text import quote
 
-__all__ = ["Fingerprint", "config_of", "digest_of", "digest_of_sources", "fingerprint_of"]
-
 _OWN = ("worldgen", "sim", "fuzz")
 _SHOWS = (
     "fuzz/ci",

@@ -37,8 +37,6 @@ from worldgen.files.json_file import JsonFile
 from worldgen.files.locks import lock, sign
 from worldgen.files.whole import read_text, refused_writes, write_bytes
 
-__all__ = ["Budget", "CampaignStore", "FolderStore"]
-
 _SHRUNK = re.compile(
     rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid"
 )

@@ -16,8 +16,6 @@ from worldgen.errors import FormatError, Message, OutputError, WorldgenError
 from worldgen.files.locks import holder
 from worldgen.files.whole import read_text, write_bytes
 
-__all__ = ["errors_recorded", "forget_error", "read_error", "record_error"]
-
 _VERSION = 1
 # Limit on the characters of a template.
 _LONGEST = 4_000

@@ -13,8 +13,6 @@ from fuzz.campaign.store.fingerprint import Fingerprint, config_of, fingerprint_
 from fuzz.campaign.store.folder import Budget, FolderStore
 from worldgen.errors import FormatError, OutputError
 
-__all__ = ["CampaignRun", "begin", "resume", "stored_seed"]
-
 # Limit on the differences to list.
 _SAID_AT_MOST = 3
 

@@ -10,20 +10,6 @@ import msgspec
 
 from worldgen.files.json_file import JsonFile
 
-__all__ = [
-    "MEMORY",
-    "OVERVIEW_FILE",
-    "SUMMARY",
-    "SUMMARY_FILE",
-    "Archive",
-    "ArchiveAxis",
-    "BucketTotals",
-    "Status",
-    "StrategyTotals",
-    "Summary",
-    "read_summary",
-]
-
 # Name of the store's folder in a campaign's folder.
 MEMORY = ".campaign"
 SUMMARY_FILE = "summary.json"

@@ -48,8 +48,6 @@ from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.grid import write_world
 
-__all__ = ["CampaignAnswers"]
-
 # Seconds that a process has to begin: a busy machine may need to compile kernels first.
 _BEGINS = 300.0
 _ENDS = 2.0  # s to wait for a campaign that was stopped before it had begun

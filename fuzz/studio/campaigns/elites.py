@@ -15,8 +15,6 @@ from worldgen.errors import FormatError, InvalidParameter
 from worldgen.files.whole import read_text
 from worldgen.world import World
 
-__all__ = ["elite_of", "runs_in"]
-
 
 def elite_of(folder: Path, i: int, j: int) -> World:
     """Return the simplest world that a campaign has found for a cell of its archive.

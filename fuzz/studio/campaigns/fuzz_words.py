@@ -30,17 +30,6 @@ from worldgen.files.whole import read_text
 from worldgen.files.worlds import files_in
 from worldgen.parameters import Parameter
 
-__all__ = [
-    "baseline",
-    "begun",
-    "budget",
-    "check_oracles",
-    "check_strategies",
-    "command_line",
-    "options",
-    "workers",
-]
-
 Message = Mapping[str, Any]
 
 

@@ -24,18 +24,6 @@ from worldgen.files.locks import holder
 from worldgen.files.whole import expanded
 from worldgen.files.worlds import is_world_file
 
-__all__ = [
-    "SAID",
-    "Activity",
-    "beginning",
-    "campaign_state",
-    "end_beginnings",
-    "interrupt",
-    "is_campaign",
-    "is_own",
-    "running_process",
-]
-
 _TOTALS = (
     "controller", "status", "units", "worlds", "steps", "seconds", "verdicts", "met", "known",
     "strategies",

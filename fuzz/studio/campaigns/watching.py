@@ -12,8 +12,6 @@ from typing import Any
 from fuzz.studio.folder import Folder
 from worldgen.errors import InvalidParameter, Message, WorldgenError
 
-__all__ = ["Watching"]
-
 _EVERY = 0.5  # s between checks of a campaign
 _ENDS = 2.0  # s to wait for a campaign that was stopped; it may end later
 _LOOK = 0.05  # s between checks for its end

@@ -14,18 +14,6 @@ from worldgen.support.arrays import Floats, Ints
 if TYPE_CHECKING:
     from sim.trace import Trace
 
-__all__ = [
-    "ALWAYS",
-    "NOBODY",
-    "Arbitration",
-    "PartFacts",
-    "acted_at",
-    "acting",
-    "in_words",
-    "sentences",
-    "shares",
-]
-
 # Number of memories that are read at once.
 _PORTION = 4096
 

@@ -22,8 +22,6 @@ from sim.controllers.base import (
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 
-__all__ = ["UNTIL_DONE", "Behaviour", "Layer"]
-
 UNTIL_DONE = math.inf
 """The duration of a behaviour that decides itself when it is done."""
 

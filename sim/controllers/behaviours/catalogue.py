@@ -24,17 +24,6 @@ from worldgen.parameters import (
 from worldgen.plugins.registry import Registry, user_code
 from worldgen.support.bounds import Bounds
 
-__all__ = [
-    "ARBITERS",
-    "BEHAVIOURS",
-    "PREFIX",
-    "is_composition_name",
-    "listed_names",
-    "options_of",
-    "parts_of",
-    "read_composition",
-]
-
 PREFIX = "behaviours"
 ARBITERS = ("priority", "vote", "learning")
 """Ways to arbitrate in a composition; their indices are the values of ``WgComposition.arbiter``."""

@@ -14,8 +14,6 @@ from xml.sax.saxutils import escape, quoteattr
 
 from sim.controllers.behaviours.arbitration import ALWAYS, Arbitration, PartFacts, sentences
 
-__all__ = ["Chart", "Shape", "chart_of", "chart_svg"]
-
 # Sizes in px. Questions are in the left column, and the behaviours in the right one.
 _WIDTH = 450
 _MIDDLE = 104

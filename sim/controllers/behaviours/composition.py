@@ -28,14 +28,13 @@ from sim.controllers.behaviours.base import Behaviour, Layer
 from sim.controllers.behaviours.catalogue import ARBITERS, PREFIX, read_composition
 from sim.controllers.behaviours.library import HANDS, IDLE, TURN_WORDS, TURNS
 from sim.controllers.behaviours.with_python import ComposedController
-from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
+from sim.controllers.core_act import CoreAct, memory_at_reset, size_of
 from sim.controllers.learning import Learning
 from sim.controllers.memory_view import MemoryField
+from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Floats, Ints
-
-__all__ = ["composed", "composition_named"]
 
 MOST_PARTS = int(lib.WG_MOST_PARTS)
 # The memory begins with the arbiter's, a WgShared.

@@ -16,23 +16,6 @@ from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
 from worldgen.support.bounds import Bounds
 
-__all__ = [
-    "HANDS",
-    "IDLE",
-    "TURNS",
-    "TURN_WORDS",
-    "approach",
-    "avoid",
-    "collide",
-    "drive",
-    "escape",
-    "follow",
-    "home",
-    "seek",
-    "swerve",
-    "wander",
-]
-
 TURNS = {"right": 1.0, "left": 2.0, "random": 3.0}
 """Words for the turn of ``collide``, with the thesis's numbers for its rules."""
 

@@ -18,8 +18,6 @@ from sim.controllers.memory_view import MemoryField
 from sim.kernels.layout import OBS_SIZE
 from sim.options.robot import RobotOptions
 
-__all__ = ["ComposedController"]
-
 # The C type of a trigger and of an action.
 _CALL = dict(ffi.typeof("WgBehaviour").fields)["trigger"].type
 

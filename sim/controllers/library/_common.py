@@ -10,9 +10,8 @@ from dataclasses import replace
 from typing import Any
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, place
-
-__all__ = ["BY_TOUCH", "HAND", "LOCATED", "TO_TARGET", "tuned_controller"]
+from sim.controllers.core_act import CoreAct
+from sim.kernels.layout import place
 
 HAND = place("WgWallBody", "hand")
 

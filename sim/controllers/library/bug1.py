@@ -25,8 +25,6 @@ from sim.controllers.library._common import BY_TOUCH, HAND
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from worldgen.support.arrays import Floats
 
-__all__ = ["bug1"]
-
 AT = fields_of("WgBug1Memory")
 
 

@@ -27,8 +27,6 @@ from sim.controllers.library._common import BY_TOUCH, HAND
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from worldgen.support.arrays import Floats
 
-__all__ = ["bug2"]
-
 AT = fields_of("WgBug2Memory")
 
 

@@ -22,8 +22,6 @@ from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, size_
 from sim.controllers.library._common import TO_TARGET, tuned_controller
 from sim.options.robot import RobotOptions
 
-__all__ = ["DynamicWindow", "dynamic_window", "dynamic_window_robot"]
-
 _DEFAULT = default_of("wg_dynamic_window_default")
 
 

@@ -29,8 +29,6 @@ from sim.options.robot import RobotOptions
 from worldgen.support.arrays import Floats
 from worldgen.support.bounds import Bounds
 
-__all__ = ["GestaltOptions", "gestalt", "gestalt_robot"]
-
 AT = fields_of("WgGestaltMemory")
 
 CELLS = size_of("WgGestaltMemory")

@@ -29,8 +29,6 @@ from sim.controllers.memory_view import MemoryField, MemoryMap
 from worldgen.errors import InvalidParameter
 from worldgen.support.arrays import Floats
 
-__all__ = ["PITCH", "mapper", "mapper_small", "mapping", "shown_map"]
-
 AT = fields_of("WgMapperMemory")
 
 # Distance between two nodes, m: half a cell of the families' worlds.

@@ -38,8 +38,6 @@ from worldgen.support.arrays import Bools
 from worldgen.support.grid_search import steps_from
 from worldgen.world import World
 
-__all__ = ["Pibt", "pibt"]
-
 Node = tuple[int, int]
 Move = tuple[int, int]
 

@@ -20,8 +20,6 @@ from sim.controllers.core_act import CoreAct, default_of
 from sim.controllers.library._common import TO_TARGET, tuned_controller
 from sim.options.robot import RobotOptions
 
-__all__ = ["PotentialField", "potential_field", "potential_field_robot"]
-
 _DEFAULT = default_of("wg_potential_field_default")
 
 

@@ -28,8 +28,6 @@ from sim.controllers.library.q_learning import NEEDS, SENSES
 from sim.controllers.memory_view import MemoryField
 from worldgen.support.arrays import Floats
 
-__all__ = ["AT_RESET", "LEARNING", "q_learner"]
-
 AT = fields_of("WgQLearnerMemory")
 
 # Reward for arriving, in thousandths; the same as in the training of its first table.

@@ -24,17 +24,6 @@ from sim.controllers.core_act import CoreAct, memory_at_reset, size_of
 from sim.options.robot import RobotOptions
 from worldgen.support.arrays import Ints
 
-__all__ = [
-    "AT_RESET",
-    "NEEDS",
-    "SENSES",
-    "SITUATIONS",
-    "TURNS",
-    "best_turns",
-    "q_learning",
-    "q_learning_robot",
-]
-
 SITUATIONS = int(lib.WG_Q_SITUATIONS)
 TURNS = tuple(lib.wg_q_turn_of)
 """Turns to choose from, in eighths of a turn, counter-clockwise; the first wins a tie."""

@@ -11,8 +11,6 @@ from __future__ import annotations
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct
 
-__all__ = ["random_walk"]
-
 random_walk = CompiledController(
     "random-walk",
     CoreAct("random-walk"),

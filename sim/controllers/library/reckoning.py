@@ -31,8 +31,6 @@ from sim.controllers.memory_view import MemoryMap
 from worldgen.support.arrays import Floats
 from worldgen.support.bounds import check_positive
 
-__all__ = ["odometry_bug", "signal_mapper", "signal_three_layer", "signal_three_layer_robot"]
-
 AT = fields_of("WgReckoning")
 
 SIZE = size_of("WgReckoning")

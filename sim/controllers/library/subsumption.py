@@ -19,8 +19,6 @@ from sim.controllers.behaviours.base import Layer
 from sim.controllers.behaviours.composition import composed
 from sim.controllers.behaviours.library import approach, escape, follow, wander
 
-__all__ = ["signal_bug", "subsumption"]
-
 # Steps without progress before it escapes: long enough to follow most walls to their end, because
 # an escape starts the walk over again.
 _PATIENCE = 4000

@@ -28,8 +28,6 @@ from sim.controllers.library._common import BY_TOUCH, HAND
 from sim.controllers.memory_view import MemoryField
 from sim.options.robot import RobotOptions
 
-__all__ = ["BEAMS", "RANGE", "tangent_bug"]
-
 AT = fields_of("WgTangentBugMemory")
 
 BEAMS = 72

@@ -25,13 +25,12 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, place, size_of
+from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, size_of
 from sim.controllers.library._common import LOCATED, tuned_controller
 from sim.controllers.memory_view import MemoryField, MemoryMap
+from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
 from worldgen.support.arrays import Floats
-
-__all__ = ["SIDE", "ThreeLayer", "three_layer", "three_layer_robot"]
 
 _DEFAULT = default_of("wg_three_layer_default")
 LAID = place("WgThreeLayerMemory", "laid")

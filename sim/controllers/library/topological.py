@@ -25,15 +25,14 @@ from typing import Annotated
 import numpy as np
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
+from sim.controllers.core_act import CoreAct, memory_at_reset, size_of
 from sim.controllers.library._common import LOCATED
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.variants import Variants
+from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
 from worldgen.support.arrays import Floats
 from worldgen.support.bounds import Bounds
-
-__all__ = ["TopologicalOptions", "topological", "topological_robot"]
 
 MOST = place("WgTopologicalMemory", "most")
 MODE = place("WgTopologicalMemory", "mode")

@@ -11,11 +11,10 @@ Sources: for ``right-hand``, the International Regulations for Preventing Collis
 from __future__ import annotations
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, place
+from sim.controllers.core_act import CoreAct
 from sim.controllers.memory_view import MemoryField
+from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
-
-__all__ = ["naive", "orca", "right_hand"]
 
 _SENSES = ("heading", "target_heading", "time_step", "top_speed", "radius")
 _SENSING = RobotOptions(neighbour_range=2.0)

@@ -19,11 +19,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from sim.controllers.base import CompiledController
-from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, place, size_of
+from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, size_of
 from sim.controllers.library._common import tuned_controller
+from sim.kernels.layout import place
 from sim.options.robot import RobotOptions
-
-__all__ = ["VfhPlus", "vfh", "vfh_robot"]
 
 _DEFAULT = default_of("wg_vfh_default")
 

@@ -16,8 +16,6 @@ from sim.controllers.core_act import CoreAct, fields_of, memory_at_reset, size_o
 from sim.controllers.library._common import BY_TOUCH, HAND
 from sim.controllers.memory_view import MemoryField
 
-__all__ = ["wall_left", "wall_right"]
-
 AT = fields_of("WgWallMemory")
 
 

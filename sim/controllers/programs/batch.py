@@ -19,16 +19,6 @@ from sim.controllers.programs.program import invalid_answer
 from sim.kernels import layout
 from worldgen.support.arrays import Floats, Ints
 
-__all__ = [
-    "MOST_ROBOTS",
-    "Offer",
-    "batch_line",
-    "fill_commands",
-    "json_line",
-    "read_offer",
-    "reset_batch_line",
-]
-
 MOST_ROBOTS = 1_024
 """Limit on the robots that are driven at the same time; their commands fit into one line."""
 

@@ -14,8 +14,6 @@ from pathlib import Path, PurePath
 from worldgen.support.plain_text import shown
 from worldgen.world import Value
 
-__all__ = ["report_of"]
-
 # Number of frames to keep, counted from the innermost.
 _MOST_FRAMES = 6
 

@@ -39,16 +39,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.parameters import split_headed, split_options
 from worldgen.support.arrays import Floats, Ints
 
-__all__ = [
-    "PROGRAM_OPTIONS",
-    "PROTOCOL_VERSION",
-    "ProcessController",
-    "is_process_name",
-    "observation_line",
-    "read_answer",
-    "read_command",
-]
-
 PROTOCOL_VERSION = 1
 PROGRAM_OPTIONS = ("deadline", "start", "memory")
 """Options that only a program has."""

@@ -24,17 +24,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.plugins.registry import ONLY_CODE
 from worldgen.world import Value
 
-__all__ = [
-    "LONGEST_LINE",
-    "ControllerError",
-    "Program",
-    "ProgramLimits",
-    "WantsMemory",
-    "find_program",
-    "invalid_answer",
-    "shown",
-]
-
 # Bytes of an answer, not counting its newline.
 LONGEST_LINE = 64 << 10
 

@@ -10,8 +10,6 @@ from sim.controllers import CONTROLLERS, ProcessController
 from worldgen.errors import InvalidParameter
 from worldgen.files.whole import check_output
 
-__all__ = ["check_transcript", "transcribed"]
-
 
 def check_transcript(robots: Sequence[object], out: Path | None) -> None:
     """Refuse to write a transcript for several robots, each of which has its own program.

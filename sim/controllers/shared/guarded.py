@@ -30,18 +30,6 @@ from sim.controllers.controller_error import NO_ANSWER, ControllerError, how_it_
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 
-__all__ = [
-    "DEADLINE",
-    "PRIVATE",
-    "SHARED",
-    "CallResult",
-    "ControllerDied",
-    "CoreMemory",
-    "before_start",
-    "call",
-    "renew",
-]
-
 DEADLINE = 1.0
 """Processor time that a controller may take for a step, s."""
 

@@ -17,8 +17,6 @@ from sim.controllers.shared.object_file import declares, info_of
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 
-__all__ = ["SharedAct", "library_controller"]
-
 # Numbers in the memory of a controller.
 _MOST_MEMORY = 1 << 20
 

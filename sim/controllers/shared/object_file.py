@@ -15,8 +15,6 @@ from sim._core import ffi, lib
 from worldgen.errors import InvalidParameter, Message
 from worldgen.files.whole import expanded
 
-__all__ = ["check_file", "include_folder", "info_of", "is_library_name", "library_file"]
-
 _PREFIX = "lib:"
 # Suffix of the function that describes a controller.
 _OFFER = "_controller"

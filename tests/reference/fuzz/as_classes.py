@@ -10,10 +10,7 @@ import numpy as np
 from fuzz.faults import FAULTS
 from sim import Command
 from sim.kernels import layout
-from tests.reference.fuzz import faults_by_sight, faults_by_touch
 from tests.reference.fuzz.planting import FAULTS as ACTS
-
-__all__ = ["PlainFault", "faults_by_sight", "faults_by_touch"]
 
 
 @dataclass(frozen=True)

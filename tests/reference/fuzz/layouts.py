@@ -15,17 +15,6 @@ import numpy.typing as npt
 from fuzz.search import layout_bytes
 from fuzz.search.layout_bytes import CLEAR, HEAD_BYTES, SMALLEST_SIDE, SPREAD_OF_SIDES
 
-__all__ = [
-    "MARGIN",
-    "ROWS",
-    "byte_of",
-    "draw_layout",
-    "fill_arena",
-    "flood_length",
-    "places_of",
-    "size_of",
-]
-
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
 

@@ -16,8 +16,6 @@ import math
 
 import numpy as np
 
-__all__ = ["REDUCTION_LIMIT", "atan", "cos", "float_bits", "sin"]
-
 # Largest |x| that sin and cos reduce, 2**19 * pi/2; beyond it they return nan. Headings stay below
 # 2 pi.
 REDUCTION_LIMIT = 823549.6645826427

@@ -10,8 +10,6 @@ import numpy.typing as npt
 from sim.runners.core_calls import CoreArena
 from tests.reference.sim import lattice_state
 
-__all__ = ["COUNTS", "arena_of", "settings_of"]
-
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 

@@ -27,8 +27,6 @@ from tests.reference.sim.lattice_motion import (
 )
 from tests.reference.sim.layout import SOLID, TIME_UNIT
 
-__all__ = ["Disc", "joint_move"]
-
 Cells = npt.NDArray[np.uint8]
 Corner = tuple[int, int, int]
 

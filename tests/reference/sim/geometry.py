@@ -13,22 +13,6 @@ import numpy.typing as npt
 
 from tests.reference.sim.layout import SOLID, UNIT
 
-__all__ = [
-    "NEAR",
-    "cell_state",
-    "chessboard_clearance",
-    "mark_near",
-    "near_masks",
-    "point_box_distance_sq",
-    "pose_is_clear",
-    "segment_box_depth",
-    "segment_box_is_clear",
-    "segment_crosses_box",
-    "segment_first_not_clear",
-    "segment_point_within",
-    "window_is_free",
-]
-
 Cells = npt.NDArray[np.uint8]
 
 # Above this, a squared cross product no longer fits in 63 bits; a closer call than 1e-12 is then

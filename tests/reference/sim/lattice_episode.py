@@ -13,8 +13,6 @@ from tests.reference.sim.lattice_state import Arena, Robot, Room, last_event, se
 from tests.reference.sim.lattice_step import is_inside, move_and_sense, obey, one_step, remember
 from tests.reference.sim.recurrence import TOUCHED, is_proved, period_at
 
-__all__ = ["is_over", "lattice_episode", "lattice_steps"]
-
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 

@@ -14,8 +14,6 @@ import numpy.typing as npt
 from tests.reference.sim.geometry import cell_state, pose_is_clear, segment_first_not_clear
 from tests.reference.sim.layout import SOLID, TIME_UNIT, UNIT
 
-__all__ = ["MOST_POINTS", "endpoint_move", "first_contact", "round_away", "swept_move"]
-
 Cells = npt.NDArray[np.uint8]
 Chain = npt.NDArray[np.int64]
 

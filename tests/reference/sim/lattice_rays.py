@@ -13,8 +13,6 @@ import numpy.typing as npt
 from tests.reference.sim.geometry import cell_state
 from tests.reference.sim.layout import BURNING, SOLID, TURN, UNIT
 
-__all__ = ["beam_heading", "ray_distance", "smoke_on_the_way", "walls_on_the_way"]
-
 Cells = npt.NDArray[np.uint8]
 
 _FAR = 1e300

@@ -21,18 +21,6 @@ from tests.reference.sim.lattice_rays import (
 )
 from tests.reference.sim.layout import FREE, TURN, UNIT
 
-__all__ = [
-    "displacement",
-    "heading_of",
-    "heading_table",
-    "noise_channel",
-    "noise_draw",
-    "random_draw",
-    "sense",
-    "signal_heading",
-    "turn_towards",
-]
-
 Cells = npt.NDArray[np.uint8]
 Decoys = tuple[tuple[int, int, float], ...]
 

@@ -16,18 +16,6 @@ from tests.reference.sim.lattice_motion import MOST_POINTS
 from tests.reference.sim.layout import SPEED_UNIT
 from tests.reference.sim.recurrence import TOUCHED, Search, begin_search, new_search
 
-__all__ = [
-    "HASH_START",
-    "Arena",
-    "Robot",
-    "Room",
-    "last_event",
-    "new_robot",
-    "new_room",
-    "set_out",
-    "whole_speed",
-]
-
 HASH_START = np.uint64(1469598103934665603)
 """For the traces' digests, as in the thesis's vectors: FNV-1a over 64-bit words."""
 

@@ -35,8 +35,6 @@ from tests.reference.sim.lattice_sense import (
 from tests.reference.sim.lattice_state import Arena, Robot, Room, whole_speed
 from tests.reference.sim.layout import BURNING, SOLID, SPEED_UNIT, SWEPT, TIME_UNIT, TURN, UNIT
 
-__all__ = ["is_inside", "move_and_sense", "obey", "one_step", "remember"]
-
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 

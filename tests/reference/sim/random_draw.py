@@ -6,8 +6,6 @@ Source: Guy Steele, Doug Lea, Christine Flood, "Fast splittable pseudorandom num
 
 from __future__ import annotations
 
-__all__ = ["random_draw"]
-
 _MASK = 2**64 - 1
 
 

@@ -17,20 +17,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    "BLOCK",
-    "MARKS",
-    "NEXT",
-    "TOUCHED",
-    "Search",
-    "begin_search",
-    "entry_of_loop",
-    "is_proved",
-    "keep",
-    "new_search",
-    "period_at",
-]
-
 Ints = npt.NDArray[np.int64]
 Words = npt.NDArray[np.uint64]
 

@@ -19,19 +19,6 @@ import numpy.typing as npt
 
 from tests.reference.sim.thesis_layout import CELL, WALL
 
-__all__ = [
-    "BACK_OFF",
-    "CORNER",
-    "REPAIR_BACK_OFF",
-    "REPAIR_CORNER",
-    "REPAIR_SLIDE",
-    "SLIDE",
-    "STRAIGHT",
-    "advance",
-    "clamp_inside",
-    "disc_touches_cell",
-]
-
 Cells = npt.NDArray[np.int32]
 
 # What a one-pixel step hits: nothing; a wall that one or both of the single-axis moves would also

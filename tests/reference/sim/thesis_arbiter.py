@@ -17,28 +17,6 @@ where it was.
 
 from __future__ import annotations
 
-__all__ = [
-    "A0",
-    "A1",
-    "A2",
-    "A3",
-    "A4",
-    "A5",
-    "A6",
-    "COAST",
-    "COLLIDE",
-    "DRIVE",
-    "GO",
-    "HALT",
-    "IDLE",
-    "INTERRUPTIBLE",
-    "RESUME",
-    "SEEK",
-    "TURN",
-    "run_behaviour",
-    "select_behaviour",
-]
-
 # Behaviours.
 IDLE, COLLIDE, SEEK, DRIVE = -1, 0, 1, 2
 

@@ -47,8 +47,6 @@ from tests.reference.sim.thesis_layout import (
 )  # fmt: skip
 from tests.reference.sim.thesis_signal import sensed_direction, turn_towards
 
-__all__ = ["thesis_episode", "thesis_tick"]
-
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Cells = npt.NDArray[np.int32]

@@ -17,28 +17,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    "BLOCKED",
-    "BURNED",
-    "CELL",
-    "FLAME",
-    "LIMIT",
-    "LOOP",
-    "NEEDS_DRAWS",
-    "OPEN",
-    "REACHED",
-    "ROBOT_RADIUS",
-    "ROBOT_SPEED",
-    "TUNNEL",
-    "WALL",
-    "WEAKENED",
-    "Arena",
-    "Progress",
-    "Setup",
-    "new_arena",
-    "new_progress",
-]
-
 # How an episode ends.
 LIMIT, REACHED, LOOP, TUNNEL, BURNED = 0, 1, 2, 3, 4
 

@@ -18,16 +18,6 @@ from tests.reference.sim.fdlibm import atan
 from tests.reference.sim.random_draw import random_draw
 from tests.reference.sim.thesis_layout import BLOCKED, CELL, OPEN, WALL, Setup
 
-__all__ = [
-    "add_noise",
-    "bearing",
-    "sensed_direction",
-    "signal_direction",
-    "signal_map",
-    "turn_towards",
-    "walls_between",
-]
-
 Cells = npt.NDArray[np.int32]
 
 _TWO_PI = 2.0 * math.pi

@@ -16,8 +16,6 @@ from worldgen.lattice import UNIT
 from worldgen.reach.still.cut import rim_cells
 from worldgen.reach.still.walls import Cell, ExactPoint, Point
 
-__all__ = ["find_chain", "linked_offsets"]
-
 _FINE_BITS = 10  # factor by which the unit may be finer before coordinates overflow 64-bit products
 _STARTS = 24  # cells from which a short cycle is searched for
 _WORK = 20_000_000  # limit on row and cell visits in those searches: 0.1 s

@@ -20,8 +20,6 @@ from worldgen.family import Bounds, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
-__all__ = ["alley"]
-
 MOST_BAYS = 200
 # Bays that are drawn if the user gives no number.
 MOST_DRAWN = 3

@@ -15,8 +15,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.support.grid_search import components, free_windows
 from worldgen.world import World
 
-__all__ = ["cave"]
-
 Shape: TypeAlias = Literal["caverns", "columns", "galleries"]
 
 # Range from which the share of rock is drawn, percent.

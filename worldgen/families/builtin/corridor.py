@@ -41,8 +41,6 @@ from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
-__all__ = ["corridor"]
-
 Shape: TypeAlias = Literal["bends", "dead-ends", "junctions", "S", "T", "X", "tunnel"]
 
 # Lattices to try until one has the requested bends and side paths. With the most that is allowed of

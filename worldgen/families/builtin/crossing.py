@@ -17,8 +17,6 @@ from worldgen.family import family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
-__all__ = ["crossing"]
-
 
 @family("crossing", version=2)
 def crossing(

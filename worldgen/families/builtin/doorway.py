@@ -17,8 +17,6 @@ from worldgen.family import check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
-__all__ = ["doorway"]
-
 
 @family("doorway", version=2)
 def doorway(

@@ -39,8 +39,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import World
 
-__all__ = ["fire"]
-
 # Factor by which a wall catches more slowly than the floor.
 WALL_FACTOR = 5
 DRAWN = "drawn"

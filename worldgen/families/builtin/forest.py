@@ -20,8 +20,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.support.grid_search import components, free_windows
 from worldgen.world import World
 
-__all__ = ["forest"]
-
 Growth: TypeAlias = Literal["even", "thickets", "rows"]
 
 MOST_GAP = 100.0  # widths of the robot

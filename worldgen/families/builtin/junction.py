@@ -20,8 +20,6 @@ from worldgen.family import family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
-__all__ = ["junction"]
-
 Shape: TypeAlias = Literal["X", "T"]
 
 

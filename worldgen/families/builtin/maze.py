@@ -37,8 +37,6 @@ from worldgen.family import Bounds, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
-__all__ = ["maze"]
-
 
 @family("maze", version=1)
 def maze(

@@ -25,8 +25,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.support.grid_search import free_windows
 from worldgen.world import World
 
-__all__ = ["rooms"]
-
 
 @family("rooms", version=1)
 def rooms(

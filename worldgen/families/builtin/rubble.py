@@ -30,8 +30,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.support.grid_search import free_windows, steps_from
 from worldgen.world import World
 
-__all__ = ["rubble"]
-
 Collapse: TypeAlias = Literal["quake", "blast", "wing"]
 Grid: TypeAlias = npt.NDArray[np.bool_]
 

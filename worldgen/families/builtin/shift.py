@@ -25,8 +25,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import World
 
-__all__ = ["shift", "shifted"]
-
 
 @family("shift", version=1, changes=True)
 def shift(

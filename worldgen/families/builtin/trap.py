@@ -35,8 +35,6 @@ from worldgen.family import Bounds, check_at_least, check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
-__all__ = ["trap"]
-
 Shape: TypeAlias = Literal["U", "L", "spiral", "V", "comb", "nested", "pair"]
 Faces: TypeAlias = Literal["start", "target", "side"]
 Box: TypeAlias = tuple[int, int, int, int]

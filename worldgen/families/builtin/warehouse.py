@@ -18,8 +18,6 @@ from worldgen.family import check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
-__all__ = ["warehouse"]
-
 # Shelf lengths that are drawn if the user gives none, in aisle widths.
 SHELF_ASPECTS = (2, 5)
 

@@ -21,21 +21,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.support.grid_search import free_windows, shortest_path, window_at
 from worldgen.world import World
 
-__all__ = [
-    "FIREBREAK",
-    "NEVER",
-    "Plan",
-    "Times",
-    "burn_over",
-    "burn_walls",
-    "delay",
-    "hold_back",
-    "ignite",
-    "in_turn",
-    "leaves_a_way",
-    "weak_walls",
-]
-
 # Cells around the robot's start that never burn, so that it can wait there.
 FIREBREAK = 2
 # Thickest wall, in cells, that fire can burn through.

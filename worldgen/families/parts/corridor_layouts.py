@@ -10,18 +10,6 @@ import numpy.typing as npt
 
 from worldgen.random_streams import RandomStream
 
-__all__ = [
-    "Edge",
-    "Node",
-    "Slot",
-    "crossings",
-    "neck_slots",
-    "place_necks",
-    "serpentine",
-    "tees",
-    "turned_at_random",
-]
-
 # Column and row of a coarse lattice, each line of which has room for one corridor.
 Node: TypeAlias = tuple[int, int]
 Edge: TypeAlias = tuple[Node, Node]

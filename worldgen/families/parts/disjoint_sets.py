@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["joining"]
-
 
 class _Sets:
     """Keep disjoint sets of whole numbers, and join two of them at a time."""

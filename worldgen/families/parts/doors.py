@@ -11,8 +11,6 @@ from worldgen.families.parts.disjoint_sets import joining
 from worldgen.families.parts.floor_plan import FloorPlan, Joints, Sizes
 from worldgen.random_streams import RandomStream
 
-__all__ = ["Doors", "hang_doors", "shut_doors"]
-
 
 @dataclass(frozen=True)
 class Doors:

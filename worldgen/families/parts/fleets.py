@@ -14,8 +14,6 @@ from worldgen.family import Bounds
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
-__all__ = ["Robots", "fleet_world", "turned"]
-
 Robots: TypeAlias = Annotated[int, Bounds(1, MAX_ROBOTS)]
 
 

@@ -12,8 +12,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.families.parts.layout import CHOSEN, Arena
 from worldgen.random_streams import RandomStream
 
-__all__ = ["FloorPlan", "Joints", "Sizes", "Style", "divide", "fit_sizes", "joined"]
-
 Style: TypeAlias = Literal["wings", "spine", "suite"]
 Box: TypeAlias = tuple[int, int, int, int]
 

@@ -11,8 +11,6 @@ from worldgen.parameters import parse_options, split_options
 from worldgen.random_streams import RandomStream
 from worldgen.world import Value, World
 
-__all__ = ["lay_ground"]
-
 # Share of dead ends to open in a maze; without loops, a change could only delay the robot.
 MAZE_BRAID = 0.3
 

@@ -19,26 +19,6 @@ from worldgen.support.frozen import freeze
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 
-__all__ = [
-    "CHOSEN",
-    "MAX_SIZE",
-    "MIN_SIZE",
-    "SIZE",
-    "STEPS",
-    "Arena",
-    "CellSize",
-    "Margin",
-    "RobotRadius",
-    "RobotSpeed",
-    "Share",
-    "Size",
-    "Wall",
-    "Width",
-    "spread_evenly",
-    "spread_unevenly",
-    "without_effect",
-]
-
 # Limits on the cells per side.
 MIN_SIZE = 10
 MAX_SIZE = 2000

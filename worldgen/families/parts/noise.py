@@ -7,8 +7,6 @@ import numpy.typing as npt
 
 from worldgen.random_streams import RandomStream
 
-__all__ = ["smooth_noise"]
-
 _LEVELS = 1024  # number of different heights at lattice points
 
 

@@ -20,17 +20,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.support.ccall import check, writable
 from worldgen.support.grid_search import free_windows, steps_from
 
-__all__ = [
-    "FAR",
-    "Dug",
-    "Poses",
-    "covered",
-    "dig_from",
-    "easiest_joints",
-    "far_poses",
-    "in_sight",
-]
-
 Grid: TypeAlias = npt.NDArray[np.bool_]
 Numbers: TypeAlias = npt.NDArray[np.int32]
 

@@ -28,8 +28,6 @@ from worldgen.reach.still.lattice_graph import build_graph, flood
 from worldgen.support.progress import Work, working
 from worldgen.world import Pose, Robot, Target, World
 
-__all__ = ["FEW_ROBOTS", "MOST_TOGETHER", "Box", "PlacedEnds", "place_in_boxes", "place_robots"]
-
 # Up to this many robots are all placed before their paths are planned, so that each may have to
 # make way for any other. More are placed one by one at first, each
 # with a path around those before it.

@@ -11,8 +11,6 @@ import numpy.typing as npt
 from worldgen import _core
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["disc_cells", "plant", "put_down"]
-
 
 def disc_cells(diameter: int) -> npt.NDArray[np.int64]:
     """Return the cells whose centres are in a disc, as rows (dx, dy).

@@ -11,8 +11,6 @@ import numpy.typing as npt
 
 from worldgen.support.angles import SCALE, direction
 
-__all__ = ["FINE", "Point", "Polygon", "bounds", "box", "extents", "fill", "to_frame", "turned"]
-
 Point: TypeAlias = tuple[int, int]
 Polygon: TypeAlias = tuple[Point, ...]
 

@@ -24,18 +24,6 @@ from worldgen.families.parts.raster import (
 from worldgen.random_streams import RandomStream
 from worldgen.support.grid_search import free_windows
 
-__all__ = [
-    "TrapShape",
-    "TurnedLayout",
-    "chevron",
-    "comb",
-    "draw_up_to",
-    "nested",
-    "pair",
-    "place_turned",
-    "room_for",
-]
-
 
 @dataclass(frozen=True)
 class TrapShape:

@@ -18,9 +18,6 @@ from worldgen.files.grid.writer import dumps, pieces
 from worldgen.files.whole import write_bytes
 from worldgen.world import World
 
-__all__ = ["expansion_limit", "read_world", "unpack_world", "write_world"]
-
-
 # zlib's own default, fixed so that equal worlds give equal files.
 _COMPRESSION = 6
 # Bytes read at a time.

@@ -15,8 +15,6 @@ from typing import Any, NoReturn
 from worldgen.errors import FormatError, Message
 from worldgen.files.grid.schema import MAX_DEPTH, MAX_WORD
 
-__all__ = ["Header"]
-
 _TOKEN = re.compile(
     r"""
       (?P<comment> \# [^\n]* )

@@ -49,8 +49,6 @@ from worldgen.world import (
     World,
 )
 
-__all__ = ["loads"]
-
 _CARRIAGE_RETURN = Message(
     "carriage-return",
     "a carriage return (CR); lines end with LF only",

@@ -41,17 +41,6 @@ from worldgen.world import (
     Target,
 )
 
-__all__ = [
-    "CertificateRecord",
-    "check_keys",
-    "read_certificate",
-    "read_failure",
-    "read_number",
-    "read_provenance",
-    "read_robots",
-    "read_triple",
-]
-
 
 class CertificateRecord(NamedTuple):
     """The contents of the ``[certificate]`` table.

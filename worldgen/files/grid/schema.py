@@ -14,42 +14,6 @@ import numpy as np
 
 from worldgen.timeline import CellState
 
-__all__ = [
-    "BARE_KEY",
-    "CERTIFICATE_KINDS",
-    "CUT",
-    "END",
-    "EXPANSION_FLOOR",
-    "EXPANSION_RATIO",
-    "FLEET_HEADER_KEYS",
-    "FLEET_LINE_SECTIONS",
-    "FLEET_MAGIC",
-    "FLEET_TABLE_KEYS",
-    "FLEET_WITNESS",
-    "FREE",
-    "HEADER_KEYS",
-    "LINE_SECTIONS",
-    "MAGIC",
-    "MAX_DEPTH",
-    "MAX_DIGITS",
-    "MAX_FILE_BYTES",
-    "MAX_HEADER_BYTES",
-    "MAX_INTEGER_BITS",
-    "MAX_WORD",
-    "OPTIONAL_KEYS",
-    "ROBOT_KEYS",
-    "SECTIONS",
-    "SOLID",
-    "START",
-    "STATES",
-    "TABLE_KEYS",
-    "TARGET",
-    "TIMELINE",
-    "WITNESS",
-    "Field",
-    "LineSection",
-]
-
 # One robot.
 MAGIC: Final = "%worldgen-grid 1"
 # Several robots.

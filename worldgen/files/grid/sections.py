@@ -19,8 +19,6 @@ from worldgen.files.grid.schema import FREE, SOLID, START, STATES, TARGET, Field
 from worldgen.support.frozen import freeze
 from worldgen.support.rows import flip_rows
 
-__all__ = ["Block", "CellBlock", "LetterMark", "read_cells", "read_columns"]
-
 # Bytes of lines split into words at a time; words take 20 times their text in memory.
 _CHUNK = 1 << 20
 _CELL_BYTES = (SOLID + FREE + START + TARGET).encode("ascii")

@@ -8,8 +8,6 @@ from collections.abc import Mapping
 from worldgen.errors import InvalidWorld
 from worldgen.files.grid.schema import BARE_KEY, MAX_DEPTH, MAX_INTEGER_BITS
 
-__all__ = ["number_text", "value_text"]
-
 _ESCAPES = {
     "\b": "\\b",
     "\t": "\\t",

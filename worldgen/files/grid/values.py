@@ -11,16 +11,6 @@ from worldgen.files.grid.schema import MAX_DEPTH, MAX_INTEGER_BITS
 from worldgen.support.plain_text import quote
 from worldgen.world import Value
 
-__all__ = [
-    "finite_at",
-    "integer_at",
-    "kind_of",
-    "number_of",
-    "numbers_at",
-    "text_at",
-    "values_at",
-]
-
 _KINDS = {
     bool: "true or false",
     int: "an integer",

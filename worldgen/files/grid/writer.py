@@ -34,8 +34,6 @@ from worldgen.world import (
     World,
 )
 
-__all__ = ["dumps", "pieces", "world_digest"]
-
 # Cells written at a time.
 _PIECE = 1 << 20
 

@@ -19,17 +19,6 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach.still.lattice_graph import build_graph
 from worldgen.world import DEFAULT_CELL_SIZE, Pose, Target, Value
 
-__all__ = [
-    "DEFAULT_RADII",
-    "CensusMap",
-    "Ends",
-    "Radius",
-    "Refused",
-    "cell_at",
-    "cell_ends",
-    "draw_ends",
-]
-
 _FORM = re.compile(r"([0-9]{1,40}\.?[0-9]{0,40}(?:[eE][+-]?[0-9]{1,3})?)\s*(m|c|cells?)?")
 
 

@@ -18,8 +18,6 @@ from worldgen.lattice import UNIT, lattice_to_metres
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, Value
 
-__all__ = ["FolderMaps", "folder_maps"]
-
 
 @dataclass(frozen=True)
 class FolderMaps:

@@ -29,8 +29,6 @@ from worldgen.plugins.registry import Registry, user_code
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
-__all__ = ["GeneratedMaps", "generated_maps"]
-
 _END = object()
 _KINDS = {bool: "yes or no", int: "a whole number", float: "a number"}
 _TRUE = ("1", "true", "yes")

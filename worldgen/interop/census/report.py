@@ -18,8 +18,6 @@ from worldgen.reach import BLOCKED, REACHABLE
 from worldgen.support.intervals import interval_95
 from worldgen.support.plain_text import GAP, aligned, counted
 
-__all__ = ["CSV_COLUMNS", "ROWS", "Tally", "as_csv", "as_json", "as_text", "tally"]
-
 ROWS = {
     "reachable": "reachable for the disc",
     "blocked": "blocked for the disc",

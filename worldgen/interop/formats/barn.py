@@ -19,8 +19,6 @@ from worldgen.interop.readers.gazebo_world import MAX_BYTES, OURS, grid_line, re
 from worldgen.lattice import exact
 from worldgen.world import World
 
-__all__ = ["barn", "write_barn"]
-
 # Posts above which the export warns; BARN's densest world has about 400.
 _MANY = 2000
 # Height of a post, m.

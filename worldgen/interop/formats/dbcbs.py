@@ -29,8 +29,6 @@ from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
-__all__ = ["dbcbs", "read_dbcbs", "write_dbcbs"]
-
 _MAX_YAML_BYTES = 8 << 20
 # Robots of these types are discs of 0.4 m that drive at 0.5 m/s; those without "sphere" are boxes
 # of 0.5 x 0.25 m, which a disc of half their diagonal covers.

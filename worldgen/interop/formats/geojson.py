@@ -19,8 +19,6 @@ from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import border_cells, cell_polygons
 from worldgen.world import World
 
-__all__ = ["geojson", "write_geojson"]
-
 
 def write_geojson(world: World, destination: Destination) -> Exported:
     """Return a feature collection.

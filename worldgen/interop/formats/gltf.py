@@ -19,8 +19,6 @@ from worldgen.interop.readers.mesh_slice import metric_reader
 from worldgen.render import palette
 from worldgen.world import Value, World
 
-__all__ = ["glb", "gltf", "write_glb"]
-
 Shape: TypeAlias = tuple[Sequence[Sequence[float]], Sequence[Sequence[int]]]
 """Corners, and triangles as numbers of corners."""
 

@@ -10,8 +10,6 @@ from worldgen.interop.foreign_map import ForeignMap, origin_of, read_bounded
 from worldgen.interop.format import HELD, Format
 from worldgen.world import Value
 
-__all__ = ["grid"]
-
 
 def _read(path: Path) -> ForeignMap:
     params: dict[str, Value] = {}

@@ -22,8 +22,6 @@ from worldgen.interop.readers.irsim_world import MAX_YAML_BYTES, read_irsim
 from worldgen.lattice import exact
 from worldgen.world import World
 
-__all__ = ["irsim", "write_irsim"]
-
 _TURN_RATE = (
     # Turn rate, rad/s. Our worlds have no limit, and IR-SIM's default of 1 is slow for a robot of 2
     # m/s.

@@ -27,8 +27,6 @@ from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
-__all__ = ["micromouse", "read_micromouse", "write_micromouse"]
-
 # Large enough for 700 squares per side; a contest's maze has 32.
 _MOST_BYTES = 4 << 20
 _POSTS = (b"o", b"+")

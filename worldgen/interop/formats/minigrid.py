@@ -20,8 +20,6 @@ from worldgen.interop.formats.text import cell_centre, end_cells, text_rows
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
-__all__ = ["minigrid", "read_minigrid", "write_minigrid"]
-
 _HEADINGS = {b">>": 0.0, b"^^": math.pi / 2, b"<<": math.pi, b"VV": -math.pi / 2}
 # Red, green or grey, blue, purple, yellow.
 _COLOURS = b"RGBPY"

@@ -26,8 +26,6 @@ from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
 from worldgen.world import Robot, World
 
-__all__ = ["mjcf", "write_mjcf"]
-
 # Half the thickness of a mark, m.
 _THIN = "0.001"
 # Mass of each of the robot's two bodies, kg: one slides, the other turns on it.

@@ -33,22 +33,6 @@ from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
-__all__ = [
-    "BLOCKED",
-    "GROUND",
-    "PASSABLE",
-    "SCENARIO_RADIUS",
-    "Problem",
-    "Problems",
-    "movingai",
-    "read_movingai",
-    "read_problems",
-    "read_scenario",
-    "read_terrain",
-    "scenario_contents",
-    "write_movingai",
-]
-
 # Swamp can be entered from plain ground, water cannot: it is a wall to a robot that starts on
 # ground.
 PASSABLE = b".GS"

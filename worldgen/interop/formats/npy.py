@@ -21,9 +21,6 @@ from worldgen.interop.format import Destination, Exported, Format
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
-__all__ = ["npy", "read_numpy_map", "write_numpy_map"]
-
-
 # NumPy parses a header as Python text, and, if that fails, once more as Python 2 text, by its
 # tokens.
 _HEADER_FAULTS = (

@@ -16,8 +16,6 @@ from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, Place
 from worldgen.interop.readers.mesh_slice import unitless_reader
 from worldgen.world import World
 
-__all__ = ["obj"]
-
 
 def _contents(world: World, destination: Destination, boxes: list[PlacedBox]) -> bytes:
     """Return one object per box, four corners per face, m, z up.

@@ -13,8 +13,6 @@ from worldgen.interop.geometry.placed_boxes import PlacedBox, box_mesh, box_writ
 from worldgen.interop.readers.mesh_slice import unitless_reader
 from worldgen.world import World
 
-__all__ = ["ply"]
-
 
 def _contents(world: World, destination: Destination, boxes: list[PlacedBox]) -> bytes:
     """Return the binary form: eight vertices and twelve triangles per box, m, z up."""

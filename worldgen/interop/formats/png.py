@@ -25,8 +25,6 @@ from worldgen.interop.readers.places_text import (
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
-__all__ = ["png", "read_picture", "write_png"]
-
 # Keyword that identifies our own pictures; without it the other keywords are ignored.
 _MARK = "worldgen"
 _WHITE = 255

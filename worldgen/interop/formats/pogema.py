@@ -31,8 +31,6 @@ from worldgen.interop.readers.pogema_config import KEY_LINE, PogemaTask, read_co
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
-__all__ = ["pogema", "read_pogema", "write_pogema"]
-
 _WALL = b"#"
 # Cells that are free for anything, only for agents' starts, only for targets, or for neither.
 _FREE = b".@$!"

@@ -14,8 +14,6 @@ from worldgen.interop.geometry.boxes import closing_boxes
 from worldgen.support.rows import flip_rows
 from worldgen.world import World
 
-__all__ = ["pointmaze", "write_pointmaze"]
-
 
 def write_pointmaze(world: World, destination: Destination) -> Exported:
     """Return a JSON list of rows, the top one first.

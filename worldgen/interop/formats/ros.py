@@ -34,19 +34,6 @@ from worldgen.lattice import exact
 from worldgen.support.rows import flip_rows
 from worldgen.world import Value, World
 
-__all__ = [
-    "FREE",
-    "OCCUPIED",
-    "UNKNOWN",
-    "RosMetadata",
-    "occupancy",
-    "read_metadata",
-    "read_ros_map",
-    "ros",
-    "solid_cells",
-    "write_ros_map",
-]
-
 # Values of a nav_msgs/OccupancyGrid.
 FREE = 0
 OCCUPIED = 100

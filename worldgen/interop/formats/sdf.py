@@ -28,8 +28,6 @@ from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
 from worldgen.world import Robot, World
 
-__all__ = ["sdf", "write_sdf"]
-
 # Thickness of a mark, m.
 _THIN = Fraction(1, 1000)
 # With more boxes than this, a physics step of Fortress takes longer than the millisecond it

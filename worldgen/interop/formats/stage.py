@@ -28,8 +28,6 @@ from worldgen.interop.readers.stage_world import RINGED, TARGET, read_stage
 from worldgen.lattice import exact
 from worldgen.world import Robot, World
 
-__all__ = ["stage", "write_stage"]
-
 # Stage's own map.inc lets robots drive through a floor plan (obstacle_return 0) and adds its own
 # box (boundary 1).
 _WALLS = """\

@@ -14,8 +14,6 @@ from worldgen.interop.geometry.placed_boxes import PlacedBox, box_mesh, box_writ
 from worldgen.interop.readers.mesh_slice import unitless_reader
 from worldgen.world import World
 
-__all__ = ["stl"]
-
 # The header must not begin with "solid", as the text form does.
 _HEADER = 80
 

@@ -33,8 +33,6 @@ from worldgen.render.caption import printable
 from worldgen.support.bounds import check_between
 from worldgen.world import Witness, World
 
-__all__ = ["svg", "write_svg"]
-
 _STYLE = (
     f".floor{{fill:{palette.FLOOR}}}.wall{{fill:{palette.WALL};fill-rule:evenodd}}"
     f".border{{fill:{palette.GREY};fill-rule:evenodd}}"

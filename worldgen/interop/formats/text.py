@@ -17,17 +17,6 @@ from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
-__all__ = [
-    "cell_centre",
-    "cell_of",
-    "end_cells",
-    "equal_rows",
-    "read_text_map",
-    "text",
-    "text_rows",
-    "write_text_map",
-]
-
 _SOLID = b"#"
 _FREE = b". "
 _START = b"S"

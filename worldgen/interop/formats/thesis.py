@@ -34,16 +34,6 @@ from worldgen.lattice import (
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Pose, Value, World
 
-__all__ = [
-    "MAX_SIZE",
-    "WALL",
-    "filtered",
-    "read_thesis_map",
-    "signal",
-    "thesis",
-    "write_thesis_map",
-]
-
 WALL = -2
 # Minimum cells per side: a border of walls around one cell.
 MIN_SIZE = 3

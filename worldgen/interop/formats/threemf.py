@@ -20,8 +20,6 @@ from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, P
 from worldgen.interop.readers.mesh_slice import Plane, read_slice
 from worldgen.world import World
 
-__all__ = ["read_3mf", "threemf"]
-
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _OWN = "urn:worldgen:3mf"
 _PACKAGE = "http://schemas.openxmlformats.org/package/2006"

@@ -37,8 +37,6 @@ from worldgen.lattice import exact, in_cells
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
-__all__ = ["read_tiled", "tiled", "write_tiled"]
-
 # A side of a tile.
 _PIXELS = 16
 # Parsed JSON takes up to about thirty times the file's size.

@@ -23,8 +23,6 @@ from worldgen.interop.geometry.placed_boxes import PlacedBox, box_writer
 from worldgen.lattice import exact
 from worldgen.world import World
 
-__all__ = ["usd"]
-
 _HALF = Fraction(1, 2)
 # Colours are linear.
 _COLOURS = {

@@ -12,8 +12,6 @@ from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import Ring, border_cells, cell_polygons
 from worldgen.world import World
 
-__all__ = ["wkt", "write_wkt"]
-
 
 def write_wkt(world: World, destination: Destination) -> Exported:
     """Return one MULTIPOLYGON on one line, coordinates as exact decimals.

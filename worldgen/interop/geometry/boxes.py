@@ -10,8 +10,6 @@ import numpy.typing as npt
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["always_solid", "closing_boxes", "merged_boxes"]
-
 _Bools = npt.NDArray[np.bool_]
 _Ints = npt.NDArray[np.int64]
 

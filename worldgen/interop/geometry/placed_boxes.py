@@ -21,18 +21,6 @@ from worldgen.lattice import exact
 from worldgen.support.bounds import check_between
 from worldgen.world import World
 
-__all__ = [
-    "BOX_CORNERS",
-    "BOX_QUADS",
-    "BOX_TRIANGLES",
-    "GridLines",
-    "PlacedBox",
-    "box_mesh",
-    "box_writer",
-    "placed_box",
-    "solid_boxes",
-]
-
 BOX_CORNERS = tuple((k & 1, k >> 1 & 1, k >> 2) for k in range(8))
 """Corners of a box: 0 for the low end, 1 for the high end, of x, y and z."""
 

@@ -15,8 +15,6 @@ import numpy.typing as npt
 from worldgen.interop.geometry.boxes import closing_boxes
 from worldgen.world import World
 
-__all__ = ["Polygon", "Ring", "border_cells", "cell_polygons"]
-
 Ring: TypeAlias = list[tuple[int, int]]
 Polygon: TypeAlias = list[Ring]
 

@@ -18,8 +18,6 @@ from worldgen.errors import FormatError, InvalidWorld
 from worldgen.interop.foreign_map import MAX_CELLS
 from worldgen.interop.geometry.boxes import merged_boxes
 
-__all__ = ["Raster", "RasterBox", "RasterDisc", "natural_cell_size", "painted"]
-
 # Depth, cells, up to which a shape only touches a cell, because its coordinates were rounded.
 _TOUCH = 1e-6
 _MOST_PAINTED = (

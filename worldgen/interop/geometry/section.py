@@ -19,8 +19,6 @@ import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
 
-__all__ = ["Bodies", "Section", "cut", "paint", "sort_bodies"]
-
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 

@@ -12,8 +12,6 @@ import numpy.typing as npt
 
 from worldgen.interop.geometry.raster import Raster, RasterBox, RasterDisc
 
-__all__ = ["Shapes", "turned"]
-
 Point = tuple[Fraction, Fraction]
 
 # Tolerance, rad; people write 1.57 for a quarter turn.

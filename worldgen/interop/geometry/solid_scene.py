@@ -20,8 +20,6 @@ from worldgen.lattice import exact
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["TIMESTEPS", "Body", "SolidScene", "numbered", "plain_name", "player_files", "scene"]
-
 # Time step of the player, s.
 TIMESTEPS = (1e-6, 1e3)
 # Limit on characters, because names become parts of topics and file paths in other programs.

@@ -24,8 +24,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-__all__ = ["main"]
-
 _TOO_LONG = 20_000  # characters of one request; a command line has room for six times that
 _PATIENCE = 5000  # ms for the answer to a request
 _SILENCE = 10  # s without a message about the time; Gazebo sends several per second

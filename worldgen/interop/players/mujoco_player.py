@@ -21,8 +21,6 @@ from typing import Any
 
 import mujoco
 
-__all__ = ["apply", "events", "play"]
-
 # s; data.time is a sum of many steps, and a step that ends this close to an event ends on it.
 _ROUNDING = 1e-9
 

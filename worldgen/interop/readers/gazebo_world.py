@@ -27,8 +27,6 @@ from worldgen.interop.readers.xml_tree import XmlElement, read_xml
 from worldgen.lattice import exact
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
-__all__ = ["MAX_BYTES", "OURS", "grid_line", "read_gazebo_world"]
-
 # Prefix of our elements for facts that SDFormat lacks.
 OURS = "worldgen:"
 # The model that drives, in our own files.

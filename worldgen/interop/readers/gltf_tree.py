@@ -15,8 +15,6 @@ from typing import Any
 
 from worldgen.errors import FormatError
 
-__all__ = ["MOST_FACES", "check_gltf", "gltf_json", "root_extras"]
-
 MOST_FACES = 5_000_000
 _MOST_NODES = 200_000
 _MOST_DEPTH = 200

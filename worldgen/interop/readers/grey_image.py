@@ -22,15 +22,6 @@ from worldgen.interop.foreign_map import check_sides, digest, naming, read_bound
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
 
-__all__ = [
-    "GreyImage",
-    "pgm_bytes",
-    "png_bytes",
-    "read_grey_image",
-    "read_picture_file",
-    "walls_png",
-]
-
 _PILLOW_FORMATS = ("PNG", "BMP")
 # One header field of a PGM: white space and comments (from # to the end of the line), then digits.
 _FIELD = re.compile(rb"(?:\s|#[^\r\n]*+[\r\n])++([0-9]{1,9})")

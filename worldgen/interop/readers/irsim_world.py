@@ -24,8 +24,6 @@ from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
-__all__ = ["MAX_YAML_BYTES", "read_irsim"]
-
 # A maze of 500 x 500 cells has 1 MB of boxes.
 MAX_YAML_BYTES = 2 << 20
 _MOST_OBJECTS = 1_000_000

@@ -15,8 +15,6 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError
 
-__all__ = ["MAGIC", "Ints", "read_ints", "stream_bytes", "write_ints"]
-
 Ints = npt.NDArray[np.int32]
 
 MAGIC = b"\xac\xed"

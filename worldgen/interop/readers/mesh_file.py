@@ -26,8 +26,6 @@ from worldgen.interop.foreign_map import MAX_FILE_BYTES, read_bounded, sibling_f
 from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
 from worldgen.interop.readers.threemf_file import read_threemf
 
-__all__ = ["RawMesh", "load_mesh"]
-
 _COUNTED = re.compile(rb"^element[ \t]+\w+[ \t]+(\d+)", re.MULTILINE)
 _HELD_LINE = re.compile(rb"^(?:#|comment) (\w+ = .{1,200})$", re.MULTILINE)
 _STL_FRAME = re.compile(

@@ -31,8 +31,6 @@ from worldgen.world import Value
 if TYPE_CHECKING:
     from worldgen.interop.readers.mesh_file import RawMesh
 
-__all__ = ["Plane", "metric_reader", "read_slice", "unitless_reader"]
-
 _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 
 # Default, m, if neither the user nor the file gives one.

@@ -15,8 +15,6 @@ from worldgen.interop.format import Destination, decimal
 from worldgen.lattice import exact
 from worldgen.world import World
 
-__all__ = ["KEYS", "Places", "from_decimal", "place_words", "read_places"]
-
 KEYS = {"start": 3, "target": 3, "robot_radius": 1, "robot_speed": 1}
 """Names of the facts, and the number of values of each."""
 

@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from worldgen.errors import FormatError
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 
-__all__ = ["KEY_LINE", "PogemaTask", "read_configuration"]
-
 # A map's rows have no colon.
 KEY_LINE = re.compile(rb"(?m)^[ \t]*[^\s:#.@$!][^:\n]*:(?:[ \t\r\n]|\Z)")
 _EXAMPLE = "a configuration of POGEMA has `map: |-` and, below it, the map's rows"

@@ -15,8 +15,6 @@ from typing import NamedTuple
 
 from worldgen.errors import FormatError
 
-__all__ = ["Entity", "read_stage_file"]
-
 _TOKEN = re.compile(
     r"(?P<space>[ \t]+|#[^\r\n]*)|(?P<end>\r\n|\n\r?|\r)|(?P<word>[A-Za-z][A-Za-z0-9._\-\[\]]*)"
     r'|(?P<number>[+\-.0-9]+)|"(?P<text>[^"\r\n]*)"|(?P<mark>[()\[\]])'

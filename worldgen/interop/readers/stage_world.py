@@ -24,8 +24,6 @@ from worldgen.interop.readers.stage_file import Entity, read_stage_file
 from worldgen.support.rows import flip_rows
 from worldgen.world import Value
 
-__all__ = ["RINGED", "TARGET", "read_stage"]
-
 # Name of a floor plan whose outermost pixels do not belong to the world.
 RINGED = "walls-in-a-ring"
 TARGET = "target"

@@ -23,8 +23,6 @@ from worldgen.errors import FormatError
 from worldgen.interop.readers.gltf_tree import MOST_FACES
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml
 
-__all__ = ["UNITS", "read_threemf"]
-
 UNITS = {
     "micron": 1e-6,
     "millimeter": 1e-3,

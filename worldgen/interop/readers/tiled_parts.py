@@ -20,17 +20,6 @@ import numpy.typing as npt
 from worldgen.errors import FormatError
 from worldgen.support.plain_text import quote
 
-__all__ = [
-    "Part",
-    "all_layers",
-    "checked_number",
-    "first_object",
-    "numbers_of",
-    "parse_tiled",
-    "tile_layer",
-    "tile_numbers",
-]
-
 Part: TypeAlias = dict[str, Any]
 # The upper bits tell how a tile is flipped and turned.
 _TILE = 0x0FFFFFFF

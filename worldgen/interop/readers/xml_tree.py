@@ -11,8 +11,6 @@ from xml.parsers import expat
 
 from worldgen.errors import FormatError
 
-__all__ = ["XmlElement", "read_xml"]
-
 _MOST_DEPTH = 64
 _MOST_ELEMENTS = 2_000_000
 _CHUNK = 1 << 16

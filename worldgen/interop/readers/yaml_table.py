@@ -12,8 +12,6 @@ import yaml
 
 from worldgen.errors import FormatError
 
-__all__ = ["YamlTable", "read_yaml"]
-
 # The C parser is several times as fast, and is in every wheel of PyYAML.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _MAX_DEPTH = 8

@@ -23,17 +23,6 @@ from worldgen.reach.check.target import TooMuch, poses_to_part
 from worldgen.timeline import CellState
 from worldgen.world import Certificate, Cut, JointWitness, Witness, World
 
-__all__ = [
-    "TOLERANCE",
-    "BlockedSpans",
-    "CheckReport",
-    "Floats",
-    "WitnessPoints",
-    "blocked_spans",
-    "check_certificate",
-    "path_of",
-]
-
 # Cells by which a path may be closer to a wall than the radius.
 TOLERANCE = 1e-8
 # Fraction of the speed by which a piece may be too fast.

@@ -17,8 +17,6 @@ from worldgen.reach.check.certificate import CheckReport, blocked_spans
 from worldgen.reach.confinement import NEVER_ENDS, Confinement
 from worldgen.world import World
 
-__all__ = ["check_confinement"]
-
 # Tolerance in tiles: a robot that is late by less than this counts as in time, and a tile that is
 # farther from the target by less than this counts as at the target.
 SLACK = 1e-9

@@ -16,8 +16,6 @@ import numpy.typing as npt
 
 from worldgen.world import Witness, World
 
-__all__ = ["PairDistance", "nearest_pair", "pair_distances"]
-
 Floats: TypeAlias = npt.NDArray[np.float64]
 
 

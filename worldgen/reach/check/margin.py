@@ -18,8 +18,6 @@ from worldgen.reach.check.certificate import (
 )
 from worldgen.world import Witness, World
 
-__all__ = ["delayed", "witness_margin"]
-
 
 def delayed(world: World, witness: Witness, delay: float) -> Witness:
     """Return the witness of a robot that waits at the start, and does everything ``delay`` s later.

@@ -17,8 +17,6 @@ from worldgen.reach.check.certificate import CheckReport
 from worldgen.reach.decision import Swap
 from worldgen.world import Robot, World
 
-__all__ = ["check_swap"]
-
 
 def check_swap(world: World, swap: Swap, *, radius: float | None = None) -> CheckReport:
     """Check the claim that two robots cannot both arrive, because they cannot pass each other.

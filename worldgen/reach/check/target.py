@@ -22,8 +22,6 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["TooMuch", "poses_to_part"]
-
 # Digits of places, of their excess over the smallest radius, and of its roots.
 _DIGITS = 180
 # Digits that remain of a root near zero.

@@ -10,8 +10,6 @@ import numpy.typing as npt
 
 from worldgen.reach.still.walls import ExactPoint
 
-__all__ = ["conflict_limits", "stay_apart"]
-
 # Two steps of one node each differ by at most 2 across and 2 up.
 _LENGTHS_SQ = (1, 2, 4, 5, 8)
 

@@ -14,8 +14,6 @@ from worldgen.reach.joint.witness import make_joint_witness
 from worldgen.support.ccall import check, pointer
 from worldgen.world import JointWitness, Robot, World
 
-__all__ = ["Crowd"]
-
 _MOST_STATES = 50_000  # of one robot: enough for a path through a hall of 1000 robots
 
 

@@ -12,8 +12,6 @@ from worldgen.reach.joint.witness import make_joint_witness
 from worldgen.reach.still.prove import decide
 from worldgen.world import Cut, World
 
-__all__ = ["decide_joint"]
-
 _FINER = 4  # nodes per cell side if half cells have no plan
 _MOST_FINE = 40_000  # largest world, in cells, to search on the finer graph too
 

@@ -12,8 +12,6 @@ from worldgen._core import ffi, lib
 from worldgen.reach.joint.question import JointQuestion
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["PlanResult", "find_plan", "taken_nodes"]
-
 # Each robot without a path is planned first in the next round. In most worlds this works within a
 # few rounds; twice the number of robots is enough, and more than forty only cost time.
 _MOST_ORDERS = 40

@@ -24,8 +24,6 @@ from worldgen.reach.timed.spans import Spans
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import Robot, World
 
-__all__ = ["Ground", "JointQuestion", "RobotEnds", "crossing_steps", "fits_graph", "joint_question"]
-
 _MOST_NODES = 60_000_000  # limit on nodes times robots: each has a distance of four bytes
 _MOST_CHOICES = 20_000  # limit on the assignments of starts to nodes that are tried
 

@@ -12,8 +12,6 @@ from worldgen.reach.still.lattice_graph import Graph, build_graph
 from worldgen.reach.timed.spans import Spans
 from worldgen.world import World
 
-__all__ = ["MOST_TICKS", "Rasters", "make_rasters"]
-
 MOST_TICKS = 50_000  # limit on the ticks in which a world may change
 _MOST_BYTES = 400_000_000  # limit on the bytes of all rasters
 

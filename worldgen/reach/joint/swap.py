@@ -21,8 +21,6 @@ from worldgen.reach.decision import Swap
 from worldgen.support.grid_search import components
 from worldgen.world import World
 
-__all__ = ["find_swap"]
-
 # Limit on the pairs examined.
 _MOST_PAIRS = 2000
 

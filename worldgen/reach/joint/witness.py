@@ -16,8 +16,6 @@ from worldgen.reach.still.walls import ExactPoint, Walls
 from worldgen.reach.timed.spans import ChangingWalls
 from worldgen.world import JointWitness, Witness
 
-__all__ = ["make_joint_witness"]
-
 Ints: TypeAlias = npt.NDArray[np.int64]
 
 

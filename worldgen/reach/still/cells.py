@@ -13,8 +13,6 @@ from worldgen.reach.still.lattice_graph import build_graph, flood, neighbour_shi
 from worldgen.reach.still.walls import Walls
 from worldgen.world import World
 
-__all__ = ["coverage_tour", "reachable_cells"]
-
 # Nodes per cell side: centres and corners of cells, and the middles of their edges.
 _NODES = 2
 

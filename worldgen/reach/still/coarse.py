@@ -18,8 +18,6 @@ from worldgen.lattice import UNIT
 from worldgen.reach.still.walls import ExactPoint, Walls
 from worldgen.support.ccall import check, writable
 
-__all__ = ["FROM_CELLS", "coarse_path", "walk_squares"]
-
 FROM_CELLS = 4_000_000
 """Number of cells above which this search comes first.
 

@@ -23,8 +23,6 @@ from worldgen.reach.still.target_poses import described_target
 from worldgen.reach.still.walls import ExactPoint, described_disc
 from worldgen.world import Witness, World
 
-__all__ = ["ROUNDING", "ask_still", "points_of", "witness_of"]
-
 _HALF = UNIT // 2
 _LU = Fraction(1, UNIT)
 

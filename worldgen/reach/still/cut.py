@@ -29,8 +29,6 @@ from worldgen.lattice import UNIT
 from worldgen.reach.still.walls import ExactPoint
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["MOST_TARGETS", "Chain", "find_chain", "link_limit", "refinement", "rim_cells"]
-
 MOST_TARGETS = 6
 """Limit on the poses that one search handles."""
 

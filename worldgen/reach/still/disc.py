@@ -17,18 +17,6 @@ from worldgen.reach.still.walls import ExactPoint, Number, Point
 from worldgen.support.ccall import check, pointer
 from worldgen.world import World
 
-__all__ = [
-    "Disc",
-    "beyond",
-    "disc_of",
-    "is_away",
-    "lattice_centre",
-    "parts",
-    "target_disc",
-    "widest_gap_sq",
-    "winds_around",
-]
-
 _HALF = UNIT // 2
 _ROUNDED = Fraction(1, 2)
 # Fraction of 1/1024 cell; C compares nothing finer.

@@ -23,17 +23,6 @@ from worldgen.lattice import UNIT
 from worldgen.reach.still.disc import Disc
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = [
-    "Graph",
-    "build_graph",
-    "clear_from",
-    "find_path",
-    "flood",
-    "neighbour_shifts",
-    "nodes_within",
-    "touching_cells",
-]
-
 # Nodes expanded between two checks for Ctrl-C: 0.2 s.
 _PORTION = 2_000_000
 # Limit on the targets of a flood, which checks all of them in each run.

@@ -18,19 +18,6 @@ from worldgen.reach.still.walls import ExactPoint, Number, Walls, segment_box_sq
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import Witness
 
-__all__ = [
-    "clearance_sq",
-    "make_witness",
-    "merge_straight",
-    "metres",
-    "metres_per_unit",
-    "root_down",
-    "root_up",
-    "shorten",
-    "ticks_per_second",
-    "ticks_per_unit_sq",
-]
-
 # Limit on consecutive hidden corners before a straight line ends at the last one seen.
 _PATIENCE = 6
 # Limit on failed straight lines per path; lower for long paths.

@@ -16,8 +16,6 @@ from worldgen.reach.still.cut import rim_cells
 from worldgen.reach.still.lattice_graph import Graph
 from worldgen.reach.still.walls import Walls
 
-__all__ = ["bridges"]
-
 # Limit on the gaps to examine, narrowest first.
 _MOST = 20_000
 # Points on either side of a gap's middle.

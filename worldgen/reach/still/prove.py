@@ -36,8 +36,6 @@ from worldgen.support.ccall import check
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Witness, World
 
-__all__ = ["decide", "links"]
-
 # Nodes per cell side if half cells neither find a path nor leave a cut.
 _FINER = (4, 8, 16)
 # Limit on the nodes of a graph to search; this many take about 1 GB.

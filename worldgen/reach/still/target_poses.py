@@ -27,8 +27,6 @@ from worldgen.reach.still.disc import Disc, winds_around
 from worldgen.reach.still.walls import Cell, ExactPoint, Walls
 from worldgen.support.ccall import check, pointer
 
-__all__ = ["DecidingPoses", "deciding_poses", "described_target"]
-
 # Margin, cells; floats, whose error is far smaller, only select candidates for the exact test.
 _SLACK = 1e-6
 # Binary digits of a root: far finer than the distance of any clear pose from any cut.

@@ -19,18 +19,6 @@ from worldgen._core import ffi
 from worldgen.lattice import UNIT
 from worldgen.support.ccall import pointer
 
-__all__ = [
-    "Cell",
-    "ExactPoint",
-    "Number",
-    "Point",
-    "Walls",
-    "described_disc",
-    "point_box_sq",
-    "segment_box_sq",
-    "segment_meets_box",
-]
-
 # Grids up to this many cells are also kept as bytes, in which the next solid cell is found fastest.
 _MOST_BYTES = 4_000_000
 

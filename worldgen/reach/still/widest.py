@@ -8,8 +8,6 @@ from worldgen.reach.decision import REACHABLE
 from worldgen.reach.still.prove import decide
 from worldgen.world import World
 
-__all__ = ["widest_disc"]
-
 
 def widest_disc(world: World) -> float:
     """Return the largest radius, m, with which a disc can get from the start to the target.

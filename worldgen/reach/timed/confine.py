@@ -24,8 +24,6 @@ from worldgen.reach.timed.spans import FOREVER, Spans
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import World
 
-__all__ = ["Reach", "confine"]
-
 # States between two checks for Ctrl-C.
 _PORTION = 200_000
 # Tiles; distances are reduced by this much, and by less in the checker.

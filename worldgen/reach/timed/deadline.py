@@ -18,8 +18,6 @@ from worldgen.reach.timed.latest import find_latest_start
 from worldgen.reach.timed.spans import MARGIN, ChangingWalls, Spans
 from worldgen.world import JointWitness, Witness, World
 
-__all__ = ["decide_in_time", "latest_start", "retime", "until"]
-
 # Departures that are tried for one piece of a path.
 _TRIES = 40
 # Tiles per cell side that confine the robot.

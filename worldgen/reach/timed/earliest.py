@@ -29,16 +29,6 @@ from worldgen.reach.timed.spans import FOREVER, MARGIN, ChangingWalls
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import Witness, World
 
-__all__ = [
-    "TimedGraph",
-    "TimedPath",
-    "find_timed_path",
-    "make_timed_witness",
-    "nodes_round",
-    "search_costs",
-    "shorten_timed",
-]
-
 # Limit on the corners that one straight line may replace.
 _LOOK_AHEAD = 24
 # Limit on straight lines tried per path; long paths look ahead less.

@@ -18,8 +18,6 @@ from worldgen.reach.still.lattice_graph import touching_cells
 from worldgen.reach.still.walls import Cell
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["Blocked", "CellSpans", "Intervals", "safe_intervals", "touching"]
-
 # Points between two checks for Ctrl-C.
 _PORTION = 2_000_000
 

@@ -22,8 +22,6 @@ from worldgen.reach.timed.intervals import CellSpans, safe_intervals, touching
 from worldgen.reach.timed.spans import FOREVER, ChangingWalls
 from worldgen.world import World
 
-__all__ = ["find_latest_start"]
-
 
 def find_latest_start(
     world: World,

@@ -17,8 +17,6 @@ from worldgen.reach.still.walls import Cell, ExactPoint, Number, Walls, segment_
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["FOREVER", "MARGIN", "ChangingWalls", "Spans"]
-
 # A tick after everything else.
 FOREVER = 2**60
 # Ticks by which a span begins earlier and ends later, to allow for rounded decimals.

@@ -17,19 +17,6 @@ import numpy.typing as npt
 
 from worldgen import _core
 
-__all__ = [
-    "CORNER",
-    "EAST",
-    "NORTH",
-    "ROCK",
-    "ROOT",
-    "Links",
-    "Mask",
-    "links_of_parents",
-    "open_sides",
-    "ways_out",
-]
-
 Links: TypeAlias = npt.NDArray[np.int8]
 """(rows, columns): the bits EAST, NORTH, CORNER and ROCK of each chamber."""
 Mask: TypeAlias = npt.NDArray[np.bool_]

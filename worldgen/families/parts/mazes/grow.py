@@ -17,8 +17,6 @@ from worldgen.families.parts.mazes.board import Links, Mask, links_of_parents
 from worldgen.random_streams import RandomStream
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["FIT_ANY_SHAPE", "METHODS", "Algorithm", "cells_of", "grow", "pitch", "winding_tree"]
-
 Algorithm: TypeAlias = Literal[
     "wilson", "aldous-broder", "backtracker", "hunt-and-kill", "kruskal", "prim", "growing-tree",
     "eller", "sidewinder", "binary-tree", "recursive-division",

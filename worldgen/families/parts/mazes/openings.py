@@ -12,8 +12,6 @@ from worldgen.families.parts.layout import STEPS
 from worldgen.families.parts.mazes.board import CORNER, EAST, NORTH, ROCK, Links, Mask, open_sides
 from worldgen.random_streams import RandomStream
 
-__all__ = ["braid_ends", "carve_rooms"]
-
 # Chambers per side of a plot: a room of 2 x 2, and one more that separates it from the next room.
 LEAST_PLOT = 3
 

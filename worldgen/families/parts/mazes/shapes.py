@@ -9,8 +9,6 @@ import numpy as np
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.mazes.board import Mask
 
-__all__ = ["LEAST", "Shape", "shape_mask"]
-
 Shape: TypeAlias = Literal["square", "disc", "ring", "cross", "diamond"]
 
 # Minimum chambers per side for each shape. From this size on, the shape is recognisable and
