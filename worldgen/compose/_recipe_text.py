@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from worldgen.compose._values import Choice, Scalar, Spec, spec_of
-from worldgen.errors import FormatError, InvalidParameter, Message
+from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import MARGIN
 from worldgen.files.grid.header import Header
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
@@ -179,9 +179,9 @@ class _RecipeReader:
             ) from error
 
 
-def _check(holds: bool, message: Message) -> None:
+def _check(holds: bool, code: str, problem: str, remedy: str, /, **facts: Any) -> None:
     if not holds:
-        raise InvalidParameter.of(message)
+        raise InvalidParameter(code, problem, remedy, **facts)
 
 
 def _known_keys(table: Mapping[str, Any], known: Sequence[str]) -> None:
@@ -225,21 +225,15 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
         tables = isinstance(parts_table, list) and all(
             isinstance(table, Mapping) for table in parts_table
         )
-        _check(
-            tables, Message("wrong-type", "a recipe's parts are tables", "begin each with [[part]]")
-        )
-        _check(
-            len(parts_table) > 0, Message("empty", "there is no part", "begin one with [[part]]")
-        )
+        _check(tables, "wrong-type", "a recipe's parts are tables", "begin each with [[part]]")
+        _check(len(parts_table) > 0, "empty", "there is no part", "begin one with [[part]]")
         _check(
             len(parts_table) <= MAX_PARTS,
-            Message(
-                "too-large",
-                "{parts} parts; the limit is {most}",
-                "split the recipe",
-                parts=len(parts_table),
-                most=MAX_PARTS,
-            ),
+            "too-large",
+            "{parts} parts; the limit is {most}",
+            "split the recipe",
+            parts=len(parts_table),
+            most=MAX_PARTS,
         )
 
     # Check the recipe's own keys. Parts come later because their formulas may use any parameter.
@@ -248,21 +242,20 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
     with reader.at("recipe", None, "recipe"):
         _check(
             isinstance(name, str) and _NAME.match(name) is not None,
-            Message(
-                "not-a-name",
-                "{name!q} is not a name",
-                'write recipe = "my-recipe", in small letters, digits and -',
-                name=name,
-            ),
+            "not-a-name",
+            "{name!q} is not a name",
+            'write recipe = "my-recipe", in small letters, digits and -',
+            name=name,
         )
     with reader.at("version", None, "version"):
         version = _whole(data.get("version", 1), 1)
     with reader.at("about", None, "about"):
         _check(
             isinstance(about, str),
-            Message(
-                "wrong-type", "{about!q} is not text", "give a sentence in quotes", about=about
-            ),
+            "wrong-type",
+            "{about!q} is not text",
+            "give a sentence in quotes",
+            about=about,
         )
 
     # Read parameters and parts, then the name of the part that becomes the world.
@@ -272,13 +265,11 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
     with reader.at("world", None, "world"):
         _check(
             isinstance(world, str) and world in parts,
-            Message(
-                "unknown-name",
-                "no part is called {name!q}; there are {known!l}",
-                "name one of these, or omit it for the last part",
-                name=world,
-                known=list(parts),
-            ),
+            "unknown-name",
+            "no part is called {name!q}; there are {known!l}",
+            "name one of these, or omit it for the last part",
+            name=world,
+            known=list(parts),
         )
     return RecipeText(str(name), version, " ".join(str(about).split()), world, parameters, parts)
 
@@ -300,17 +291,18 @@ def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
     with reader.at("parameters", None, "parameters"):
         _check(
             isinstance(table, Mapping),
-            Message("wrong-type", "{value!q} is not a table", "write [parameters]", value=table),
+            "wrong-type",
+            "{value!q} is not a table",
+            "write [parameters]",
+            value=table,
         )
         _check(
             len(table) <= MAX_PARAMETERS,
-            Message(
-                "too-large",
-                "{parameters} parameters; the limit is {most}",
-                "leave some out",
-                parameters=len(table),
-                most=MAX_PARAMETERS,
-            ),
+            "too-large",
+            "{parameters} parameters; the limit is {most}",
+            "leave some out",
+            parameters=len(table),
+            most=MAX_PARAMETERS,
         )
     own: dict[str, Declared] = {}
     for name, raw in table.items():
@@ -320,20 +312,16 @@ def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
             )
             _check(
                 plain,
-                Message(
-                    "not-a-name",
-                    "is not a name",
-                    "use small letters, digits and _, but not rng or a Python keyword such as for",
-                ),
+                "not-a-name",
+                "is not a name",
+                "use small letters, digits and _, but not rng or a Python keyword such as for",
             )
             _check(
                 name not in _RESERVED,
-                Message(
-                    "reserved-name",
-                    "is reserved for provenance, like {known!l}",
-                    "take another",
-                    known=list(_RESERVED),
-                ),
+                "reserved-name",
+                "is reserved for provenance, like {known!l}",
+                "take another",
+                known=list(_RESERVED),
             )
             own[name] = _declared(raw)
             # Families read the robot and the margin as floats, and have help texts for them.
@@ -372,20 +360,23 @@ def _declared(raw: Any) -> Declared:
         )
     _check(
         isinstance(note, str),
-        Message("wrong-type", "help={help!q} is not text", "give a sentence in quotes", help=note),
+        "wrong-type",
+        "help={help!q} is not text",
+        "give a sentence in quotes",
+        help=note,
     )
     _check(
         isinstance(choices, list) and all(isinstance(word, str) for word in choices),
-        Message("wrong-type", "choices must be a list of strings", 'write choices = ["U", "V"]'),
+        "wrong-type",
+        "choices must be a list of strings",
+        'write choices = ["U", "V"]',
     )
     _check(
         not choices or default in choices,
-        Message(
-            "unknown-name",
-            "default={default!q} is not one of its choices",
-            "give one of them",
-            default=default,
-        ),
+        "unknown-name",
+        "default={default!q} is not one of its choices",
+        "give one of them",
+        default=default,
     )
 
     # Bounds need numbers, and the default must satisfy them. A bool is an int in Python, so it is
@@ -395,25 +386,21 @@ def _declared(raw: Any) -> Declared:
             numeric = type(value) in (int, float) and type(default) in (int, float)
             _check(
                 numeric,
-                Message(
-                    "wrong-type",
-                    "{name}={value!q} goes with numbers",
-                    "omit it, or make it and the default numbers",
-                    name=name,
-                    value=value,
-                ),
+                "wrong-type",
+                "{name}={value!q} goes with numbers",
+                "omit it, or make it and the default numbers",
+                name=name,
+                value=value,
             )
     if isinstance(default, int | float) and not isinstance(default, bool):
         low = float("-inf") if least is None else least
         high = float("inf") if most is None else most
         _check(
             low <= default <= high,
-            Message(
-                "out-of-range",
-                "default={default} is not between least and most",
-                "give one that is",
-                default=default,
-            ),
+            "out-of-range",
+            "default={default} is not between least and most",
+            "give one that is",
+            default=default,
         )
     return Declared(
         default,
@@ -432,41 +419,36 @@ def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> 
             name = table.get("name")
             _check(
                 isinstance(name, str) and _NAME.match(name) is not None,
-                Message(
-                    "not-a-name",
-                    "name={name!q} is not a name",
-                    'write name = "my-part", in small letters, digits and -',
-                    name=name,
-                ),
+                "not-a-name",
+                "name={name!q} is not a name",
+                'write name = "my-part", in small letters, digits and -',
+                name=name,
             )
             _check(
                 name not in parts,
-                Message(
-                    "twice", "name={name!q} is already an earlier part's", "give another", name=name
-                ),
+                "twice",
+                "name={name!q} is already an earlier part's",
+                "give another",
+                name=name,
             )
         part = _read_part(reader, number, str(name), table, names)
         steps += len(part.steps)
         with reader.at(part.place, number):
             _check(
                 steps <= MAX_STEPS,
-                Message(
-                    "too-large",
-                    "more than {most} steps in total",
-                    "split the recipe",
-                    most=MAX_STEPS,
-                ),
+                "too-large",
+                "more than {most} steps in total",
+                "split the recipe",
+                most=MAX_STEPS,
             )
             for used in part.uses():
                 _check(
                     used in parts,
-                    Message(
-                        "unknown-name",
-                        "no earlier part is called {name!q}",
-                        "there are: {known!l:none}",
-                        name=used,
-                        known=list(parts),
-                    ),
+                    "unknown-name",
+                    "no earlier part is called {name!q}",
+                    "there are: {known!l:none}",
+                    name=used,
+                    known=list(parts),
                 )
         parts[part.name] = part
     return parts
@@ -481,29 +463,27 @@ def _read_part(
         sources = [key for key in SOURCES if key in table]
         _check(
             len(sources) == 1,
-            Message(
-                "wrong-count",
-                "is made of {made_of}",
-                "give just one of {known!l}",
-                made_of=" and ".join(sources) or "nothing",
-                known=list(SOURCES),
-            ),
+            "wrong-count",
+            "is made of {made_of}",
+            "give just one of {known!l}",
+            made_of=" and ".join(sources) or "nothing",
+            known=list(SOURCES),
         )
         source = sources[0]
         _known_keys(table, ("name", source, *SOURCES[source], "steps"))
         params = table.get("params", {})
         _check(
             isinstance(params, Mapping),
-            Message(
-                "wrong-type",
-                "params={params!q} is not a table",
-                "write params = {{ size = 20 }}",
-                params=params,
-            ),
+            "wrong-type",
+            "params={params!q} is not a table",
+            "write params = {{ size = 20 }}",
+            params=params,
         )
         _check(
             isinstance(table.get("steps", []), list),
-            Message("wrong-type", "steps must be a list", "write steps = [ {{ rotate = 1 }} ]"),
+            "wrong-type",
+            "steps must be a list",
+            "write steps = [ {{ rotate = 1 }} ]",
         )
 
     # Parse the source's value. Here, names of families and parts only have to be words. The caller
@@ -516,27 +496,27 @@ def _read_part(
             )
             _check(
                 bool(is_list),
-                Message(
-                    "wrong-type", "is a list of parts", 'write {source} = ["a", "b"]', source=source
-                ),
+                "wrong-type",
+                "is a list of parts",
+                'write {source} = ["a", "b"]',
+                source=source,
             )
         elif source in ("family", "part"):
             _check(
                 not isinstance(value, tuple),
-                Message(
-                    "wrong-type",
-                    "is one word",
-                    "to draw one write {source} = {{ any = [...] }}",
-                    source=source,
-                ),
+                "wrong-type",
+                "is one word",
+                "to draw one write {source} = {{ any = [...] }}",
+                source=source,
             )
             words_of(value)
         elif source != "box":
             _check(
                 isinstance(value, str),
-                Message(
-                    "wrong-type", "{value!q} is not text", "give one in quotes", value=table[source]
-                ),
+                "wrong-type",
+                "{value!q} is not text",
+                "give one in quotes",
+                value=table[source],
             )
 
     # Parse options, family parameters and steps, each under its own place.
@@ -586,9 +566,10 @@ def _read_step(raw: object, place: str, names: Sequence[str]) -> Step:
     if verb in NAMING_PARTS:
         _check(
             not isinstance(value, tuple),
-            Message(
-                "wrong-type", "{verb} is one part", "to draw one write {{ any = [...] }}", verb=verb
-            ),
+            "wrong-type",
+            "{verb} is one part",
+            "to draw one write {{ any = [...] }}",
+            verb=verb,
         )
         words_of(value)
     options = {key: spec_of(raw[key], names) for key in VERBS[verb] if key in raw}

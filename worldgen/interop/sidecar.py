@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError
 from worldgen.files.grid.header import Header
 from worldgen.files.grid.toml_text import value_text
 from worldgen.interop.foreign_map import ForeignMap, ForeignRobot, digest, read_bounded
@@ -110,14 +110,12 @@ def read_sidecar(path: Path) -> Sidecar | None:
         ) from error
     _check_keys(header, header.data, ("worldgen", _SIZE, *HELD, _ROBOT))
     if header.data.get("worldgen") != _VERSION:
-        raise header.fault(
-            Message(
-                "other-version",
-                "the sidecar's version must be worldgen = {version}",
-                "export the world again",
-                version=_VERSION,
-            ),
-            "worldgen",
+        raise FormatError(
+            "other-version",
+            "the sidecar's version must be worldgen = {version}",
+            "export the world again",
+            version=_VERSION,
+            **header.at("worldgen"),
         )
     size = _numbers(header, header.data, _SIZE)
     values = {key: _numbers(header, header.data, key) for key in HELD if key in header.data}
@@ -130,34 +128,26 @@ def _check_keys(
 ) -> None:
     for key in table:
         if key not in known:
-            message = Message(
+            raise FormatError(
                 "unknown-name",
                 "{name!q} is not a key of a sidecar",
                 "it has {known!l}",
                 name=key,
                 known=list(known),
+                **header.at(key, table=_ROBOT, index=index),
             )
-            raise _fault(header, message, key, index)
-
-
-def _fault(header: Header, message: Message, key: str, index: int | None) -> FormatError:
-    """Return an error at the line of a key, at the top or in a robot's table."""
-    if index is None:
-        return header.fault(message, key)
-    line = header.line_in_item(_ROBOT, index, key)
-    return FormatError.of(message, line=line, source=header.source)
 
 
 def _others(header: Header) -> Iterator[_Values]:
     """Yield the values of each robot after the first."""
     tables = header.data.get(_ROBOT, [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        message = Message(
+        raise FormatError(
             "wrong-type",
             "{key} must be tables, one [[{key}]] for each robot after the first",
             key=_ROBOT,
+            **header.at(_ROBOT),
         )
-        raise header.fault(message, _ROBOT)
     for index, table in enumerate(tables):
         _check_keys(header, table, ROBOT_FACTS, index)
         yield {key: _numbers(header, table, key, index) for key in ROBOT_FACTS if key in table}
@@ -190,10 +180,14 @@ def _numbers(
             if key in PAIRS
             else "{key} must be a finite number"
         )
-        raise _fault(header, Message("wrong-type", rule, key=key), key, index)
+        raise FormatError("wrong-type", rule, key=key, **header.at(key, table=_ROBOT, index=index))
     if key in LENGTHS and min(numbers) <= 0:
-        message = Message("not-positive", "{key} must be above 0", key=key)
-        raise _fault(header, message, key, index)
+        raise FormatError(
+            "not-positive",
+            "{key} must be above 0",
+            key=key,
+            **header.at(key, table=_ROBOT, index=index),
+        )
     return numbers
 
 

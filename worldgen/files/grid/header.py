@@ -95,13 +95,20 @@ class Header:
         """Return line and full key path of every table line and every ``key = value``, in order."""
         return [(self._line_at(offset), path) for offset, path in self._statement_paths()]
 
-    def fault(self, message: Message, *path: str) -> FormatError:
-        """Return an error at the line of a key."""
-        return FormatError.of(message, line=self.line_of(*path), source=self.source)
+    def at(self, *path: str, table: str = "", index: int | None = None) -> dict[str, Any]:
+        """Return the place of a key, as :class:`FormatError` takes it.
 
-    def missing(self, message: Message) -> FormatError:
-        """Return an error at the end of the header, about something missing in it."""
-        return FormatError.of(message, line=self._line_at(len(self._text)), source=self.source)
+        Args:
+            path: The key, after the tables that it is in.
+            table: Name of the array of tables that has it, if ``index`` is given.
+            index: Number of the table in that array, from 0.
+        """
+        line = self.line_of(*path) if index is None else self.line_in_item(table, index, *path)
+        return {"line": line, "source": self.source}
+
+    def at_the_end(self) -> dict[str, Any]:
+        """Return the end of the header, for errors about something missing in it."""
+        return {"line": self._line_at(len(self._text)), "source": self.source}
 
     def _line_at(self, offset: int) -> int:
         return self._line + self._text.count("\n", 0, offset)

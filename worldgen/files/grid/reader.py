@@ -77,7 +77,7 @@ def loads(data: bytes, source: str | None = None) -> World:
     cell_size = read_number(header, "cell_size")
     fault = number_fault("cell_size", cell_size, CELL_SIZES, "m")
     if fault is not None:
-        raise header.fault(fault, "cell_size")
+        raise FormatError.of(fault, **header.at("cell_size"))
     # Read the robots, whose places the cells may mark.
     robots: list[Robot] = []
     radius = speed = 0.0
@@ -142,9 +142,9 @@ class _File(NamedTuple):
         """True for version 2, with several robots."""
         return self.data.startswith(FLEET_MAGIC.encode("ascii"))
 
-    def fault(self, message: Message, at: int) -> FormatError:
-        """Return an error in the line that contains byte ``at``."""
-        return FormatError.of(message, line=self.data.count(b"\n", 0, at) + 1, source=self.source)
+    def at(self, byte: int) -> dict[str, Any]:
+        """Return the place of the line that contains a byte, as :class:`FormatError` takes it."""
+        return {"line": self.data.count(b"\n", 0, byte) + 1, "source": self.source}
 
 
 def _header_end(file: _File) -> int:
@@ -157,26 +157,23 @@ def _header_end(file: _File) -> int:
         raise _first_line_fault(file)
     carriage = data.find(b"\r")
     if carriage >= 0:
-        raise file.fault(_CARRIAGE_RETURN, carriage)
+        raise FormatError.of(_CARRIAGE_RETURN, **file.at(carriage))
     # The header ends before the first section.
     newline = data.find(b"\n%", len(magic), len(magic) + 1 + MAX_HEADER_BYTES)
     if newline >= 0:
         return newline + 1
     if len(data) > MAX_HEADER_BYTES:
-        raise file.fault(
-            Message(
-                "cut-short",
-                "no %cells within {most} bytes of header",
-                "shorten it, or add the line %cells",
-                most=MAX_HEADER_BYTES,
-            ),
-            MAX_HEADER_BYTES,
+        raise FormatError(
+            "cut-short",
+            "no %cells within {most} bytes of header",
+            "shorten it, or add the line %cells",
+            most=MAX_HEADER_BYTES,
+            **file.at(MAX_HEADER_BYTES),
         )
-    raise file.fault(
-        Message(
-            "cut-short", "the file ends before %cells; it is truncated, or its cells are missing"
-        ),
-        len(data) - 1,
+    raise FormatError(
+        "cut-short",
+        "the file ends before %cells; it is truncated, or its cells are missing",
+        **file.at(len(data) - 1),
     )
 
 
@@ -223,14 +220,12 @@ def _decode(file: _File, begin: int, end: int) -> str:
         return file.data[begin:end].decode("utf-8")
     except UnicodeDecodeError as error:
         at = begin + error.start
-        raise file.fault(
-            Message(
-                "not-utf8",
-                "byte 0x{byte:02x} is not UTF-8",
-                "save the file as UTF-8",
-                byte=file.data[at],
-            ),
-            at,
+        raise FormatError(
+            "not-utf8",
+            "byte 0x{byte:02x} is not UTF-8",
+            "save the file as UTF-8",
+            byte=file.data[at],
+            **file.at(at),
         ) from error
 
 
@@ -257,12 +252,10 @@ def _split(file: _File, at: int) -> dict[str, Block]:
             return blocks
         end = data.find(b"\n%", stop) + 1
         if end == 0:
-            raise file.fault(
-                Message(
-                    "cut-short",
-                    "the file ends before %end; it is truncated, or the line %end is missing",
-                ),
-                len(data) - 1,
+            raise FormatError(
+                "cut-short",
+                "the file ends before %end; it is truncated, or the line %end is missing",
+                **file.at(len(data) - 1),
             )
         blocks[name] = Block(data, stop + 1, end, line + 1, source)
         line += 1 + data.count(b"\n", stop + 1, end)
@@ -321,24 +314,24 @@ def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Tar
     # Each place comes from the header or from its mark, never from both.
     for key, letter, mark in (("start", START, cells.start), ("target", TARGET, cells.target)):
         if mark is None and key not in header.data:
-            raise header.missing(
-                Message(
-                    "missing-key",
-                    "the header has no {key}, and no cell is marked {letter}",
-                    "add one of the two",
-                    key=key,
-                    letter=letter,
-                )
+            raise FormatError(
+                "missing-key",
+                "the header has no {key}, and no cell is marked {letter}",
+                "add one of the two",
+                key=key,
+                letter=letter,
+                **header.at_the_end(),
             )
         if mark is not None and key in header.data:
-            message = Message(
+            raise FormatError(
                 "conflict",
                 "a cell is marked {letter}, but the header has {key}",
                 "remove one of the two",
                 letter=letter,
                 key=key,
+                line=mark.line,
+                source=header.source,
             )
-            raise FormatError.of(message, line=mark.line, source=header.source)
     # A marked start has its cell's centre, a marked target the cell's inscribed disc.
     numbers = (
         read_triple(header, "start") if cells.start is None else _centre(cells.start, cell_size)
@@ -354,14 +347,15 @@ def _refuse_marks(header: Header, cells: CellBlock) -> None:
     """Reject the marks of version 1 in version 2, which has several starts and targets."""
     for letter, mark in ((START, cells.start), (TARGET, cells.target)):
         if mark is not None:
-            message = Message(
+            raise FormatError(
                 "conflict",
                 "a cell is marked {letter}, and in version 2 each [[robot]] table has its own "
                 "start and target",
                 "make it a free cell",
                 letter=letter,
+                line=mark.line,
+                source=header.source,
             )
-            raise FormatError.of(message, line=mark.line, source=header.source)
 
 
 def _centre(mark: LetterMark, cell_size: float) -> tuple[float, float]:
@@ -378,40 +372,38 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
         outside = index >= side
         if outside.any():
             row = int(np.argmax(outside))
-            raise block.fault(
-                Message(
-                    "out-of-range",
-                    "%timeline: {name} is {index}",
-                    "the grid has {name} 0 to {last}",
-                    name=name,
-                    index=index[row],
-                    last=side - 1,
-                ),
-                row,
+            raise FormatError(
+                "out-of-range",
+                "%timeline: {name} is {index}",
+                "the grid has {name} 0 to {last}",
+                name=name,
+                index=index[row],
+                last=side - 1,
+                **block.at(row),
             )
     falling = times[1:] < times[:-1]
     if falling.any():
         row = int(np.argmax(falling)) + 1
-        message = Message(
+        raise FormatError(
             "not-sorted",
             "%timeline: time {time} comes after {previous}",
             "sort the lines by time",
             time=times[row],
             previous=times[row - 1],
+            **block.at(row),
         )
-        raise block.fault(message, row)
     late = times > LATEST
     if late.any():
         row = int(np.argmax(late))
-        message = Message(
+        raise FormatError(
             "out-of-range",
             "%timeline: {name} is {time}",
             "no change can happen later than {latest:g} s",
             name="time",
             time=times[row],
             latest=LATEST,
+            **block.at(row),
         )
-        raise block.fault(message, row)
     return Timeline(times, ix, iy, states)
 
 
@@ -422,15 +414,13 @@ def _certificate(header: Header, blocks: dict[str, Block], robots: int) -> Certi
     for kind in CERTIFICATE_KINDS:
         if kind in blocks and (record is None or record.kind != kind):
             said = "no [certificate]" if record is None else f'kind = "{record.kind}"'
-            raise blocks[kind].fault(
-                Message(
-                    "conflict",
-                    "%{kind}, but the header has {said}",
-                    "remove one or correct the other",
-                    kind=kind,
-                    said=said,
-                ),
-                -1,
+            raise FormatError(
+                "conflict",
+                "%{kind}, but the header has {said}",
+                "remove one or correct the other",
+                kind=kind,
+                said=said,
+                **blocks[kind].at(-1),
             )
     if record is None:
         return None
@@ -438,13 +428,13 @@ def _certificate(header: Header, blocks: dict[str, Block], robots: int) -> Certi
     clearance = record.clearances[0]
     # The table needs its section.
     if kind not in blocks:
-        message = Message(
+        raise FormatError(
             "missing-section",
             'kind = "{kind}", but there is no section %{kind}',
             "add it, or remove [certificate]",
             kind=kind,
+            **header.at("certificate", "kind"),
         )
-        raise header.fault(message, "certificate", "kind")
     if kind == "cut":
         return Cut(np.column_stack(read_columns(blocks[kind], CUT)), clearance, record.robot)
     if robots > 1:
@@ -464,23 +454,23 @@ def _joint_witness(block: Block, clearances: tuple[float, ...]) -> JointWitness:
     wrong[:1] |= numbers[:1] != 1
     if wrong.any():
         row = int(np.argmax(wrong))
-        message = Message(
+        raise FormatError(
             "not-sorted",
             "%witness: this line of robot {robot} is out of order",
             "write the lines of robots 1 to {last} in order, one robot at a time",
             robot=numbers[row],
             last=robots,
+            **block.at(row),
         )
-        raise block.fault(message, row)
     counts = np.bincount(numbers, minlength=robots + 1)[1:]
     if not counts.all():
-        message = Message(
+        raise FormatError(
             "missing-section",
             "%witness has no line for robot {robot}",
             "each robot needs a path of at least one line",
             robot=int(np.argmin(counts)) + 1,
+            **block.at(len(numbers) - 1),
         )
-        raise block.fault(message, len(numbers) - 1)
 
     ends = np.cumsum(counts)[:-1]
     columns = zip(*(np.split(values, ends) for values in (times, x, y)), clearances, strict=True)

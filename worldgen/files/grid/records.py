@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 from worldgen.errors import FormatError, Message
 from worldgen.files.grid.header import Header
@@ -23,10 +24,9 @@ from worldgen.files.grid.schema import (
     TABLE_KEYS,
 )
 from worldgen.files.grid.values import (
-    finite_at,
+    finite,
     integer_at,
     kind_of,
-    number_of,
     numbers_at,
     text_at,
     values_at,
@@ -71,14 +71,11 @@ class _Place(NamedTuple):
     def named(self, key: str) -> str:
         return key if self.robot is None else f"robot {self.robot + 1} {key}"
 
-    def fault(self, message: Message, key: str) -> FormatError:
-        if self.robot is None:
-            return self.header.fault(message, key)
-        line = self.header.line_in_item("robot", self.robot, key)
-        return FormatError.of(message, line=line, source=self.header.source)
+    def at(self, key: str) -> dict[str, Any]:
+        return self.header.at(key, table="robot", index=self.robot)
 
-    def missing(self, message: Message) -> FormatError:
-        return self.header.missing(message) if self.robot is None else self.fault(message, "")
+    def at_the_end(self) -> dict[str, Any]:
+        return self.header.at_the_end() if self.robot is None else self.at("")
 
 
 def check_keys(header: Header, *, fleet: bool = False) -> None:
@@ -98,16 +95,14 @@ def check_keys(header: Header, *, fleet: bool = False) -> None:
         if fleet and key == "robot":
             continue
         if key not in keys and key not in tables:
-            raise header.fault(_strange_key(key, fleet=fleet), key)
+            raise FormatError.of(_strange_key(key, fleet=fleet), **header.at(key))
         if key in tables and not isinstance(value, dict):
-            raise header.fault(
-                Message(
-                    "wrong-type",
-                    "{key} is {kind}; it must be a table: write [{key}] on a separate line",
-                    key=key,
-                    kind=kind_of(value),
-                ),
-                key,
+            raise FormatError(
+                "wrong-type",
+                "{key} is {kind}; it must be a table: write [{key}] on a separate line",
+                key=key,
+                kind=kind_of(value),
+                **header.at(key),
             )
     # Check the keys in the tables.
     for table, known in tables.items():
@@ -121,7 +116,7 @@ def check_keys(header: Header, *, fleet: bool = False) -> None:
                         key=key,
                         table=table,
                     )
-                raise header.fault(message, table, key)
+                raise FormatError.of(message, **header.at(table, key))
 
 
 def _strange_key(key: str, *, fleet: bool) -> Message:
@@ -155,31 +150,30 @@ def read_robots(header: Header) -> list[Robot]:
     # There must be at least two [[robot]] tables.
     tables = header.data.get("robot")
     if tables is None:
-        raise header.missing(
-            Message(
-                "missing-key",
-                "the header has no [[{key}]] table",
-                "add one for each robot",
-                key="robot",
-            )
+        raise FormatError(
+            "missing-key",
+            "the header has no [[{key}]] table",
+            "add one for each robot",
+            key="robot",
+            **header.at_the_end(),
         )
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        message = Message(
+        raise FormatError(
             "wrong-type",
             "robot is {kind}; the robots are tables: begin each with [[robot]]",
             kind=kind_of(tables),
+            **header.at("robot"),
         )
-        raise header.fault(message, "robot")
     if len(tables) < 2:
-        message = Message(
+        raise FormatError(
             "one-robot",
             "version 2 with {count} robots; a file with one robot has version 1",
             "write version 1: begin it with `{magic}`, with start, target, robot_radius and "
             "robot_speed above the first [table]",
             count=len(tables),
             magic=MAGIC,
+            **header.at("robot"),
         )
-        raise header.fault(message, "robot")
     return [_read_robot(header, tables[k], k) for k in range(len(tables))]
 
 
@@ -187,7 +181,7 @@ def _read_robot(header: Header, table: Mapping[str, object], index: int) -> Robo
     place = _Place(header, table, ROBOT_KEYS, index)
     for key in table:
         if key not in ROBOT_KEYS:
-            raise place.fault(_unknown("key in [[robot]]", key, ROBOT_KEYS), key)
+            raise FormatError.of(_unknown("key in [[robot]]", key, ROBOT_KEYS), **place.at(key))
     start = _triple(place, "start")
     target = _triple(place, "target")
     radius = _number(place, "radius")
@@ -217,29 +211,24 @@ def _number(place: _Place, key: str, *, default: float | None = None) -> float:
     if key not in place.values:
         if default is not None:
             return default
-        raise place.missing(
-            Message(
-                "missing-key",
-                "{place} has no {key}",
-                "add `{key} = ...`: {meaning}",
-                place=place.name,
-                key=key,
-                meaning=place.meanings[key],
-            )
+        raise FormatError(
+            "missing-key",
+            "{place} has no {key}",
+            "add `{key} = ...`: {meaning}",
+            place=place.name,
+            key=key,
+            meaning=place.meanings[key],
+            **place.at_the_end(),
         )
-    number = number_of(place.values[key], place.named(key))
-    if isinstance(number, Message):
-        raise place.fault(number, key)
+    number = finite(place.values[key], place.named(key), partial(place.at, key))
     if number <= 0.0:
-        raise place.fault(
-            Message(
-                "not-positive",
-                "{key} is {number}; it must be above 0: {meaning}",
-                key=place.named(key),
-                number=number,
-                meaning=place.meanings[key],
-            ),
-            key,
+        raise FormatError(
+            "not-positive",
+            "{key} is {number}; it must be above 0: {meaning}",
+            key=place.named(key),
+            number=number,
+            meaning=place.meanings[key],
+            **place.at(key),
         )
     return number
 
@@ -252,48 +241,41 @@ def read_triple(header: Header, key: str) -> tuple[float, float, float]:
 def _triple(place: _Place, key: str) -> tuple[float, float, float]:
     # The key must be a list of three numbers.
     if key not in place.values:
-        raise place.missing(
-            Message(
-                "missing-key",
-                "{place} has no {key}",
-                "add `{key} = {meaning}`",
-                place=place.name,
-                key=key,
-                meaning=place.meanings[key],
-            )
+        raise FormatError(
+            "missing-key",
+            "{place} has no {key}",
+            "add `{key} = {meaning}`",
+            place=place.name,
+            key=key,
+            meaning=place.meanings[key],
+            **place.at_the_end(),
         )
     value = place.values[key]
     if not isinstance(value, list) or len(value) != 3:
         came = f"a list of {len(value)}" if isinstance(value, list) else kind_of(value)
-        raise place.fault(
-            Message(
-                "wrong-type",
-                "{key} is {came}",
-                "write three numbers: {meaning}",
-                key=place.named(key),
-                came=came,
-                meaning=place.meanings[key],
-            ),
-            key,
+        raise FormatError(
+            "wrong-type",
+            "{key} is {came}",
+            "write three numbers: {meaning}",
+            key=place.named(key),
+            came=came,
+            meaning=place.meanings[key],
+            **place.at(key),
         )
-    numbers: list[float] = []
-    for k, item in enumerate(value):
-        number = number_of(item, f"{place.named(key)}[{k}]")
-        if isinstance(number, Message):
-            raise place.fault(number, key)
-        numbers.append(number)
+    numbers = [
+        finite(item, f"{place.named(key)}[{k}]", partial(place.at, key))
+        for k, item in enumerate(value)
+    ]
     # A target without a radius has no disc.
     x, y, third = numbers
     if key == "target" and third <= 0.0:
-        raise place.fault(
-            Message(
-                "not-positive",
-                "the {target}'s radius is {radius}; it must be above 0: {meaning}",
-                target=place.named(key),
-                radius=third,
-                meaning=place.meanings[key],
-            ),
-            key,
+        raise FormatError(
+            "not-positive",
+            "the {target}'s radius is {radius}; it must be above 0: {meaning}",
+            target=place.named(key),
+            radius=third,
+            meaning=place.meanings[key],
+            **place.at(key),
         )
     return x, y, third
 
@@ -321,65 +303,63 @@ def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | Non
     kind = table["kind"]
     if kind not in CERTIFICATE_KINDS:
         came = quote(kind) if isinstance(kind, str) else kind_of(kind)
-        raise header.fault(
-            Message(
-                "unknown-name", "certificate kind is {came}", 'write "witness" or "cut"', came=came
-            ),
-            "certificate",
-            "kind",
+        raise FormatError(
+            "unknown-name",
+            "certificate kind is {came}",
+            'write "witness" or "cut"',
+            came=came,
+            **header.at("certificate", "kind"),
         )
     # A single robot's certificate has one clearance.
-    path = ("certificate", "clearance")
+    at = partial(header.at, "certificate", "clearance")
     clearance = table["clearance"]
     if robots == 1:
-        return CertificateRecord(str(kind), (finite_at(header, clearance, "clearance", path),))
+        return CertificateRecord(str(kind), (finite(clearance, "clearance", at),))
     # A joint witness has a clearance for each robot.
     if kind == "witness":
         if "robot" in table:
-            message = Message(
+            raise FormatError(
                 "conflict",
                 'kind = "witness", but [certificate] names a robot; a witness covers all of them',
                 "remove `robot`",
+                **header.at("certificate", "robot"),
             )
-            raise header.fault(message, "certificate", "robot")
         if not isinstance(clearance, list) or len(clearance) != robots:
             came = (
                 f"a list of {len(clearance)}" if isinstance(clearance, list) else kind_of(clearance)
             )
-            message = Message(
+            raise FormatError(
                 "wrong-type",
                 "clearance is {came}",
                 "write a list of {count} numbers, m, one for each robot",
                 came=came,
                 count=robots,
+                **at(),
             )
-            raise header.fault(message, *path)
-        numbers = [
-            finite_at(header, each, f"clearance[{k}]", path) for k, each in enumerate(clearance)
-        ]
+        numbers = [finite(each, f"clearance[{k}]", at) for k, each in enumerate(clearance)]
         return CertificateRecord(str(kind), tuple(numbers))
     # A cut names the robot that it stops.
     if "robot" not in table:
-        message = Message(
+        raise FormatError(
             "missing-key",
             "[{table}] has no {key}",
             "add `{key} = ...`: the number, from 1, of the robot that the cut stops",
             table="certificate",
             key="robot",
+            **header.at("certificate"),
         )
-        raise header.fault(message, "certificate")
     robot = integer_at(header, table, "certificate", "robot")
     if not 1 <= robot <= robots:
-        message = Message(
+        raise FormatError(
             "out-of-range",
             "certificate.{name} is {robot}",
             "the robots are numbered from 1 to {last}",
             name="robot",
             robot=robot,
             last=robots,
+            **header.at("certificate", "robot"),
         )
-        raise header.fault(message, "certificate", "robot")
-    return CertificateRecord(str(kind), (finite_at(header, clearance, "clearance", path),), robot)
+    return CertificateRecord(str(kind), (finite(clearance, "clearance", at),), robot)
 
 
 def read_failure(header: Header) -> FailureRecord | None:
@@ -404,14 +384,12 @@ def _table(header: Header, name: str) -> Mapping[str, object] | None:
     if table is not None:
         for key in TABLE_KEYS[name]:
             if key not in table and key not in OPTIONAL_KEYS:
-                raise header.fault(
-                    Message(
-                        "missing-key",
-                        "[{table}] has no {key}",
-                        "add `{key} = ...` to it",
-                        table=name,
-                        key=key,
-                    ),
-                    name,
+                raise FormatError(
+                    "missing-key",
+                    "[{table}] has no {key}",
+                    "add `{key} = ...` to it",
+                    table=name,
+                    key=key,
+                    **header.at(name),
                 )
     return table

@@ -33,9 +33,9 @@ class Block(NamedTuple):
     line: int
     source: str | None
 
-    def fault(self, message: Message, row: int) -> FormatError:
-        """Return an error in line ``row`` of the block, counted from 0."""
-        return FormatError.of(message, line=self.line + row, source=self.source)
+    def at(self, row: int) -> dict[str, Any]:
+        """Return the place of a line of the block, from 0, as :class:`FormatError` takes it."""
+        return {"line": self.line + row, "source": self.source}
 
 
 class LetterMark(NamedTuple):
@@ -66,15 +66,13 @@ def read_cells(block: Block) -> CellBlock:
     begin = block.begin
     end = block.end
     if begin == end:
-        raise block.fault(
-            Message(
-                "empty",
-                "%cells has no rows",
-                "write one line of {solid} and {free} for each row, the top one first",
-                solid=SOLID,
-                free=FREE,
-            ),
-            -1,
+        raise FormatError(
+            "empty",
+            "%cells has no rows",
+            "write one line of {solid} and {free} for each row, the top one first",
+            solid=SOLID,
+            free=FREE,
+            **block.at(-1),
         )
     width = data.index(b"\n", begin) - begin
     height, rest = divmod(end - begin, width + 1)
@@ -102,15 +100,12 @@ def _mark(block: Block, letter: str, width: int) -> LetterMark | None:
     second = block.data.find(code, first + 1, block.end)
     if second >= 0:
         row = (second - block.begin) // (width + 1)
-        raise block.fault(
-            Message(
-                "twice",
-                "a second {letter}; only one cell may be marked {letter}: make the other one "
-                "{free}",
-                letter=letter,
-                free=FREE,
-            ),
-            row,
+        raise FormatError(
+            "twice",
+            "a second {letter}; only one cell may be marked {letter}: make the other one {free}",
+            letter=letter,
+            free=FREE,
+            **block.at(row),
         )
     height = (block.end - block.begin) // (width + 1)
     row, ix = divmod(first - block.begin, width + 1)
@@ -129,48 +124,40 @@ def _check_rows(block: Block, width: int) -> None:
         stop = block.data.index(b"\n", at)
         length = stop - at
         if row == MAX_SIDE:
-            raise block.fault(
-                Message(
-                    "too-large",
-                    "more than {most} rows; a side has at most {most} cells",
-                    "split the world",
-                    most=MAX_SIDE,
-                ),
-                row,
+            raise FormatError(
+                "too-large",
+                "more than {most} rows; a side has at most {most} cells",
+                "split the world",
+                most=MAX_SIDE,
+                **block.at(row),
             )
         if length == 0:
-            raise block.fault(
-                Message(
-                    "empty",
-                    "an empty line in %cells; a row has at least one cell",
-                    "delete the line",
-                ),
-                row,
+            raise FormatError(
+                "empty",
+                "an empty line in %cells; a row has at least one cell",
+                "delete the line",
+                **block.at(row),
             )
         strange = block.data[at : min(stop, at + MAX_SIDE)].translate(None, _CELL_BYTES)
         if strange:
             raise _strange_cell(block, at, stop, row)
         if length > MAX_SIDE:
-            raise block.fault(
-                Message(
-                    "too-large",
-                    "a row of {cells} cells; a side has at most {most} cells",
-                    "split the world",
-                    cells=length,
-                    most=MAX_SIDE,
-                ),
-                row,
+            raise FormatError(
+                "too-large",
+                "a row of {cells} cells; a side has at most {most} cells",
+                "split the world",
+                cells=length,
+                most=MAX_SIDE,
+                **block.at(row),
             )
         if length != width:
-            raise block.fault(
-                Message(
-                    "ragged-rows",
-                    "a row of {cells} cells, but the first row has {width}",
-                    "make all rows equally long",
-                    cells=length,
-                    width=width,
-                ),
-                row,
+            raise FormatError(
+                "ragged-rows",
+                "a row of {cells} cells, but the first row has {width}",
+                "make all rows equally long",
+                cells=length,
+                width=width,
+                **block.at(row),
             )
         at = stop + 1
         row = row + 1
@@ -179,19 +166,17 @@ def _check_rows(block: Block, width: int) -> None:
 def _strange_cell(block: Block, at: int, stop: int, row: int) -> FormatError:
     column = next(k for k, code in enumerate(block.data[at:stop]) if code not in _CELL_BYTES)
     character = block.data[at + column : min(at + column + 4, stop)].decode("utf-8", "replace")[0]
-    return block.fault(
-        Message(
-            "unknown-sign",
-            "{sign!r} at column {column} is not a cell",
-            "write {solid} for solid, {free} for free, {start} and {target} for start and target",
-            sign=character,
-            column=column + 1,
-            solid=SOLID,
-            free=FREE,
-            start=START,
-            target=TARGET,
-        ),
-        row,
+    return FormatError(
+        "unknown-sign",
+        "{sign!r} at column {column} is not a cell",
+        "write {solid} for solid, {free} for free, {start} and {target} for start and target",
+        sign=character,
+        column=column + 1,
+        solid=SOLID,
+        free=FREE,
+        start=START,
+        target=TARGET,
+        **block.at(row),
     )
 
 
@@ -248,7 +233,9 @@ def _column(
         wrong = int(np.argmin(np.isfinite(column)))
     except OverflowError:
         wrong = next(k for k, value in enumerate(values) if not -(2**63) <= value < 2**63)
-    raise block.fault(_word_message(section, field, words[wrong].decode("ascii")), row + wrong)
+    raise FormatError.of(
+        _word_message(section, field, words[wrong].decode("ascii")), **block.at(row + wrong)
+    )
 
 
 def _word_message(section: LineSection, field: Field, word: str) -> Message:
@@ -276,16 +263,14 @@ def _strange_line(block: Block, section: LineSection, at: int, row: int) -> Form
     if len(words) == len(section.fields):
         for field, word in zip(section.fields, words, strict=True):
             if not re.fullmatch(field.pattern, word.encode("utf-8", "replace")):
-                return block.fault(_word_message(section, field, word), row)
-    return block.fault(
-        Message(
-            "wrong-form",
-            "%{section}: {came!q} is not `{form}`, words with one space between them",
-            "write it as in `{example}`",
-            section=section.name,
-            came=line,
-            form=section.form,
-            example=section.example,
-        ),
-        row,
+                return FormatError.of(_word_message(section, field, word), **block.at(row))
+    return FormatError(
+        "wrong-form",
+        "%{section}: {came!q} is not `{form}`, words with one space between them",
+        "write it as in `{example}`",
+        section=section.name,
+        came=line,
+        form=section.form,
+        example=section.example,
+        **block.at(row),
     )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
 
-from worldgen.errors import Message
+from worldgen.errors import FormatError
 from worldgen.files.grid.header import Header
 from worldgen.files.grid.schema import MAX_DEPTH, MAX_INTEGER_BITS
 from worldgen.support.plain_text import quote
@@ -26,23 +28,22 @@ def kind_of(value: object) -> str:
     return _KINDS.get(type(value), "a date or time")
 
 
-def finite_at(header: Header, value: object, what: str, path: tuple[str, ...]) -> float:
-    """Return a number that must be finite."""
-    number = number_of(value, what)
-    if isinstance(number, Message):
-        raise header.fault(number, *path)
-    return number
+def finite(value: object, what: str, at: Callable[[], dict[str, Any]]) -> float:
+    """Return a number that must be finite.
 
-
-def number_of(value: object, what: str) -> float | Message:
-    """Return a finite number, or a description of the fault."""
+    Args:
+        value: The value.
+        what: Its name in messages.
+        at: Returns its place for an error.
+    """
     if isinstance(value, bool) or not isinstance(value, int | float):
-        return Message(
+        raise FormatError(
             "wrong-type",
             "{what} is {kind}",
             "write a number, like 0.1",
             what=what,
             kind=kind_of(value),
+            **at(),
         )
     try:
         # No minus zero.
@@ -50,12 +51,13 @@ def number_of(value: object, what: str) -> float | Message:
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        return Message(
+        raise FormatError(
             "not-finite",
             "{what} is {number}",
             "write a finite number within the range of a float64",
             what=what,
             number=number,
+            **at(),
         )
     return number
 
@@ -64,17 +66,14 @@ def text_at(header: Header, table: Mapping[str, object], name: str, key: str) ->
     """Return the text of a key in a table."""
     value = table[key]
     if not isinstance(value, str):
-        raise header.fault(
-            Message(
-                "wrong-type",
-                "{table}.{key} is {kind}",
-                "write text in double quotes",
-                table=name,
-                key=key,
-                kind=kind_of(value),
-            ),
-            name,
-            key,
+        raise FormatError(
+            "wrong-type",
+            "{table}.{key} is {kind}",
+            "write text in double quotes",
+            table=name,
+            key=key,
+            kind=kind_of(value),
+            **header.at(name, key),
         )
     return value
 
@@ -88,18 +87,15 @@ def integer_at(header: Header, table: Mapping[str, object], name: str, key: str)
         or value.bit_length() > MAX_INTEGER_BITS
     ):
         came = "an integer out of range" if type(value) is int else kind_of(value)
-        raise header.fault(
-            Message(
-                "wrong-type",
-                "{table}.{key} is {came}",
-                "write an integer of at most {most} bits",
-                table=name,
-                key=key,
-                came=came,
-                most=MAX_INTEGER_BITS,
-            ),
-            name,
-            key,
+        raise FormatError(
+            "wrong-type",
+            "{table}.{key} is {came}",
+            "write an integer of at most {most} bits",
+            table=name,
+            key=key,
+            came=came,
+            most=MAX_INTEGER_BITS,
+            **header.at(name, key),
         )
     return value
 
@@ -108,17 +104,14 @@ def values_at(header: Header, table: Mapping[str, object], name: str, key: str) 
     """Return the table of values of a key in a table; empty if it is missing."""
     value = table.get(key, {})
     if not isinstance(value, dict):
-        raise header.fault(
-            Message(
-                "wrong-type",
-                "{table}.{key} is {kind}",
-                "write a table: {key} = {{ name = 1 }}",
-                table=name,
-                key=key,
-                kind=kind_of(value),
-            ),
-            name,
-            key,
+        raise FormatError(
+            "wrong-type",
+            "{table}.{key} is {kind}",
+            "write a table: {key} = {{ name = 1 }}",
+            table=name,
+            key=key,
+            kind=kind_of(value),
+            **header.at(name, key),
         )
     return {part: _value(header, item, (name, key, part), 2) for part, item in value.items()}
 
@@ -131,17 +124,13 @@ def numbers_at(
     for part, value in values_at(header, table, name, key).items():
         if isinstance(value, bool) or not isinstance(value, int | float):
             what = f"{name}.{key}.{quote(part)[1:-1]}"
-            raise header.fault(
-                Message(
-                    "wrong-type",
-                    "{what} is {kind}; a metric must be a number",
-                    "leave it out",
-                    what=what,
-                    kind=kind_of(value),
-                ),
-                name,
-                key,
-                part,
+            raise FormatError(
+                "wrong-type",
+                "{what} is {kind}; a metric must be a number",
+                "leave it out",
+                what=what,
+                kind=kind_of(value),
+                **header.at(name, key, part),
             )
         found[part] = value
     return found
@@ -154,41 +143,35 @@ def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> 
         return value
     if isinstance(value, int):
         if value.bit_length() > MAX_INTEGER_BITS:
-            raise header.fault(
-                Message(
-                    "too-large",
-                    "{what}: an integer may have at most {most} bits",
-                    "write it as text",
-                    what=what,
-                    most=MAX_INTEGER_BITS,
-                ),
-                *path,
+            raise FormatError(
+                "too-large",
+                "{what}: an integer may have at most {most} bits",
+                "write it as text",
+                what=what,
+                most=MAX_INTEGER_BITS,
+                **header.at(*path),
             )
         return value
     if isinstance(value, float):
-        return finite_at(header, value, what, path)
+        return finite(value, what, partial(header.at, *path))
     if not isinstance(value, list | dict):
-        raise header.fault(
-            Message(
-                "wrong-type",
-                "{what} is {kind}",
-                "write it as text in double quotes",
-                what=what,
-                kind=kind_of(value),
-            ),
-            *path,
+        raise FormatError(
+            "wrong-type",
+            "{what} is {kind}",
+            "write it as text in double quotes",
+            what=what,
+            kind=kind_of(value),
+            **header.at(*path),
         )
     # Lists and tables are nested.
     if depth > MAX_DEPTH:
-        raise header.fault(
-            Message(
-                "nested-too-deep",
-                "{what}: nested deeper than {most} levels",
-                "flatten it",
-                what=what,
-                most=MAX_DEPTH,
-            ),
-            *path,
+        raise FormatError(
+            "nested-too-deep",
+            "{what}: nested deeper than {most} levels",
+            "flatten it",
+            what=what,
+            most=MAX_DEPTH,
+            **header.at(*path),
         )
     if isinstance(value, list):
         return [_value(header, item, path, depth + 1) for item in value]
