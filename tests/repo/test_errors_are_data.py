@@ -19,6 +19,8 @@ IN_FILES = {"FormatError", "NotAGrid"}
 OPTION = r"(?<![\w-])--(?!flag\b)[a-z][a-z-]*"  # --flag is an option of a user's program
 COMMAND = r"`worldgen [a-z-]+|(?<![\w`./])worldgen (?:fuzz|run|replay|studio|verify|show|import)\b"
 OF_A_TERMINAL = f"{OPTION}|{COMMAND}"
+# A call that returns an error's line and file: ``**header.at("start")``.
+PLACE = re.compile(r"(.*\.)?at(_the_end)?\(.*\)")
 PLACES = {"line", "source"}  # for an error in a file: keywords that are not facts
 
 
@@ -107,14 +109,11 @@ def _faults() -> Iterator[str]:
                 for remedy in remedies or ()
                 if (named := re.search(OF_A_TERMINAL, remedy))
             )
-        if (
-            problems is None
-            or remedies is None
-            or any(keyword.arg is None for keyword in call.keywords)
-        ):
+        more = [ast.unparse(keyword.value) for keyword in call.keywords if keyword.arg is None]
+        if problems is None or remedies is None or not all(map(PLACE.fullmatch, more)):
             continue
         no_facts = {"at_terminal"} | (PLACES if ast.unparse(call.func) in IN_FILES else set())
-        facts = {str(keyword.arg) for keyword in call.keywords} - no_facts
+        facts = {keyword.arg for keyword in call.keywords if keyword.arg is not None} - no_facts
         used = {field for template in problems + remedies for field in _fields(template)}
         yield from (f"{place}: no fact is called {name}" for name in sorted(used - facts))
         yield from (f"{place}: no template says {name}" for name in sorted(facts - used))

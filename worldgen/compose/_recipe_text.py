@@ -179,11 +179,6 @@ class _RecipeReader:
             ) from error
 
 
-def _check(holds: bool, code: str, problem: str, remedy: str, /, **facts: Any) -> None:
-    if not holds:
-        raise InvalidParameter(code, problem, remedy, **facts)
-
-
 def _known_keys(table: Mapping[str, Any], known: Sequence[str]) -> None:
     for key in table:
         if key not in known:
@@ -222,56 +217,56 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
     with reader.at("", None):
         _known_keys(data, _TOP)
         parts_table = data.get("part", [])
-        tables = isinstance(parts_table, list) and all(
+        if not isinstance(parts_table, list) or not all(
             isinstance(table, Mapping) for table in parts_table
-        )
-        _check(tables, "wrong-type", "a recipe's parts are tables", "begin each with [[part]]")
-        _check(len(parts_table) > 0, "empty", "there is no part", "begin one with [[part]]")
-        _check(
-            len(parts_table) <= MAX_PARTS,
-            "too-large",
-            "{parts} parts; the limit is {most}",
-            "split the recipe",
-            parts=len(parts_table),
-            most=MAX_PARTS,
-        )
+        ):
+            raise InvalidParameter(
+                "wrong-type", "a recipe's parts are tables", "begin each with [[part]]"
+            )
+        if not parts_table:
+            raise InvalidParameter("empty", "there is no part", "begin one with [[part]]")
+        if len(parts_table) > MAX_PARTS:
+            raise InvalidParameter(
+                "too-large",
+                "{parts} parts; the limit is {most}",
+                "split the recipe",
+                parts=len(parts_table),
+                most=MAX_PARTS,
+            )
 
     # Check the recipe's own keys. Parts come later because their formulas may use any parameter.
     name = data.get("recipe")
     about = data.get("about", "A world made by a recipe.")
     with reader.at("recipe", None, "recipe"):
-        _check(
-            isinstance(name, str) and _NAME.match(name) is not None,
-            "not-a-name",
-            "{name!q} is not a name",
-            'write recipe = "my-recipe", in small letters, digits and -',
-            name=name,
-        )
+        if not isinstance(name, str) or _NAME.match(name) is None:
+            raise InvalidParameter(
+                "not-a-name",
+                "{name!q} is not a name",
+                'write recipe = "my-recipe", in small letters, digits and -',
+                name=name,
+            )
     with reader.at("version", None, "version"):
         version = _whole(data.get("version", 1), 1)
     with reader.at("about", None, "about"):
-        _check(
-            isinstance(about, str),
-            "wrong-type",
-            "{about!q} is not text",
-            "give a sentence in quotes",
-            about=about,
-        )
+        if not isinstance(about, str):
+            raise InvalidParameter(
+                "wrong-type", "{about!q} is not text", "give a sentence in quotes", about=about
+            )
 
     # Read parameters and parts, then the name of the part that becomes the world.
     parameters = _read_parameters(reader, data.get("parameters", {}))
     parts = _read_parts(reader, data["part"], tuple(parameters))
     world = data.get("world", next(reversed(parts)))
     with reader.at("world", None, "world"):
-        _check(
-            isinstance(world, str) and world in parts,
-            "unknown-name",
-            "no part is called {name!q}; there are {known!l}",
-            "name one of these, or omit it for the last part",
-            name=world,
-            known=list(parts),
-        )
-    return RecipeText(str(name), version, " ".join(str(about).split()), world, parameters, parts)
+        if not isinstance(world, str) or world not in parts:
+            raise InvalidParameter(
+                "unknown-name",
+                "no part is called {name!q}; there are {known!l}",
+                "name one of these, or omit it for the last part",
+                name=world,
+                known=list(parts),
+            )
+    return RecipeText(name, version, " ".join(about.split()), world, parameters, parts)
 
 
 def _whole(value: object, least: int) -> int:
@@ -289,40 +284,35 @@ def _whole(value: object, least: int) -> int:
 def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
     found = {name: Declared(default, help=note) for name, (default, note) in ROBOT.items()}
     with reader.at("parameters", None, "parameters"):
-        _check(
-            isinstance(table, Mapping),
-            "wrong-type",
-            "{value!q} is not a table",
-            "write [parameters]",
-            value=table,
-        )
-        _check(
-            len(table) <= MAX_PARAMETERS,
-            "too-large",
-            "{parameters} parameters; the limit is {most}",
-            "leave some out",
-            parameters=len(table),
-            most=MAX_PARAMETERS,
-        )
+        if not isinstance(table, Mapping):
+            raise InvalidParameter(
+                "wrong-type", "{value!q} is not a table", "write [parameters]", value=table
+            )
+        if len(table) > MAX_PARAMETERS:
+            raise InvalidParameter(
+                "too-large",
+                "{parameters} parameters; the limit is {most}",
+                "leave some out",
+                parameters=len(table),
+                most=MAX_PARAMETERS,
+            )
+    # Check each parameter's name, then its declaration.
     own: dict[str, Declared] = {}
     for name, raw in table.items():
         with reader.at(f"parameters.{name}", None, "parameters", name):
-            plain = (
-                _PARAMETER.match(name) is not None and not keyword.iskeyword(name) and name != "rng"
-            )
-            _check(
-                plain,
-                "not-a-name",
-                "is not a name",
-                "use small letters, digits and _, but not rng or a Python keyword such as for",
-            )
-            _check(
-                name not in _RESERVED,
-                "reserved-name",
-                "is reserved for provenance, like {known!l}",
-                "take another",
-                known=list(_RESERVED),
-            )
+            if _PARAMETER.match(name) is None or keyword.iskeyword(name) or name == "rng":
+                raise InvalidParameter(
+                    "not-a-name",
+                    "is not a name",
+                    "use small letters, digits and _, but not rng or a Python keyword such as for",
+                )
+            if name in _RESERVED:
+                raise InvalidParameter(
+                    "reserved-name",
+                    "is reserved for provenance, like {known!l}",
+                    "take another",
+                    known=list(_RESERVED),
+                )
             own[name] = _declared(raw)
             # Families read the robot and the margin as floats, and have help texts for them.
             if name in ROBOT or name == MARGIN:
@@ -358,56 +348,51 @@ def _declared(raw: Any) -> Declared:
             "give one",
             default=default,
         )
-    _check(
-        isinstance(note, str),
-        "wrong-type",
-        "help={help!q} is not text",
-        "give a sentence in quotes",
-        help=note,
-    )
-    _check(
-        isinstance(choices, list) and all(isinstance(word, str) for word in choices),
-        "wrong-type",
-        "choices must be a list of strings",
-        'write choices = ["U", "V"]',
-    )
-    _check(
-        not choices or default in choices,
-        "unknown-name",
-        "default={default!q} is not one of its choices",
-        "give one of them",
-        default=default,
-    )
+    if not isinstance(note, str):
+        raise InvalidParameter(
+            "wrong-type", "help={help!q} is not text", "give a sentence in quotes", help=note
+        )
+    if not isinstance(choices, list) or not all(isinstance(word, str) for word in choices):
+        raise InvalidParameter(
+            "wrong-type", "choices must be a list of strings", 'write choices = ["U", "V"]'
+        )
+    if choices and default not in choices:
+        raise InvalidParameter(
+            "unknown-name",
+            "default={default!q} is not one of its choices",
+            "give one of them",
+            default=default,
+        )
 
     # Bounds need numbers, and the default must satisfy them. A bool is an int in Python, so it is
     # excluded by its exact type.
     for name, value in (("least", least), ("most", most)):
         if value is not None:
             numeric = type(value) in (int, float) and type(default) in (int, float)
-            _check(
-                numeric,
-                "wrong-type",
-                "{name}={value!q} goes with numbers",
-                "omit it, or make it and the default numbers",
-                name=name,
-                value=value,
-            )
+            if not numeric:
+                raise InvalidParameter(
+                    "wrong-type",
+                    "{name}={value!q} goes with numbers",
+                    "omit it, or make it and the default numbers",
+                    name=name,
+                    value=value,
+                )
     if isinstance(default, int | float) and not isinstance(default, bool):
         low = float("-inf") if least is None else least
         high = float("inf") if most is None else most
-        _check(
-            low <= default <= high,
-            "out-of-range",
-            "default={default} is not between least and most",
-            "give one that is",
-            default=default,
-        )
+        if not low <= default <= high:
+            raise InvalidParameter(
+                "out-of-range",
+                "default={default} is not between least and most",
+                "give one that is",
+                default=default,
+            )
     return Declared(
         default,
         least,
         most,
         tuple(choices),
-        " ".join(str(note).split()) or "A parameter of the recipe.",
+        " ".join(note.split()) or "A parameter of the recipe.",
     )
 
 
@@ -417,39 +402,36 @@ def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> 
     for number, table in enumerate(raw):
         with reader.at(f"part {number + 1}", number, "name"):
             name = table.get("name")
-            _check(
-                isinstance(name, str) and _NAME.match(name) is not None,
-                "not-a-name",
-                "name={name!q} is not a name",
-                'write name = "my-part", in small letters, digits and -',
-                name=name,
-            )
-            _check(
-                name not in parts,
-                "twice",
-                "name={name!q} is already an earlier part's",
-                "give another",
-                name=name,
-            )
-        part = _read_part(reader, number, str(name), table, names)
+            if not isinstance(name, str) or _NAME.match(name) is None:
+                raise InvalidParameter(
+                    "not-a-name",
+                    "name={name!q} is not a name",
+                    'write name = "my-part", in small letters, digits and -',
+                    name=name,
+                )
+            if name in parts:
+                raise InvalidParameter(
+                    "twice", "name={name!q} is already an earlier part's", "give another", name=name
+                )
+        part = _read_part(reader, number, name, table, names)
         steps += len(part.steps)
         with reader.at(part.place, number):
-            _check(
-                steps <= MAX_STEPS,
-                "too-large",
-                "more than {most} steps in total",
-                "split the recipe",
-                most=MAX_STEPS,
-            )
-            for used in part.uses():
-                _check(
-                    used in parts,
-                    "unknown-name",
-                    "no earlier part is called {name!q}",
-                    "there are: {known!l:none}",
-                    name=used,
-                    known=list(parts),
+            if steps > MAX_STEPS:
+                raise InvalidParameter(
+                    "too-large",
+                    "more than {most} steps in total",
+                    "split the recipe",
+                    most=MAX_STEPS,
                 )
+            for used in part.uses():
+                if used not in parts:
+                    raise InvalidParameter(
+                        "unknown-name",
+                        "no earlier part is called {name!q}",
+                        "there are: {known!l:none}",
+                        name=used,
+                        known=list(parts),
+                    )
         parts[part.name] = part
     return parts
 
@@ -461,30 +443,28 @@ def _read_part(
     place = f"part {name!r}"
     with reader.at(place, number):
         sources = [key for key in SOURCES if key in table]
-        _check(
-            len(sources) == 1,
-            "wrong-count",
-            "is made of {made_of}",
-            "give just one of {known!l}",
-            made_of=" and ".join(sources) or "nothing",
-            known=list(SOURCES),
-        )
+        if len(sources) != 1:
+            raise InvalidParameter(
+                "wrong-count",
+                "is made of {made_of}",
+                "give just one of {known!l}",
+                made_of=" and ".join(sources) or "nothing",
+                known=list(SOURCES),
+            )
         source = sources[0]
         _known_keys(table, ("name", source, *SOURCES[source], "steps"))
         params = table.get("params", {})
-        _check(
-            isinstance(params, Mapping),
-            "wrong-type",
-            "params={params!q} is not a table",
-            "write params = {{ size = 20 }}",
-            params=params,
-        )
-        _check(
-            isinstance(table.get("steps", []), list),
-            "wrong-type",
-            "steps must be a list",
-            "write steps = [ {{ rotate = 1 }} ]",
-        )
+        if not isinstance(params, Mapping):
+            raise InvalidParameter(
+                "wrong-type",
+                "params={params!q} is not a table",
+                "write params = {{ size = 20 }}",
+                params=params,
+            )
+        if not isinstance(table.get("steps", []), list):
+            raise InvalidParameter(
+                "wrong-type", "steps must be a list", "write steps = [ {{ rotate = 1 }} ]"
+            )
 
     # Parse the source's value. Here, names of families and parts only have to be words. The caller
     # knows the earlier parts, and checks that those names exist.
@@ -494,29 +474,22 @@ def _read_part(
             is_list = (
                 isinstance(value, tuple) and value and all(isinstance(item, str) for item in value)
             )
-            _check(
-                bool(is_list),
-                "wrong-type",
-                "is a list of parts",
-                'write {source} = ["a", "b"]',
-                source=source,
-            )
+            if not is_list:
+                raise InvalidParameter(
+                    "wrong-type", "is a list of parts", 'write {source} = ["a", "b"]', source=source
+                )
         elif source in ("family", "part"):
-            _check(
-                not isinstance(value, tuple),
-                "wrong-type",
-                "is one word",
-                "to draw one write {source} = {{ any = [...] }}",
-                source=source,
-            )
+            if isinstance(value, tuple):
+                raise InvalidParameter(
+                    "wrong-type",
+                    "is one word",
+                    "to draw one write {source} = {{ any = [...] }}",
+                    source=source,
+                )
             words_of(value)
-        elif source != "box":
-            _check(
-                isinstance(value, str),
-                "wrong-type",
-                "{value!q} is not text",
-                "give one in quotes",
-                value=table[source],
+        elif source != "box" and not isinstance(value, str):
+            raise InvalidParameter(
+                "wrong-type", "{value!q} is not text", "give one in quotes", value=table[source]
             )
 
     # Parse options, family parameters and steps, each under its own place.
@@ -564,13 +537,10 @@ def _read_step(raw: object, place: str, names: Sequence[str]) -> Step:
     _known_keys(raw, (verb, *VERBS[verb]))
     value = spec_of(raw[verb], names)
     if verb in NAMING_PARTS:
-        _check(
-            not isinstance(value, tuple),
-            "wrong-type",
-            "{verb} is one part",
-            "to draw one write {{ any = [...] }}",
-            verb=verb,
-        )
+        if isinstance(value, tuple):
+            raise InvalidParameter(
+                "wrong-type", "{verb} is one part", "to draw one write {{ any = [...] }}", verb=verb
+            )
         words_of(value)
     options = {key: spec_of(raw[key], names) for key in VERBS[verb] if key in raw}
     return Step(verb, value, options, f"{place} ({verb})")
