@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sim._core import lib
 from worldgen.errors import InvalidParameter
+from worldgen.support.known_names import unknown_name
 
 # Integer poses, any controller.
 LATTICE = "lattice"
@@ -67,14 +67,8 @@ class Motions:
         """
         if name in self._models:
             return self._models[name]
-        near = "".join(difflib.get_close_matches(name, self.names(), n=1))
-        raise InvalidParameter(
-            "unknown-name",
-            "no motion model is called {name!r}",
-            "did you mean {near!r}? known: {known!l}" if near else "known: {known!l}",
-            name=name,
-            near=near,
-            known=self.names(),
+        raise InvalidParameter.of(
+            unknown_name("no motion model is called {name!r}", name, self.names())
         )
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import difflib
 import functools
 import inspect
 import math
@@ -24,6 +23,7 @@ from typing import Any
 
 from worldgen.errors import InvalidParameter
 from worldgen.support.bounds import Bounds, check_choice
+from worldgen.support.known_names import unknown_name
 
 # Files hold no larger integer.
 _INT64 = 2**63
@@ -386,16 +386,9 @@ def find_parameter(
     if name in by_name:
         return by_name[name]
     names = [*also, *by_name]
-    close = difflib.get_close_matches(name, names, n=1)
-    raise InvalidParameter(
-        "unknown-name",
-        "{owner} has no option {name!r}",
-        ("did you mean {close!r}? " if close else "")
-        + ("it has {known!l}" if names else "it has no options; omit it"),
-        owner=owner,
-        name=name,
-        close="".join(close),
-        known=names,
+    remedy = "it has {known!l}" if names else "it has no options; omit it"
+    raise InvalidParameter.of(
+        unknown_name("{owner} has no option {name!r}", name, names, remedy, owner=owner)
     )
 
 

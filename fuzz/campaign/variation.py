@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from typing import Any
 
 from sim.options.run import TIME_STEP, switch_class
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
+from worldgen.support.known_names import unknown_name
 from worldgen.world import Provenance, Value, World
 
 # Fields of a world.
@@ -134,15 +134,5 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
 def _check_name(name: str, motion: str) -> None:
     known = (*_OF_THE_ROBOT, "time_step", *switch_class(motion).names())
     if name not in known:
-        close = get_close_matches(name, known, n=1)
-        hint = f"did you mean {close[0]!r}? " if close else ""
-        raise InvalidParameter(
-            "unknown-name",
-            "{option} {name}: nothing with that name can be varied under {motion}",
-            "{hint}known: {known!l}",
-            option=_OPTION,
-            name=name,
-            motion=motion,
-            hint=hint,
-            known=list(known),
-        )
+        problem = "{option} {name}: nothing with that name can be varied under {motion}"
+        raise InvalidParameter.of(unknown_name(problem, name, known, option=_OPTION, motion=motion))

@@ -11,7 +11,6 @@ Contents:
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable
 
 from fuzz.boundary import is_bounded
@@ -23,6 +22,7 @@ from fuzz.search.task import Task
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
+from worldgen.support.known_names import unknown_name
 
 Strategy = Callable[[Task], None]
 """Does the work of one unit: counts its runs and passes those that fail to the task's triage."""
@@ -79,17 +79,16 @@ def check_strategy(name: str, scenario: Scenario, robots: int = 1) -> None:
     if ":" in name or name.endswith(".toml"):
         FAMILIES.get(name)
     elif name not in (known := (*OWN_STRATEGIES, *FAMILIES.names())):
-        close = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean {close[0]!r}? " if close else ""
-        raise InvalidParameter(
-            "unknown-name",
-            "no strategy and no family is called {name!r}",
-            "{hint}strategies: {strategies!l}; families: {families!l}; your own family: "
-            "package.module:name, ./file.py:name or ./recipe.toml",
-            name=name,
-            hint=hint,
-            strategies=list(OWN_STRATEGIES),
-            families=list(FAMILIES.names()),
+        raise InvalidParameter.of(
+            unknown_name(
+                "no strategy and no family is called {name!r}",
+                name,
+                known,
+                "strategies: {strategies!l}; families: {families!l}; your own family: "
+                "package.module:name, ./file.py:name or ./recipe.toml",
+                strategies=list(OWN_STRATEGIES),
+                families=list(FAMILIES.names()),
+            )
         )
     if robots > 1 and name in (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, SEALED):
         raise InvalidParameter(

@@ -109,7 +109,7 @@ def test_options_that_a_controller_has_not_are_refused(name, code):
 def test_a_typing_error_is_met_with_the_controller_s_own_option():
     with raises(InvalidParameter, "unknown-name") as caught:
         Scenario.parse("topological+place=8")
-    assert caught.value.message.facts["close"] == "places"
+    assert caught.value.message.facts["near"] == "places"
 
 
 @pytest.mark.parametrize("name", ["topological", "gestalt", "mapper", "bug2"])

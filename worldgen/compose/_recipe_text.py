@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import keyword
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,6 +13,7 @@ from worldgen.compose._values import Choice, Scalar, Spec, spec_of
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import MARGIN
 from worldgen.files.grid.header import Header
+from worldgen.support.known_names import unknown_name
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
 
 # Limit per recipe, whose text is stored in the header of every world that it makes.
@@ -182,15 +182,7 @@ class _RecipeReader:
 def _known_keys(table: Mapping[str, Any], known: Sequence[str]) -> None:
     for key in table:
         if key not in known:
-            near = "".join(difflib.get_close_matches(key, known, n=1))
-            raise InvalidParameter(
-                "unknown-name",
-                "no key is called {name!q}",
-                "did you mean {near!r}? known: {known!l}" if near else "known: {known!l}",
-                name=key,
-                near=near,
-                known=list(known),
-            )
+            raise InvalidParameter.of(unknown_name("no key is called {name!q}", key, known))
 
 
 def read_recipe(text: str, source: str | None = None) -> RecipeText:

@@ -25,6 +25,7 @@ from worldgen.plugins.user_modules import (
     import_in,
     package_of,
 )
+from worldgen.support.known_names import unknown_name
 from worldgen.support.time_limit import TimeLimitReached, time_limit
 
 T = TypeVar("T")
@@ -252,17 +253,9 @@ class Registry(Generic[T]):
         )
 
     def _unknown(self, name: str) -> Message:
-        names = self.names()
-        near = "".join(difflib.get_close_matches(name, names, n=1))
-        return Message(
-            "unknown-name",
-            "no {noun} is called {name!r}",
-            ("did you mean {near!r}? known: {known!l}; " if near else "known: {known!l}; ")
-            + "for your own, give package.module:name or ./file.py:name",
-            noun=self.noun,
-            name=name,
-            near=near,
-            known=names,
+        remedy = "known: {known!l}; for your own, give package.module:name or ./file.py:name"
+        return unknown_name(
+            "no {noun} is called {name!r}", name, self.names(), remedy, noun=self.noun
         )
 
     def _load_path(self, name: str) -> Any:

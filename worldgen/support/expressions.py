@@ -9,7 +9,6 @@ are, and whether an expression is a number or a condition.
 from __future__ import annotations
 
 import ast
-import difflib
 import itertools
 import math
 import operator
@@ -19,6 +18,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, NoReturn, TypeAlias
 
 from worldgen.errors import InvalidParameter, Message
+from worldgen.support.known_names import unknown_name
 
 MOST_NESTED: Final = 50
 # Most levels of the syntax tree; Python allows a thousand nested calls.
@@ -277,15 +277,10 @@ class _Reader:
     def _variable(self, name: str, at: int) -> Node:
         known = list(self._language.variables)
         if name not in known:
-            near = "".join(difflib.get_close_matches(name, known, n=1))
-            message = Message(
-                "unknown-name",
-                "no {noun} is called {name!r}",
-                "did you mean {near}? known: {known!l:none}" if near else "known: {known!l:none}",
-                noun=self._language.noun,
-                name=name[:40],
-                near=near,
-                known=known,
+            remedy = "known: {known!l:none}"
+            noun = self._language.noun
+            message = unknown_name(
+                "no {noun} is called {name!r}", name[:40], known, remedy, noun=noun
             )
             self._fail(message, at)
         return Variable(name)

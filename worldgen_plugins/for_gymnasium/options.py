@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +11,7 @@ from sim.options.robot import RobotOptions
 from sim.options.run import DEFAULT_TIME_STEP, RunOptions
 from worldgen.errors import InvalidParameter
 from worldgen.family import Family
+from worldgen.support.known_names import unknown_name
 from worldgen.world import Value, World
 from worldgen_plugins.for_gymnasium.interface import Interface
 from worldgen_plugins.for_gymnasium.supply import SOURCES, Supply
@@ -165,15 +165,8 @@ def sources_in(options: Mapping[str, Any] | None, *others: str) -> dict[str, Any
 def _check_names(given: Mapping[str, Any], known: Sequence[str], what: str) -> None:
     for name in given:
         if name not in known:
-            near = "".join(difflib.get_close_matches(str(name), known, 1))
-            raise InvalidParameter(
-                "unknown-name",
-                "no {noun} is called {name!r}",
-                "did you mean {near}? known: {known!l}" if near else "known: {known!l}",
-                noun=what,
-                name=name,
-                near=near,
-                known=list(known),
+            raise InvalidParameter.of(
+                unknown_name("no {noun} is called {name!r}", str(name), known, noun=what)
             )
 
 

@@ -5,8 +5,7 @@ Robots, provenance, certificate and failure are each checked, with lines in erro
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -31,6 +30,7 @@ from worldgen.files.grid.values import (
     text_at,
     values_at,
 )
+from worldgen.support.known_names import unknown_name
 from worldgen.support.plain_text import quote
 from worldgen.world import (
     DEFAULT_ROBOT_SPEED,
@@ -108,7 +108,9 @@ def check_keys(header: Header, *, fleet: bool = False) -> None:
     for table, known in tables.items():
         for key in header.data.get(table, ()):
             if key not in known:
-                message = _unknown(f"key in [{table}]", key, known)
+                message = unknown_name(
+                    "unknown {what}: {name!q}", key, known, what=f"key in [{table}]"
+                )
                 if key in keys:
                     message = Message(
                         "wrong-place",
@@ -138,7 +140,7 @@ def _strange_key(key: str, *, fleet: bool) -> Message:
     known = (
         (*FLEET_HEADER_KEYS, "robot", *FLEET_TABLE_KEYS) if fleet else (*HEADER_KEYS, *TABLE_KEYS)
     )
-    return _unknown("key", key, known)
+    return unknown_name("unknown {what}: {name!q}", key, known, what="key")
 
 
 def read_robots(header: Header) -> list[Robot]:
@@ -181,25 +183,15 @@ def _read_robot(header: Header, table: Mapping[str, object], index: int) -> Robo
     place = _Place(header, table, ROBOT_KEYS, index)
     for key in table:
         if key not in ROBOT_KEYS:
-            raise FormatError.of(_unknown("key in [[robot]]", key, ROBOT_KEYS), **place.at(key))
+            raise FormatError.of(
+                unknown_name("unknown {what}: {name!q}", key, ROBOT_KEYS, what="key in [[robot]]"),
+                **place.at(key),
+            )
     start = _triple(place, "start")
     target = _triple(place, "target")
     radius = _number(place, "radius")
     speed = _number(place, "speed", default=DEFAULT_ROBOT_SPEED)
     return Robot(Pose(*start), Target(*target), radius, speed)
-
-
-def _unknown(what: str, name: str, known: Iterable[str]) -> Message:
-    near = "".join(difflib.get_close_matches(name, list(known), n=1) if len(name) <= 40 else [])
-    return Message(
-        "unknown-name",
-        "unknown {what}: {name!q}",
-        "did you mean {near!r}? known: {known!l}" if near else "known: {known!l}",
-        what=what,
-        name=name,
-        near=near,
-        known=list(known),
-    )
 
 
 def read_number(header: Header, key: str, *, default: float | None = None) -> float:
