@@ -14,10 +14,10 @@ from collections.abc import MutableSequence, Sequence
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats, Words
 
 __all__ = ["GAMMA", "RandomStream", "Seed", "mix64", "seed_of"]
 
@@ -126,7 +126,7 @@ class RandomStream:
             other = self.below(last + 1)
             items[last], items[other] = items[other], items[last]
 
-    def bits(self, count: int) -> npt.NDArray[np.uint64]:
+    def bits(self, count: int) -> Words:
         """Return the next ``count`` outputs of :meth:`next64` as a (count,) uint64 array."""
         with np.errstate(over="ignore"):
             steps = np.arange(1, count + 1, dtype=np.uint64) * np.uint64(GAMMA)
@@ -137,7 +137,7 @@ class RandomStream:
         self._state = (self._state + count * GAMMA) & MASK64
         return z
 
-    def floats(self, count: int) -> npt.NDArray[np.float64]:
+    def floats(self, count: int) -> Floats:
         """Return the next ``count`` outputs of :meth:`random` as a (count,) float64 array."""
         return (self.bits(count) >> np.uint64(11)).astype(np.float64) * 2.0**-53
 

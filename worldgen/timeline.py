@@ -8,18 +8,13 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.domain import LATEST
 from worldgen.errors import InvalidWorld
+from worldgen.support.arrays import Bools, Bytes, Floats, Ints
 from worldgen.support.frozen import HoldsFrozen, frozen
 
 __all__ = ["CellState", "Event", "StateSpans", "Timeline"]
-
-Bools = npt.NDArray[np.bool_]
-Bytes = npt.NDArray[np.uint8]
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 class CellState(IntEnum):

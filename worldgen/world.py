@@ -24,6 +24,7 @@ from worldgen.domain import (
     speed_fault,
 )
 from worldgen.errors import InvalidWorld
+from worldgen.support.arrays import Bools, Bytes, Floats, Ints
 from worldgen.support.frozen import HoldsFrozen, frozen
 from worldgen.timeline import CellState, Timeline
 
@@ -180,9 +181,9 @@ class Witness(HoldsFrozen):
         clearance: Largest radius, m, of a disc that can follow this path.
     """
 
-    times: npt.NDArray[np.float64]
-    x: npt.NDArray[np.float64]
-    y: npt.NDArray[np.float64]
+    times: Floats
+    x: Floats
+    y: Floats
     clearance: float
 
     def __post_init__(self) -> None:
@@ -276,7 +277,7 @@ class Cut(HoldsFrozen):
         robot: Number of the robot that it stops, from 1.
     """
 
-    cells: npt.NDArray[np.int64]
+    cells: Ints
     clearance: float
     robot: int = 1
 
@@ -325,7 +326,7 @@ class World(HoldsFrozen):
             certificate is not for this number of robots.
     """
 
-    walls: npt.NDArray[np.bool_]
+    walls: Bools
     start: Pose
     target: Target
     cell_size: float = DEFAULT_CELL_SIZE
@@ -506,17 +507,17 @@ class World(HoldsFrozen):
         return replace(self, certificate=None, provenance=None, failure=None)
 
     @property
-    def changing_cells(self) -> npt.NDArray[np.bool_]:
+    def changing_cells(self) -> Bools:
         """Cells with an event, (height, width) bool."""
         return self.timeline.cells_that_become(shape=self.walls.shape)
 
     @property
-    def still_walls(self) -> npt.NDArray[np.bool_]:
+    def still_walls(self) -> Bools:
         """Cells that are always solid, (height, width) bool."""
-        still: npt.NDArray[np.bool_] = self.walls & ~self.changing_cells
+        still: Bools = self.walls & ~self.changing_cells
         return still
 
-    def cells_at(self, time: float) -> npt.NDArray[np.uint8]:
+    def cells_at(self, time: float) -> Bytes:
         """Return the state of every cell at a time, s.
 
         The result has shape (height, width), uint8, with values of :class:`CellState`.

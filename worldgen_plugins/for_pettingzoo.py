@@ -25,6 +25,7 @@ from sim.options.run import MAX_STEPS, whole
 from sim.runners.core_calls import Driver, Workspace
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import lattice_to_metres
+from worldgen.support.arrays import Bytes
 from worldgen.world import World
 from worldgen_plugins.for_gymnasium.interface import Interface
 from worldgen_plugins.for_gymnasium.options import Options, resolve
@@ -225,12 +226,12 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
             self._information(asked),
         )
 
-    def render(self) -> npt.NDArray[np.uint8] | str | None:
+    def render(self) -> Bytes | str | None:
         """Return the world, as a picture, (height, width, 3) uint8, or text; ``None`` without a mode."""
         if self.render_mode is None:
             gymnasium.logger.warn('render() shows nothing; use render_mode="rgb_array"')
             return None
-        frame: npt.NDArray[np.uint8] | str = frame_of(self._world, self._places, self.render_mode)
+        frame: Bytes | str = frame_of(self._world, self._places, self.render_mode)
         return frame
 
     def state(self) -> Singles:

@@ -10,6 +10,7 @@ import shapely
 
 from sim.evidence import BudgetEvidence
 from sim.trace import Trace
+from worldgen.support.arrays import Floats
 from worldgen.timeline import CellState
 from worldgen.world import Witness, World
 
@@ -86,24 +87,22 @@ def check_budget(world: World, trace: Trace, evidence: BudgetEvidence) -> str:
     return f"the budget is {float(spent):.3f} times the witness's time, not {claimed}"
 
 
-def lattice_cell(places: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def lattice_cell(places: npt.ArrayLike) -> Floats:
     """Return the cells of coordinates in cells, treating near-integers as integers."""
     places = np.asarray(places, np.float64)
     whole = np.rint(places)
-    cells: npt.NDArray[np.float64] = np.where(
-        np.abs(places - whole) < 1e-9, whole, np.floor(places)
-    )
+    cells: Floats = np.where(np.abs(places - whole) < 1e-9, whole, np.floor(places))
     return cells
 
 
-def target_gap(world: World, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> float:
+def target_gap(world: World, x: Floats, y: Floats) -> float:
     """Return the smallest distance, m, from a path to the target's disc; negative inside."""
     points = np.stack([x, y], axis=1)
     path = shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])
     return float(path.distance(shapely.Point(world.target.x, world.target.y))) - world.target.radius
 
 
-def places_gap(world: World, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> float:
+def places_gap(world: World, x: Floats, y: Floats) -> float:
     """Return the smallest distance, m, from any place to the target's disc; negative inside."""
     apart = shapely.distance(shapely.points(x, y), shapely.Point(world.target.x, world.target.y))
     return float(np.min(apart)) - world.target.radius

@@ -6,12 +6,12 @@ A robot has timed out if the second half of the budget brought a new cell, else 
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzz.evidence_checks._plain import check_budget, first_new_cell_of_second_half
 from sim.evidence import BudgetEvidence
 from sim.motion import Motion
 from sim.trace import Trace
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 _SAME_PLACE = 1e-7  # cells, a millionth of the thesis's pixels
@@ -71,14 +71,14 @@ def _comes_back(world: World, trace: Trace, entry: int, period: int) -> bool:
     return bool(_near(world, trace, slice(entry, -period), slice(entry + period, None)).all())
 
 
-def _near(world: World, trace: Trace, one: slice | int, two: slice | int) -> npt.NDArray[np.bool_]:
+def _near(world: World, trace: Trace, one: slice | int, two: slice | int) -> Bools:
     """Return which poses of ``one`` equal those of ``two``, except for rounding."""
     apart = (
         np.maximum(np.abs(trace.x[one] - trace.x[two]), np.abs(trace.y[one] - trace.y[two]))
         / world.cell_size
     )
     turned = np.abs((trace.heading[one] - trace.heading[two] + np.pi) % (2 * np.pi) - np.pi)
-    near: npt.NDArray[np.bool_] = (apart < _SAME_PLACE * (1 + _ROUNDING)) & (
+    near: Bools = (apart < _SAME_PLACE * (1 + _ROUNDING)) & (
         turned < _SAME_HEADING * (1 + _ROUNDING)
     )
     return near

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 
 from fuzz.evidence_checks._plain import (
@@ -31,12 +30,11 @@ from sim.evidence import (
 from sim.motion import Motion
 from sim.trace import Trace
 from sim.verdict import Verdict
+from worldgen.support.arrays import Floats
 from worldgen.world import Robot, World
 
 # Cells: start and target are rounded to the pose lattice, 1/1024 of a cell each.
 _LATTICE = 2 / 1024
-
-Floats = npt.NDArray[np.float64]
 
 
 def check_fleet(

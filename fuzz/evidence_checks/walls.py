@@ -14,20 +14,18 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzz.evidence_checks._plain import cell_box, is_solid_at, step_path
 from sim.evidence import WallEvidence
 from sim.motion import Motion
 from sim.trace import Trace
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.world import World
 
 LEAST_OVERLAP = 1e-7  # cells, a millionth of a pixel: less than this is rounding
 _SLACK = 1e-10  # cells by which recorded metres may differ from the simulator's pixels
 _PIXELS = 10  # pixels per cell
 _SAME = 1e-6  # px by which a displacement may differ from what its cause predicts
-
-Floats = npt.NDArray[np.float64]
 
 
 def check_tunnel(world: World, trace: Trace, evidence: WallEvidence, motion: Motion) -> str:
@@ -149,7 +147,7 @@ def _depths(world: World, x: Floats, y: Floats, times: Floats) -> Floats:
     return deepest
 
 
-def _gap(x: Floats, y: Floats, ix: npt.NDArray[np.int64], iy: npt.NDArray[np.int64]) -> Floats:
+def _gap(x: Floats, y: Floats, ix: Ints, iy: Ints) -> Floats:
     """Return distances from points to cells, in cells; 0 inside."""
     dx = np.maximum(np.maximum(ix - x, x - ix - 1), 0.0)
     dy = np.maximum(np.maximum(iy - y, y - iy - 1), 0.0)
@@ -190,13 +188,11 @@ def _moves(world: World, trace: Trace, step: int) -> Iterator[str]:
             yield "slide"
 
 
-def _same(moved: Floats, wanted: Floats, loose: npt.NDArray[np.bool_]) -> bool:
+def _same(moved: Floats, wanted: Floats, loose: Bools) -> bool:
     return bool(((np.abs(moved - wanted) < _SAME) | loose).all())
 
 
-def _slides(
-    moved: Floats, unit: Floats, gone: int, axis: int, loose: npt.NDArray[np.bool_]
-) -> bool:
+def _slides(moved: Floats, unit: Floats, gone: int, axis: int, loose: Bools) -> bool:
     """Return True if the move advanced on the axis by part of a pixel, and moved back on the other.
 
     Friction may shorten the forward part.
@@ -207,7 +203,7 @@ def _slides(
     return bool(back and (loose[axis] or low - _SAME < moved[axis] < high + _SAME))
 
 
-def _at_the_edge(world: World, place: Floats) -> npt.NDArray[np.bool_]:
+def _at_the_edge(world: World, place: Floats) -> Bools:
     """Return, per axis, whether the place is at the motion model's limit next to the grid's edge.
 
     A move may end early there.
@@ -216,7 +212,5 @@ def _at_the_edge(world: World, place: Floats) -> npt.NDArray[np.bool_]:
     side = world.cell_size
     ends = np.array([world.width, world.height]) * side
     gap = np.minimum(place, ends - place) - radius
-    loose: npt.NDArray[np.bool_] = (np.abs(gap) < _SAME * side) | (
-        np.abs(gap - side) < _SAME * side
-    )
+    loose: Bools = (np.abs(gap) < _SAME * side) | (np.abs(gap - side) < _SAME * side)
     return loose

@@ -6,15 +6,14 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import cell_middle, in_cells
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 Box = tuple[int, int, int, int]
-Walls = npt.NDArray[np.bool_]
 
 _MOST_BOXES = 12
 # Sides, cells, of a box that an edit adds.
@@ -224,7 +223,7 @@ def _mirrored(box: Box, side: int) -> Box:
     return side - y1, side - x1, side - y0, side - x0
 
 
-def _half(walls: Walls) -> list[Box]:
+def _half(walls: Bools) -> list[Box]:
     """Return boxes that, with their mirror images, make up a symmetric world's solid cells.
 
     Boxes on the diagonal stay whole. The mirror image of a cell may belong to another box than the
@@ -240,7 +239,7 @@ def _half(walls: Walls) -> list[Box]:
     return boxes + _boxes(missing)
 
 
-def _boxes(walls: Walls) -> list[Box]:
+def _boxes(walls: Bools) -> list[Box]:
     """Return solid cells as boxes that do not overlap.
 
     Each starts at the lowest left cell and extends as wide, then as high, as possible.

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy import ndimage
 
 from fuzz.oracles.trial import Trial
@@ -19,11 +18,8 @@ from sim.motion import THESIS
 from sim.runners.lattice import LatticeRun
 from worldgen.errors import InvalidParameter
 from worldgen.reach import check_certificate
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.world import World
-
-Cells = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 # Number of cells beyond the reach of a step and the disc: a slide or a back-off may begin at the
 # step's end.
@@ -99,7 +95,7 @@ def _with_walls(trial: Trial, places: Ints) -> World | None:
     return world if len(places) and check_certificate(world).valid else None
 
 
-def _unneeded(trial: Trial) -> Cells:
+def _unneeded(trial: Trial) -> Bools:
     """Return the free cells that neither the border, start, target nor the witness's disc needs."""
     world = trial.world
     witness = trial.witness

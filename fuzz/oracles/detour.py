@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzz.oracles.trial import Trial
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats
 from worldgen.world import Value
 
 _DIGITS = 9  # decimal places of lengths in evidence, m
@@ -53,7 +53,7 @@ def detour(trial: Trial, bound: float) -> dict[str, Value] | None:
     }
 
 
-def _length(x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> float:
+def _length(x: Floats, y: Floats) -> float:
     """Return the length of a polyline, correctly rounded and therefore the same everywhere."""
     pieces = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2)
     return math.fsum(pieces.tolist())

@@ -18,6 +18,7 @@ from sim.controllers.memory_view import MemoryField, MemoryMap, check_fields
 from sim.trace import Trace
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT
+from worldgen.support.arrays import Floats, Ints
 
 BLOCKED, CELL, PLAN, PLACE, NODE, EDGE, DEGREE = range(7)
 """Kinds of shapes: a blocked line, an occupied rectangle, part of the plan, a remembered point, a place
@@ -31,8 +32,6 @@ _SCALE = 1000  # a named number is shown to thousandths
 # fourth, and so on.
 _MOST_MAPS = 400
 
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 Shape = tuple[int, int, int, int, int]
 # Number of steps in which degrees are shown. The kinds from DEGREE on are rectangles, the worst
 # first.

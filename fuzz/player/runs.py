@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzz.player.memory import drawn_memory
 from fuzz.player.streams import bits, numbers
@@ -26,8 +25,7 @@ from sim.options.run import RunOptions
 from sim.trace import BEHAVIOURS, Trace
 from sim.verdict import Verdict
 from worldgen.lattice import TURN, UNIT
-
-Ints = npt.NDArray[np.int64]
+from worldgen.support.arrays import Ints
 
 # Steps of a run that the page includes, 10 to 25 kB. A longer run is reduced to every second step,
 # or every third, and so on.
@@ -156,9 +154,7 @@ def sensors_of(controller: Controller, options: RunOptions, side: float) -> dict
     }
 
 
-def _columns(
-    trace: Trace, kept: npt.NDArray[np.int64], cell_size: float
-) -> tuple[dict[str, Any], npt.NDArray[np.int64]]:
+def _columns(trace: Trace, kept: Ints, cell_size: float) -> tuple[dict[str, Any], Ints]:
     """Return the included states with the corners in between, and the step of each row."""
     # Take the corners inside the included steps; a corner at the end of a step is its state.
     step = trace.path_step
@@ -196,7 +192,7 @@ def _acted(trace: Trace, controller: Controller | None, kept: Ints, rows: Ints) 
     }
 
 
-def _kept_steps(steps: int, span: tuple[int, int], most: int) -> tuple[npt.NDArray[np.int64], int]:
+def _kept_steps(steps: int, span: tuple[int, int], most: int) -> tuple[Ints, int]:
     """Return the steps to include, about ``most`` of them.
 
     They are dense in the interesting part and even elsewhere.

@@ -19,11 +19,9 @@ from sim.controllers.shared.guarded import PRIVATE, CoreMemory
 from sim.runners.core_calls import Driver, headings, ray_table
 from sim.runners.packing import disc_numbers
 from worldgen.lattice import UNIT, in_cells
+from worldgen.support.arrays import Bytes, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
-Bytes = npt.NDArray[np.uint8]
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 Columns = npt.NDArray[np.void]
 
 NOT_RUN: int = lib.WG_NOT_RUN
@@ -99,7 +97,7 @@ class Batch:
     def __init__(
         self,
         layouts: Bytes,
-        seeds: npt.NDArray[np.uint64],
+        seeds: Words,
         kinds: Ints,
         budgets: Ints,
         settings: Sequence[Any],

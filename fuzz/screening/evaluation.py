@@ -32,12 +32,8 @@ from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import TURN, UNIT
+from worldgen.support.arrays import Bools, Bytes, Floats, Ints, Words
 from worldgen.world import DEFAULT_CELL_SIZE, World
-
-Bytes = npt.NDArray[np.uint8]
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
 
 _KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
 _FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
@@ -73,7 +69,7 @@ class Screening:
 
     layouts: Bytes
     scenario: Scenario
-    seeds: npt.NDArray[np.uint64]
+    seeds: Words
     time_steps: Floats
     raw: npt.NDArray[np.void]
     robot: Mapping[str, float] = field(default_factory=dict)
@@ -83,9 +79,9 @@ class Screening:
         return len(self.raw)
 
     @property
-    def ran(self) -> Flags:
+    def ran(self) -> Bools:
         """True if the robot can certainly reach the target, so that the controller was run."""
-        found: Flags = self.raw["distance"] >= 0
+        found: Bools = self.raw["distance"] >= 0
         return found
 
     @property
@@ -102,9 +98,9 @@ class Screening:
         return np.where(covered, Verdict.OVERLAP.value, _FIRST_LOOKS[ending + 1])
 
     @property
-    def failed(self) -> Flags:
+    def failed(self) -> Bools:
         """True if the controller was run and did not arrive as it should."""
-        found: Flags = self.ran & (self.verdict != Verdict.REACHED.value)
+        found: Bools = self.ran & (self.verdict != Verdict.REACHED.value)
         return found
 
     @property
@@ -242,7 +238,7 @@ def can_screen(scenario: Scenario) -> bool:
 def evaluate(
     layouts: Bytes,
     scenario: Scenario,
-    seeds: npt.NDArray[np.uint64],
+    seeds: Words,
     time_steps: float | npt.ArrayLike,
     budget: int | npt.ArrayLike | None = None,
     **robot: float,
@@ -367,9 +363,7 @@ class _Packed:
         runs = tuple(LatticeRun(world, controller, options) for options in each)
         return cls(controller, runs, (robot["robot_radius"],) if "robot_radius" in robot else RADII)
 
-    def batch(
-        self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints
-    ) -> Batch:
+    def batch(self, layouts: Bytes, seeds: Words, kinds: Ints, budgets: Ints) -> Batch:
         """Return the runs of one call."""
         # The memory of such a controller is not visible.
         finds = not isinstance(self.controller, ProcessController)

@@ -10,7 +10,6 @@ import sys
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzz._core import ffi, lib
 from fuzz.screening.batch import Batch, Seat
@@ -22,9 +21,8 @@ from sim.runners.hidden_state import hidden_state
 from sim.runners.lockstep import ControllerRaised, its_own_fault
 from sim.runners.python_loop import begun_anew
 from sim.runners.stopping import OutOfTime, check_time
+from worldgen.support.arrays import Floats
 from worldgen.support.ccall import writable
-
-Floats = npt.NDArray[np.float64]
 
 PLACES = 1_024
 """Maximum number of robots of a vector class that act together.

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzz.campaign.result import Elite
 from fuzz.screening import Screening
@@ -24,6 +23,7 @@ from fuzz.search.native import look_through, pace_of, scenes
 from fuzz.search.task import Task
 from sim.verdict import Verdict
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bytes, Floats, Ints
 
 ARCHIVE = "archive"
 
@@ -32,8 +32,6 @@ _EDITS = 3  # largest number of changed bytes in a child; at least one changes
 # Small changes of a byte: a move by one or three cells, a different kind, one feature more or less.
 _SMALL = np.array([-3, -1, 1, 3])
 
-Bytes = npt.NDArray[np.uint8]
-Ints = npt.NDArray[np.int64]
 Cell = tuple[int, ...]
 
 
@@ -49,7 +47,7 @@ class _Axis:
     name: str
     edges: tuple[float, ...]
 
-    def cells(self, values: npt.NDArray[np.float64]) -> Ints:
+    def cells(self, values: Floats) -> Ints:
         """Return (n,) int64, the cell's index of each value."""
         return np.searchsorted(np.array(self.edges), values, side="right")
 

@@ -13,7 +13,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzz.search.layout_bytes import (
     CLEAR,
@@ -32,6 +31,7 @@ from fuzz.search.layout_bytes import (
 )
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import cell_middle
+from worldgen.support.arrays import Bools
 from worldgen.world import (
     DEFAULT_CELL_SIZE,
     DEFAULT_ROBOT_RADIUS,
@@ -49,8 +49,6 @@ cells, where even complete controllers fail."""
 
 TARGET_RADII = (DEFAULT_CELL_SIZE / 2, 0.02, 0.08)
 """Radii of a scene's target, m."""
-
-Walls = npt.NDArray[np.bool_]
 
 
 def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> World:
@@ -119,7 +117,7 @@ def decode_scene(data: bytes) -> World:
     )
 
 
-def _draw(walls: Walls, feature: bytes) -> None:
+def _draw(walls: Bools, feature: bytes) -> None:
     """Draw one feature; any part outside the arena is cut off."""
     kind, x, y, length, depth, form = feature
     height, width = walls.shape
@@ -135,40 +133,40 @@ def _draw(walls: Walls, feature: bytes) -> None:
     walls[y : y + stamp.shape[0], x : x + stamp.shape[1]] |= stamp
 
 
-def _box(length: int, depth: int, thickness: int) -> Walls:
+def _box(length: int, depth: int, thickness: int) -> Bools:
     return np.ones((depth, length), bool)
 
 
-def _wall(length: int, depth: int, thickness: int) -> Walls:
+def _wall(length: int, depth: int, thickness: int) -> Bools:
     return np.ones((thickness, length + depth), bool)
 
 
-def _cup(length: int, depth: int, thickness: int) -> Walls:
+def _cup(length: int, depth: int, thickness: int) -> Bools:
     stamp = np.ones((depth + thickness, length + 2 * thickness), bool)
     stamp[:depth, thickness : thickness + length] = False
     return stamp
 
 
-def _corner(length: int, depth: int, thickness: int) -> Walls:
+def _corner(length: int, depth: int, thickness: int) -> Bools:
     stamp = np.zeros((depth + thickness, length + thickness), bool)
     stamp[:thickness, :] = True
     stamp[:, :thickness] = True
     return stamp
 
 
-def _gate(length: int, depth: int, thickness: int) -> Walls:
+def _gate(length: int, depth: int, thickness: int) -> Bools:
     """Return a long wall with an opening of 2 cells."""
     stamp = np.ones((thickness, length + depth + 2), bool)
     stamp[:, length : length + 2] = False
     return stamp
 
 
-def _diagonal(length: int, depth: int, thickness: int) -> Walls:
+def _diagonal(length: int, depth: int, thickness: int) -> Bools:
     side = length + depth
     return np.eye(side, dtype=bool) | (np.eye(side, k=1, dtype=bool) if thickness > 1 else False)
 
 
-def _comb(length: int, depth: int, thickness: int) -> Walls:
+def _comb(length: int, depth: int, thickness: int) -> Bools:
     stamp = np.zeros((depth + thickness, 3 * (1 + length // 3) + 1), bool)
     stamp[:thickness, :] = True
     stamp[:, ::3] = True

@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from hypothesis import reject
 from hypothesis import strategies as st
 
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import cell_middle
+from worldgen.support.arrays import Ints
 from worldgen.world import Pose, Robot, Target, World
 
 _HEADINGS = 8  # headings to draw from, evenly spaced
@@ -89,7 +89,7 @@ def _moved(
 
 def _drawn_place(
     draw: st.DrawFn,
-    free: npt.NDArray[np.int64],
+    free: Ints,
     side: float,
     reach: float,
     others: Iterable[tuple[float, float, float]],
@@ -113,7 +113,7 @@ def _drawn_place(
     return _centre(cells[draw(st.integers(0, len(cells) - 1))], side)
 
 
-def _centre(cell: npt.NDArray[np.int64], side: float) -> tuple[float, float]:
+def _centre(cell: Ints, side: float) -> tuple[float, float]:
     """Return the middle of a cell (iy, ix), m."""
     iy, ix = cell.tolist()
     return cell_middle(ix, side), cell_middle(iy, side)

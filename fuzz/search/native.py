@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.live import count_live
@@ -25,11 +24,12 @@ from sim.controllers import CONTROLLERS, CompiledController, ProcessController, 
 from sim.controllers.base import robot_for
 from sim.runners.stopping import OutOfTime, check_time, is_out_of_time, stopping_when
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bytes
 from worldgen.world import DEFAULT_CELL_SIZE
 
 NATIVE = "native"
 
-Draw = Callable[[RandomStream], npt.NDArray[np.uint8]]
+Draw = Callable[[RandomStream], Bytes]
 """Returns (n, SCENE_BYTES) uint8, the next scenes."""
 
 Seen = Callable[[Screening], None]
@@ -240,7 +240,7 @@ def _looks(task: Task, draw: Draw, pace: Pace) -> Iterator[Screening]:
         count = count + len(drawn) * pace.scene
 
 
-def scenes(stream: RandomStream, count: int) -> npt.NDArray[np.uint8]:
+def scenes(stream: RandomStream, count: int) -> Bytes:
     """Return (count, SCENE_BYTES) uint8, random scenes."""
     words = stream.bits(count * _SCENE_WORDS).astype("<u8")
     return words.view(np.uint8).reshape(count, -1)[:, :SCENE_BYTES].copy()

@@ -9,7 +9,6 @@ from typing import Annotated, Any, TypeVar
 
 import msgspec
 import numpy as np
-import numpy.typing as npt
 
 from fuzz.failure import Failure
 from fuzz.player import MOST_CELLS
@@ -19,6 +18,7 @@ from worldgen.domain import MASK64
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files.grid import dumps, loads
 from worldgen.files.json_file import converted
+from worldgen.support.arrays import Bools
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Robot, Target, World
 
@@ -144,7 +144,7 @@ class _World(msgspec.Struct):
     target: tuple[float, float, float]
     events: _Events | None = None
 
-    def walls(self) -> npt.NDArray[np.bool_]:
+    def walls(self) -> Bools:
         count = self.width * self.height
         if len(self.cells) != -(-count // 8):
             raise InvalidParameter(

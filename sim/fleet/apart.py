@@ -14,11 +14,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from sim.outcome import LIMIT, Outcome
 from sim.trace import Trace
 from sim.verdict import Verdict
+from worldgen.support.arrays import Ints
 
 # Number of places of one robot to compare with all places of another at a time.
 _PART = 256
@@ -96,14 +96,14 @@ def separate_loops(
     return None
 
 
-def _labels(trace: Trace) -> npt.NDArray[np.int64]:
+def _labels(trace: Trace) -> Ints:
     """Return a number for each state of a run, (n + 1,), such that equal states have equal ones."""
     rows = np.ascontiguousarray(trace.states)
     whole = rows.view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1]))).ravel()
     return np.unique(whole, return_inverse=True)[1].astype(np.int64)
 
 
-def _period(labels: npt.NDArray[np.int64], repeats: int) -> int:
+def _period(labels: Ints, repeats: int) -> int:
     """Return the least period that fills the end of a run this many times; 0 if there is none."""
     last = len(labels) - 1
     for step in np.flatnonzero(labels[:-1] == labels[-1])[::-1].tolist():
@@ -116,7 +116,7 @@ def _period(labels: npt.NDArray[np.int64], repeats: int) -> int:
     return 0
 
 
-def _entry(labels: npt.NDArray[np.int64], period: int) -> int:
+def _entry(labels: Ints, period: int) -> int:
     """Return the first step from which a run repeats itself with a period."""
     differ = np.flatnonzero(labels[:-period] != labels[period:])
     return int(differ[-1]) + 1 if len(differ) else 0

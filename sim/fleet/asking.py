@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import lib
 from sim.controllers.base import (
@@ -33,9 +32,8 @@ from sim.runners.python_act import settled
 from sim.runners.python_loop import crash_of
 from sim.runners.stopping import OutOfTime, breakable, check_time
 from sim.verdict import Verdict
+from worldgen.support.arrays import Floats
 from worldgen.support.plain_text import counted
-
-Floats = npt.NDArray[np.float64]
 
 # Steps between two checks of the clock.
 _CHECKED_EVERY = 16

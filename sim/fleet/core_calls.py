@@ -8,16 +8,14 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Neighbour
 from sim.runners.core_calls import CoreArena, Driver, EpisodeHandle
 from sim.runners.lattice import LatticeRun
 from worldgen.lattice import clear_distance_sq, radius_in_cells
+from worldgen.support.arrays import Ints, Words
 from worldgen.support.ccall import check, pointer
-
-Ints = npt.NDArray[np.int64]
 
 # Steps in the first call of a run; later calls grow until they take long enough.
 _FIRST_PORTION = 1 << 8
@@ -134,7 +132,7 @@ class CoreFleet:
         blocked = np.frombuffer(ffi.buffer(self.c.blocked, count * count), np.uint8)
         return [(robot, by) for robot, by in np.argwhere(blocked.reshape(count, count)).tolist()]
 
-    def known_words(self) -> npt.NDArray[np.uint64]:
+    def known_words(self) -> Words:
         """Return the joint state at the entry of a loop that was proved."""
         count = int(self.c.search.words)
         return np.frombuffer(ffi.buffer(self.c.search.known, 8 * count), np.uint64).copy()

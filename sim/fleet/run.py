@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Controller
@@ -34,10 +33,9 @@ from worldgen.domain import MASK64
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import clear_distance_sq, metres_to_lattice, radius_in_cells
 from worldgen.random_streams import GAMMA, mix64
-from worldgen.support.arrays import Words
+from worldgen.support.arrays import Ints, Words
 from worldgen.world import World
 
-Ints = npt.NDArray[np.int64]
 Recordings = list[tuple[Ints, Ints]]
 
 # Limit on the steps, over all robots, that are driven beyond the budget to prove a joint loop.

@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Bools, Bytes, Floats, Ints
 from worldgen.timeline import CellState, Timeline
 
-Bools: TypeAlias = npt.NDArray[np.bool_]
-Whole: TypeAlias = npt.NDArray[np.int64]
 How: TypeAlias = Literal["over", "union", "intersection", "carve"]
 
 # Limit per piece: tiling a fire repeats its events and could use up all memory.
@@ -27,7 +25,7 @@ _B = _BURNING
 
 # State of a combined cell, indexed by the host's state (free, solid, burning, silent) and then by
 # the piece's (free, solid, burning). Where the host is undefined, only the piece counts.
-HOW: dict[How, npt.NDArray[np.uint8]] = {
+HOW: dict[How, Bytes] = {
     "over": np.array([[_F, _S, _B], [_F, _S, _B], [_F, _S, _B], [_F, _S, _B]], np.uint8),
     "union": np.array([[_F, _S, _B], [_S, _S, _S], [_B, _S, _B], [_F, _S, _B]], np.uint8),
     "intersection": np.array([[_F, _F, _B], [_F, _S, _B], [_B, _B, _B], [_F, _S, _B]], np.uint8),
@@ -46,16 +44,16 @@ class Events(NamedTuple):
         states: (n,) uint8, the state that each cell changes to.
     """
 
-    cells: Whole
-    times: npt.NDArray[np.float64]
-    states: npt.NDArray[np.uint8]
+    cells: Ints
+    times: Floats
+    states: Bytes
 
     @classmethod
     def of(cls, line: Timeline, width: int) -> Events:
         """Convert a timeline over a grid of ``width`` columns."""
         return cls(line.iy * width + line.ix, line.times, line.states)
 
-    def only(self, chosen: Bools | Whole) -> Events:
+    def only(self, chosen: Bools | Ints) -> Events:
         """Return the events that a mask or an index array selects."""
         return Events(self.cells[chosen], self.times[chosen], self.states[chosen])
 
@@ -95,7 +93,7 @@ def settled(events: Events, solid: Bools) -> Events:
     return ordered.only(np.lexsort((ordered.cells, ordered.times)))
 
 
-def taken(events: Events, source: Whole, cells: int) -> Events:
+def taken(events: Events, source: Ints, cells: int) -> Events:
     """Return the events of a grid whose cells were copied from another grid.
 
     Args:
@@ -176,8 +174,8 @@ def put_together(host: PlacedCells, piece: PlacedCells, how: How) -> Events:
 def _merged(
     host: Events,
     piece: Events,
-    host_says: npt.NDArray[np.uint8],
-    piece_says: npt.NDArray[np.uint8],
+    host_says: Bytes,
+    piece_says: Bytes,
     how: How,
 ) -> Events:
     """Combine the events of cells that both host and piece cover.
@@ -203,7 +201,7 @@ def _merged(
 
     # For each event, find the state that host or piece has by then: the state of its last event in
     # the cell, or its initial state before the first one.
-    def latest(own: Bools, at_first: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    def latest(own: Bools, at_first: Bytes) -> Bytes:
         event = np.maximum.accumulate(np.where(own, number, -1))
         return np.where(event >= begins, both.states[event], at_first[both.cells])
 

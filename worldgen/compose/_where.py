@@ -7,11 +7,11 @@ from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.compose._marks import Mark
 from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Floats, Ints
 
 # Shares of the leftover space, in halves: (0, 0) is the lower left corner, (1, 1) the centre and
 # (2, 2) the upper right corner.
@@ -57,7 +57,7 @@ def draw_corner(
     piece: tuple[int, int],
     margin: int,
     keep_free: Sequence[tuple[Mark, Fraction]],
-    way: npt.NDArray[np.float64] | None = None,
+    way: Floats | None = None,
 ) -> Corner:
     """Draw the first cell of a piece so that it is inside the host and avoids some discs.
 
@@ -76,7 +76,7 @@ def draw_corner(
     """
     most = [of_host - of_piece - margin for of_host, of_piece in zip(host, piece, strict=True)]
 
-    def clear(corners: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    def clear(corners: Ints) -> Ints:
         for mark, radius in keep_free:
             corners = corners[~_touches(corners, piece, mark, radius)]
         return corners
@@ -114,9 +114,9 @@ def draw_corner(
     return int(drawn[0]), int(drawn[1])
 
 
-def _along(way: npt.NDArray[np.float64], piece: tuple[int, int]) -> npt.NDArray[np.int64]:
+def _along(way: Floats, piece: tuple[int, int]) -> Ints:
     """Return the first cells that centre a piece on a path, in the path's order."""
-    found: list[npt.NDArray[np.float64]] = []
+    found: list[Floats] = []
     for begin, end in pairwise(way):
         # Two samples per cell, so that no cell along the path is skipped.
         steps = max(1, int(np.ceil(2 * np.abs(end - begin).max())))
@@ -126,9 +126,7 @@ def _along(way: npt.NDArray[np.float64], piece: tuple[int, int]) -> npt.NDArray[
     return np.array(found).astype(np.int64).reshape(-1, 2)
 
 
-def _touches(
-    corners: npt.NDArray[np.int64], piece: tuple[int, int], mark: Mark, radius: Fraction
-) -> npt.NDArray[np.bool_]:
+def _touches(corners: Ints, piece: tuple[int, int], mark: Mark, radius: Fraction) -> Bools:
     """Return for each corner whether the piece's box is nearer to the mark than the radius."""
     apart = []
     for axis, at in enumerate((mark.x, mark.y)):

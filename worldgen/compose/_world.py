@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-import numpy as np
-import numpy.typing as npt
-
 from worldgen.compose._marks import START, TARGET, Mark, Marks, pose_of, target_of
 from worldgen.errors import GenerationFailed, InvalidWorld
 from worldgen.interop.place import place
 from worldgen.lattice import in_cells
 from worldgen.reach import REACHABLE, decide
+from worldgen.support.arrays import Bools
 from worldgen.timeline import Timeline
 from worldgen.world import Witness, World
 
@@ -24,9 +22,7 @@ def usual(value: float | None, otherwise: float) -> float:
     return otherwise if value is None else value
 
 
-def world_of(
-    walls: npt.NDArray[np.bool_], marks: Marks, timeline: Timeline, robot: Robot, seed: int
-) -> World:
+def world_of(walls: Bools, marks: Marks, timeline: Timeline, robot: Robot, seed: int) -> World:
     """Build a world without proving it.
 
     A start or a target that is not marked is placed far from the other one.

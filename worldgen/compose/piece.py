@@ -9,9 +9,8 @@ from fractions import Fraction
 from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 
-from worldgen.compose._cells import HOW, Bools, Events, How, settled, taken, timeline_of
+from worldgen.compose._cells import HOW, Events, How, settled, taken, timeline_of
 from worldgen.compose._marks import HALF, START, TARGET, Mark, Marks, frozen, mark_at, moved
 from worldgen.compose._placing import corner_of, overlaid, put_down
 from worldgen.compose._sizes import check_size, whole
@@ -22,6 +21,7 @@ from worldgen.family import check_between, check_choice
 from worldgen.lattice import TURN
 from worldgen.random_streams import RandomStream
 from worldgen.support.angles import SCALE, direction
+from worldgen.support.arrays import Bools, Ints
 from worldgen.timeline import Timeline
 from worldgen.world import (
     DEFAULT_CELL_SIZE,
@@ -120,7 +120,7 @@ class Piece:
 
     # Move and cut: each new cell is copied from an old one.
 
-    def _taken(self, source: npt.NDArray[np.int64], marks: Marks) -> Piece:
+    def _taken(self, source: Ints, marks: Marks) -> Piece:
         """Return a piece whose cells are copied from this one's.
 
         Args:
@@ -135,7 +135,7 @@ class Piece:
         line = timeline_of(events.only(np.argsort(events.times, kind="stable")), source.shape[1])
         return replace(self, solid=solid, mask=mask, marks=marks, timeline=line)
 
-    def _numbers(self) -> npt.NDArray[np.int64]:
+    def _numbers(self) -> Ints:
         return np.arange(self.solid.size, dtype=np.int64).reshape(self.solid.shape)
 
     def mirror(self, axis: str) -> Piece:
@@ -219,7 +219,7 @@ class Piece:
                 turned = overlaid(turned, near, 0, 0, "union")
         return turned
 
-    def _cell_at(self, u: npt.NDArray[np.int64], v: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    def _cell_at(self, u: Ints, v: Ints) -> Ints:
         """Return the flat cells that contain points given in fine units; -1 if outside."""
         ix = u // _FINE
         iy = v // _FINE

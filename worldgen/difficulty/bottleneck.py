@@ -16,17 +16,15 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen import _core
-from worldgen.difficulty.nodes import Bools
-from worldgen.difficulty.path import Ints
 from worldgen.lattice import UNIT, exact, in_cells
 from worldgen.reach import REACHABLE, decide
-from worldgen.reach.still.cut import Chain, find_chain, rim_cells
+from worldgen.reach.still.cut import find_chain, rim_cells
 from worldgen.reach.still.disc import target_disc
 from worldgen.reach.still.target_poses import deciding_poses
 from worldgen.reach.still.walls import Walls
+from worldgen.support.arrays import Bools, Bytes, Ints
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import Timeline
 from worldgen.world import World
@@ -112,7 +110,7 @@ class _DiscQuery:
             still = replace(self.world, walls=self.solid, timeline=Timeline(), certificate=None)
             metres = radius * self.world.cell_size
             return decide(still, radius=metres, certificate=False).result == REACHABLE
-        chains: list[Chain] = []
+        chains: list[Ints] = []
         index = 0
         while index < len(poses):
             unparted = max(
@@ -200,7 +198,7 @@ def _below_ray(cells: Ints, pad: int, pose: Any) -> Ints:
     return np.flatnonzero(np.abs(cells[:, 0] - column) <= pad + 1)
 
 
-def _crosses(cells: Ints, dx: int, dy: int, pose: Any) -> npt.NDArray[np.uint8]:
+def _crosses(cells: Ints, dx: int, dy: int, pose: Any) -> Bytes:
     """Return, per cell, if its link at an offset crosses the ray upwards an odd number of times."""
     # Find a unit in which all coordinates are integers.
     fine = math.lcm(*(Fraction(value).denominator for value in pose))

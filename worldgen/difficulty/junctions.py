@@ -18,8 +18,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from worldgen import _core
-from worldgen.difficulty.nodes import Bools, Nodes
-from worldgen.difficulty.path import Ints
+from worldgen.difficulty.nodes import Nodes
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.support.grid_search import squared_distances
 

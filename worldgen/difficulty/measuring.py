@@ -13,12 +13,13 @@ from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.difficulty.junctions import decision_points
 from worldgen.difficulty.metrics import METRICS, Metrics, rounded
 from worldgen.difficulty.model import INPUTS, difficulty
-from worldgen.difficulty.nodes import Bools, nodes_of
+from worldgen.difficulty.nodes import nodes_of
 from worldgen.difficulty.path import WitnessPath, distance, witness_path_of
 from worldgen.difficulty.pockets import pockets
 from worldgen.difficulty.surroundings import samples_of, surroundings
 from worldgen.lattice import UNIT
 from worldgen.reach.still.disc import target_disc
+from worldgen.support.arrays import Bools
 from worldgen.timeline import CellState
 from worldgen.world import Certificate, JointWitness, Witness, World
 

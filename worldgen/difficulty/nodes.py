@@ -10,19 +10,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from worldgen.difficulty.path import Ints
 from worldgen.lattice import UNIT, radius_in_cells
 from worldgen.reach.still.lattice_graph import Graph, build_graph
 from worldgen.reach.still.walls import ExactPoint, Walls
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.grid_search import squared_distances
 from worldgen.world import World
 
 # Half a cell, in 1/1024 cell.
 HALF = UNIT // 2
-
-Bools = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

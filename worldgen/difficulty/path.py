@@ -6,12 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.lattice import UNIT
+from worldgen.support.arrays import Ints
 from worldgen.world import Witness, World
-
-Ints = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,15 +16,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen import _core
-from worldgen.difficulty.path import Ints, WitnessPath
+from worldgen.difficulty.path import WitnessPath
 from worldgen.lattice import UNIT
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.ccall import check, pointer, writable
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 # Most cells between two samples.
 _APART = 0.5

@@ -13,12 +13,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
 
-import numpy as np
-import numpy.typing as npt
-
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError, WorldgenError
 from worldgen.lattice import exact
+from worldgen.support.arrays import Bools
 from worldgen.support.plain_text import quote
 from worldgen.world import Value, World
 
@@ -97,7 +95,7 @@ class ForeignMap:
             own there; empty if the file just lists its robots.
     """
 
-    walls: npt.NDArray[np.bool_]
+    walls: Bools
     cell_size: float
     params: Mapping[str, Value] = field(default_factory=dict)
     notes: tuple[str, ...] = ()

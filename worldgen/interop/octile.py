@@ -15,6 +15,8 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components, dijkstra
 
+from worldgen.support.arrays import Bools, Floats, Ints
+
 _ROOT_TWO = math.sqrt(2.0)
 # Distances that one batch of searches may return: 32 MB of float64.
 _BATCH_CELLS = 4_000_000
@@ -24,9 +26,7 @@ _SLACK = 1.001
 Cells = npt.NDArray[np.integer[Any]]
 
 
-def octile_lengths(
-    walls: npt.NDArray[np.bool_], starts: Cells, goals: Cells, expected: npt.NDArray[np.float64]
-) -> npt.NDArray[np.float64]:
+def octile_lengths(walls: Bools, starts: Cells, goals: Cells, expected: Floats) -> Floats:
     """Return the lengths of shortest octile paths, in cells.
 
     Good guesses make it fast: each search first goes no farther than the expected length, and
@@ -62,7 +62,7 @@ def octile_lengths(
     return found
 
 
-def _searched(graph: Any, begin: Cells, end: Cells, limits: npt.NDArray[np.float64]) -> Any:
+def _searched(graph: Any, begin: Cells, end: Cells, limits: Floats) -> Any:
     """Return the lengths of shortest paths; infinity if one is longer than the batch's limit."""
     batch = max(_BATCH_CELLS // graph.shape[0], 1)
     found = np.empty(len(begin))
@@ -76,7 +76,7 @@ def _searched(graph: Any, begin: Cells, end: Cells, limits: npt.NDArray[np.float
 
 
 def octile_moves(
-    walls: npt.NDArray[np.bool_], start: tuple[int, int], goal: tuple[int, int]
+    walls: Bools, start: tuple[int, int], goal: tuple[int, int]
 ) -> tuple[int, int] | None:
     """Return the straight and diagonal moves of a shortest octile path; None if there is none.
 
@@ -109,13 +109,13 @@ def octile_moves(
     return counts[0], counts[1]
 
 
-def _numbers(cells: Cells, walls: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
+def _numbers(cells: Cells, walls: Bools) -> Ints:
     """Return the numbers of cells, given as columns and rows, in the flat map."""
-    numbers: npt.NDArray[np.int64] = cells[:, 1].astype(np.int64) * walls.shape[1] + cells[:, 0]
+    numbers: Ints = cells[:, 1].astype(np.int64) * walls.shape[1] + cells[:, 0]
     return numbers
 
 
-def _graph(walls: npt.NDArray[np.bool_]) -> Any:
+def _graph(walls: Bools) -> Any:
     """Return all moves between free cells as a sparse matrix, each in one direction."""
     free = ~walls
     numbers = np.arange(walls.size, dtype=np.int32).reshape(walls.shape)

@@ -12,7 +12,6 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import (
@@ -27,6 +26,7 @@ from worldgen.lattice import (
 from worldgen.random_streams import RandomStream
 from worldgen.reach.still.lattice_graph import build_graph
 from worldgen.reach.still.walls import Walls, point_box_sq
+from worldgen.support.arrays import Bools
 from worldgen.support.grid_search import Floods
 
 _HALF = UNIT // 2
@@ -48,7 +48,7 @@ class Placement(NamedTuple):
 
 
 def place(
-    walls: npt.NDArray[np.bool_],
+    walls: Bools,
     cell_size: float,
     radius: float,
     seed: int,
@@ -118,7 +118,7 @@ class _Region(NamedTuple):
 class _ClearPoints:
     """The clear multiples of half a cell, as flat indices, and flood fills over them."""
 
-    def __init__(self, walls: npt.NDArray[np.bool_], cell_size: float, radius: float) -> None:
+    def __init__(self, walls: Bools, cell_size: float, radius: float) -> None:
         cells = in_cells(radius, cell_size)
         self._cell_size = cell_size
         self._radius = radius
@@ -128,7 +128,7 @@ class _ClearPoints:
         self.clear = build_graph(walls, cells, 2).clear
         self._stride = int(self.clear.shape[1])
         self._floods = Floods(self.clear)
-        self._wider: dict[Fraction, npt.NDArray[np.bool_]] = {}
+        self._wider: dict[Fraction, Bools] = {}
 
     def largest_region(self) -> _Region:
         found = self._floods.regions(0, self.clear.size)
@@ -162,7 +162,7 @@ class _ClearPoints:
                 return int(beyond[roomy[-1]])
         return int(self._floods.queue[size - 1])
 
-    def _clear_for(self, times: Fraction) -> npt.NDArray[np.bool_]:
+    def _clear_for(self, times: Fraction) -> Bools:
         """Return which places are clear for a disc of this many radii, flat."""
         if times not in self._wider:
             self._wider[times] = build_graph(self._grid, times * self._cells, 2).clear.ravel()
@@ -219,7 +219,7 @@ class _ClearPoints:
         )
 
 
-def _check_inside(name: str, point: _Point, walls: npt.NDArray[np.bool_], cell_size: float) -> None:
+def _check_inside(name: str, point: _Point, walls: Bools, cell_size: float) -> None:
     height, width = (side * cell_size for side in walls.shape)
     if not (0.0 <= point[0] <= width and 0.0 <= point[1] <= height):
         raise InvalidWorld(
@@ -241,7 +241,7 @@ def _on_lattice(point: _Point, cell_size: float) -> _Point:
     return x, y
 
 
-def is_clear(walls: npt.NDArray[np.bool_], cell_size: float, radius: float, point: _Point) -> bool:
+def is_clear(walls: Bools, cell_size: float, radius: float, point: _Point) -> bool:
     """Return True if a disc of ``radius`` m is clear at the lattice point nearest to a point."""
     solid = Walls(walls, in_cells(radius, cell_size))
     x, y = (metres_to_lattice(value, cell_size) for value in point)
@@ -252,9 +252,7 @@ def _is_clear_of(solid: Walls, distance_sq: Fraction) -> bool:
     return distance_sq >= max(Fraction(1), solid.radius_sq)
 
 
-def _check_start(
-    walls: npt.NDArray[np.bool_], cell_size: float, radius: float, start: _Point
-) -> None:
+def _check_start(walls: Bools, cell_size: float, radius: float, start: _Point) -> None:
     """Reject a start at which the disc overlaps a wall."""
     solid = Walls(walls, in_cells(radius, cell_size))
     x, y = (metres_to_lattice(value, cell_size) for value in start)

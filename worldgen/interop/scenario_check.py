@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop.foreign_map import without_file
@@ -24,6 +23,7 @@ from worldgen.interop.formats.movingai import (
 )
 from worldgen.interop.octile import octile_lengths
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Bytes, Floats
 from worldgen.support.plain_text import aligned, counted
 
 # Files of "version 1.0" write two decimals: half of the last one, and rounding.
@@ -163,7 +163,7 @@ def check_scenario(
             yield _solve(scenario, path, problems, terrain)
 
 
-def _terrain(path: Path) -> npt.NDArray[np.uint8] | str:
+def _terrain(path: Path) -> Bytes | str:
     """Return the map, or a sentence with the reason why it cannot be read."""
     try:
         return read_terrain(path)
@@ -184,9 +184,7 @@ def _drawn(problems: Problems, rows: int | None, seed: int, name: str) -> Proble
     return replace(problems, starts=starts, goals=goals, published=published)
 
 
-def _solve(
-    scenario: Path, path: Path, problems: Problems, terrain: npt.NDArray[np.uint8]
-) -> ScenarioReport:
+def _solve(scenario: Path, path: Path, problems: Problems, terrain: Bytes) -> ScenarioReport:
     height, width = terrain.shape
     count = len(problems.published)
     report = ScenarioReport(str(scenario), str(path), count)
@@ -206,7 +204,7 @@ def _solve(
     return _compared(report, problems, _lengths(terrain, problems))
 
 
-def _scaled(terrain: npt.NDArray[np.uint8], width: int, height: int) -> npt.NDArray[np.uint8]:
+def _scaled(terrain: Bytes, width: int, height: int) -> Bytes:
     """Return the map in another size, scaled as the benchmark does it.
 
     Cell x of the new map is cell x * old // new of the old one.
@@ -216,7 +214,7 @@ def _scaled(terrain: npt.NDArray[np.uint8], width: int, height: int) -> npt.NDAr
     return np.ascontiguousarray(terrain[np.ix_(rows, columns)])
 
 
-def _lengths(terrain: npt.NDArray[np.uint8], problems: Problems) -> npt.NDArray[np.float64]:
+def _lengths(terrain: Bytes, problems: Problems) -> Floats:
     """Return the (n,) lengths of shortest paths, each on the terrain that its problem begins on.
 
     Infinity if there is no path.
@@ -234,9 +232,7 @@ def _lengths(terrain: npt.NDArray[np.uint8], problems: Problems) -> npt.NDArray[
     return found
 
 
-def _compared(
-    report: ScenarioReport, problems: Problems, lengths: npt.NDArray[np.float64]
-) -> ScenarioReport:
+def _compared(report: ScenarioReport, problems: Problems, lengths: Floats) -> ScenarioReport:
     published = problems.published
     blocked = np.isinf(lengths)
     ours = np.where(blocked, 0.0, lengths)
@@ -257,9 +253,7 @@ def _compared(
     )
 
 
-def _fault(
-    problems: Problems, row: int, ours: npt.NDArray[np.float64], blocked: npt.NDArray[np.bool_]
-) -> str:
+def _fault(problems: Problems, row: int, ours: Floats, blocked: Bools) -> str:
     start, goal = (tuple(map(int, cells[row])) for cells in (problems.starts, problems.goals))
     came = "there is no path" if blocked[row] else f"the shortest path has {ours[row]:.10g} cells"
     told = f"the published length is {problems.published[row]:.10g} cells"

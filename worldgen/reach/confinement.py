@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-import numpy as np
-import numpy.typing as npt
+from worldgen.support.arrays import Ints
 
 NEVER_ENDS = 2**60
 """Last slab of a stay that does not end."""
@@ -33,4 +32,4 @@ class Confinement:
     k: int
     slab: Fraction
     deadline: float | None
-    stays: npt.NDArray[np.int64]
+    stays: Ints

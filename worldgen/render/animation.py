@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import numpy.typing as npt
 from PIL import Image, ImageDraw
 
 from worldgen.errors import InvalidParameter
@@ -41,6 +40,7 @@ from worldgen.render.png import draw_parts
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
 from worldgen.render.scene import moment_parts
 from worldgen.render.trail_parts import breach_crosses, pierced_parts
+from worldgen.support.arrays import Floats
 from worldgen.timeline import CellState
 from worldgen.world import World
 
@@ -55,8 +55,6 @@ HELD = 1500
 DEFAULT_SIDE = 480
 # Oversampling of trails.
 FINE = 2
-
-Floats = npt.NDArray[np.float64]
 
 
 def draw_gif(

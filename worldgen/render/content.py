@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Trail
+from worldgen.support.arrays import Bools
 from worldgen.timeline import CellState
 from worldgen.world import World
-
-Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,9 +22,9 @@ class Changes:
         opens: Solid at first, not solid at some time.
     """
 
-    burns: Mask
-    closes: Mask
-    opens: Mask
+    burns: Bools
+    closes: Bools
+    opens: Bools
 
     @classmethod
     def of(cls, world: World) -> Changes:

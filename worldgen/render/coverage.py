@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.support.arrays import Bools, Bytes, Floats
 from worldgen.support.rows import flip_rows
 
 # Rows shrunk together, which bounds the memory for worlds of 20,000 cells per side.
 BLOCK = 1024
 
 
-def coverage(mask: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArray[np.uint8]:
+def coverage(mask: Bools, width: int, height: int) -> Bytes:
     """Return how much of each pixel the set cells cover, top row first.
 
     Args:
@@ -30,7 +31,7 @@ def coverage(mask: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArra
     return np.asarray(np.rint(share * 255.0), np.uint8)
 
 
-def _means(values: npt.NDArray[Any], pixels: int) -> npt.NDArray[np.float64]:
+def _means(values: npt.NDArray[Any], pixels: int) -> Floats:
     """Return a (rows, pixels) float64 array of means.
 
     Each is a row's mean over equal stretches, which may cut through its values.

@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Disturbances, Shove
 from worldgen.render.palette import MISSED, PAPER, PUSH, PUSH_HEAD, TARGET, mix
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
 from worldgen.render.trail_parts import arrow, arrow_head
+from worldgen.support.arrays import Bools
 
 # Arrows of a drift along the longer side of the map.
 _DRIFT_ARROWS = 6
@@ -44,7 +44,7 @@ def under_the_walls(disturbances: Disturbances, frame: Frame) -> list[Primitive]
     return parts
 
 
-def missed_cells(missed: npt.NDArray[np.bool_] | None, frame: Frame) -> list[Primitive]:
+def missed_cells(missed: Bools | None, frame: Frame) -> list[Primitive]:
     """Draw stripes over the cells that the robot should have visited but did not."""
     if missed is None or not missed.any():
         return []

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Trail
@@ -14,6 +13,7 @@ from worldgen.render.palette import INK, PAPER, mix
 from worldgen.render.polyline import simplified
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
 from worldgen.render.trail_parts import arrow, ring_and_cross
+from worldgen.support.arrays import Floats
 from worldgen.world import JointWitness, Robot, World
 
 COLOURS = ("#C85400", "#0072B2", "#A8447F", "#00825F", "#7A6200", "#4F5BB8")
@@ -169,7 +169,7 @@ def _number(x: float, y: float, number: int, frame: Frame) -> Primitive:
     return Text(float(at[0]), float(at[1]), size, text, INK)
 
 
-def _label(at: npt.NDArray[np.float64], number: int, frame: Frame) -> list[Primitive]:
+def _label(at: Floats, number: int, frame: Frame) -> list[Primitive]:
     """Return a robot's number next to its target, on a light ground."""
     size = _NUMBER_SIZE * frame.unit
     text = str(number + 1)

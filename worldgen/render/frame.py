@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats
 from worldgen.world import World
 
 DEFAULT_PIXELS = 900
@@ -98,18 +99,16 @@ class Frame:
         """Convert a place in m to a point in the picture."""
         return self.left + x * self.scale, self.bottom - y * self.scale
 
-    def points(self, metres: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    def points(self, metres: npt.ArrayLike) -> Floats:
         """Return a (n, 2) float64 array of px for (n, 2) places in m."""
         return _placed(metres, self.left, self.bottom, self.scale)
 
-    def corners(self, cells: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    def corners(self, cells: npt.ArrayLike) -> Floats:
         """Return a (n, 2) float64 array of px for (n, 2) cell corners; (0, 0) is lower left."""
         return _placed(cells, self.left, self.bottom, self.cell)
 
 
-def _placed(
-    points: npt.ArrayLike, left: float, bottom: float, scale: float
-) -> npt.NDArray[np.float64]:
+def _placed(points: npt.ArrayLike, left: float, bottom: float, scale: float) -> Floats:
     moved = np.array(points, np.float64)
     moved *= (scale, -scale)
     moved += (left, bottom)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Remembered
 from worldgen.render.palette import MEMORY, PAPER
 from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
+from worldgen.support.arrays import Floats
 
 # More shapes than this are left out: they would only make a file large.
 _MOST_SHAPES = 20_000
@@ -54,5 +54,5 @@ def lines_of_memory(memory: Remembered | None, frame: Frame) -> list[Primitive]:
     return parts
 
 
-def _drawn(points: npt.NDArray[np.float64], frame: Frame) -> list[list[float]]:
+def _drawn(points: Floats, frame: Frame) -> list[list[float]]:
     return frame.points(points[:_MOST_SHAPES]).tolist() if len(points) else []

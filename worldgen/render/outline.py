@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
+
+from worldgen.support.arrays import Bools, Ints
 
 
-def _parity(mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+def _parity(mask: Bools) -> Bools:
     padded = np.pad(mask, 1)
     return padded[:-1, :-1] ^ padded[:-1, 1:] ^ padded[1:, :-1] ^ padded[1:, 1:]
 
 
-def corner_count(mask: npt.NDArray[np.bool_]) -> int:
+def corner_count(mask: Bools) -> int:
     """Return the total number of corners of the outlines."""
     return int(np.count_nonzero(_parity(mask)))
 
 
-def outlines(mask: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.int64]]:
+def outlines(mask: Bools) -> list[Ints]:
     """Return closed lines that, filled by the even-odd rule, cover exactly the cells that are set.
 
     A corner is a grid point with an odd number of set cells around it. Along each row of grid

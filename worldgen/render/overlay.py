@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Bools, Floats
 
 MarkKind = Literal["bump", "tunnel", "overlap", "end"]
 
@@ -114,11 +114,11 @@ class Remembered:
         places: Places by name.
     """
 
-    fills: npt.NDArray[np.float64]
-    blocked: npt.NDArray[np.float64]
-    edges: npt.NDArray[np.float64]
-    plan: npt.NDArray[np.float64]
-    nodes: npt.NDArray[np.float64]
+    fills: Floats
+    blocked: Floats
+    edges: Floats
+    plan: Floats
+    nodes: Floats
     places: Mapping[str, tuple[float, float]]
 
     @property
@@ -150,13 +150,13 @@ class Trail:
             of range.
     """
 
-    x: npt.NDArray[np.float64]
-    y: npt.NDArray[np.float64]
+    x: Floats
+    y: Floats
     loop_from: int | None = None
     marks: Sequence[EventMark] = field(default_factory=tuple)
     pierced: Sequence[WallPenetration] = ()
     disturbances: Disturbances = Disturbances()
-    missed: npt.NDArray[np.bool_] | None = None
+    missed: Bools | None = None
     memory: Remembered | None = None
     blocked_by: tuple[int, ...] = ()
 
@@ -186,23 +186,23 @@ class Trail:
             )
 
     @property
-    def points(self) -> npt.NDArray[np.float64]:
+    def points(self) -> Floats:
         """The whole path, (n, 2) float64, m."""
         return np.column_stack((self.x, self.y))
 
     @property
-    def approach(self) -> npt.NDArray[np.float64]:
+    def approach(self) -> Floats:
         """The path until the cycle begins, (k, 2) float64, m; the whole path if there is no cycle."""
         return self.points if self.loop_from is None else self.points[: self.loop_from + 1]
 
     @property
-    def loop(self) -> npt.NDArray[np.float64]:
+    def loop(self) -> Floats:
         """The cycle, (k, 2) float64, m; no points if there is no cycle."""
         return (
             self.points[len(self.x) :] if self.loop_from is None else self.points[self.loop_from :]
         )
 
-    def places(self, kind: MarkKind) -> npt.NDArray[np.float64]:
+    def places(self, kind: MarkKind) -> Floats:
         """Return the places of marks of one kind, a (k, 2) float64 array in m."""
         return np.array(
             [(mark.x, mark.y) for mark in self.marks if mark.kind == kind], np.float64
@@ -227,8 +227,8 @@ class Drive:
 
     name: str
     trail: Trail
-    times: npt.NDArray[np.float64]
-    headings: npt.NDArray[np.float64]
+    times: Floats
+    headings: Floats
     time_step: float
 
     def __post_init__(self) -> None:

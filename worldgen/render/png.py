@@ -28,6 +28,7 @@ from worldgen.render.primitives import (
     Text,
 )
 from worldgen.render.scene import compose
+from worldgen.support.arrays import Floats
 from worldgen.world import World
 
 # Oversampling of masks.
@@ -185,9 +186,7 @@ class _Canvas:
                 self._stroke(pen, self._fine(piece, box), paint)
             self._lay(mask.reduce(self.times), box, paint.stroke, paint.opacity)
 
-    def _fine(
-        self, points: npt.NDArray[np.float64], box: tuple[int, int, int, int]
-    ) -> list[tuple[float, float]]:
+    def _fine(self, points: Floats, box: tuple[int, int, int, int]) -> list[tuple[float, float]]:
         fine = (points - np.array(box[:2])) * self.times
         return [(float(x), float(y)) for x, y in fine]
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-Points = npt.NDArray[np.float64]
+from worldgen.support.arrays import Bools, Floats
+
 # Points thinned together, which bounds the work on a long scribble.
 CHUNK = 2000
 
 
-def simplified(points: Points, tolerance: float) -> Points:
+def simplified(points: Floats, tolerance: float) -> Floats:
     """Thin out a line so that it stays within ``tolerance`` of the given one.
 
     Args:
@@ -33,9 +33,7 @@ def simplified(points: Points, tolerance: float) -> Points:
     return points[keep]
 
 
-def _keep_far(
-    points: Points, first: int, last: int, tolerance: float, keep: npt.NDArray[np.bool_]
-) -> None:
+def _keep_far(points: Floats, first: int, last: int, tolerance: float, keep: Bools) -> None:
     keep[first] = keep[last] = True
     # Ramer-Douglas-Peucker with a stack: the path may be longer than Python's recursion limit.
     spans = [(first, last)]
@@ -58,18 +56,18 @@ def _keep_far(
             spans += [(a, middle), (middle, b)]
 
 
-def arc_length(points: Points) -> npt.NDArray[np.float64]:
+def arc_length(points: Floats) -> Floats:
     """Return a (n,) float64 array: arc length at each of its (n, 2) points."""
     return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
 
 
-def along(points: Points, distance: Sequence[float] | Points) -> Points:
+def along(points: Floats, distance: Sequence[float] | Floats) -> Floats:
     """Return a (k, 2) float64 array: the points at arc lengths ``distance`` (k,)."""
     length = arc_length(points)
     return np.column_stack([np.interp(distance, length, points[:, axis]) for axis in (0, 1)])
 
 
-def arrow_places(points: Points, spacing: float, reach: float) -> list[tuple[float, float, float]]:
+def arrow_places(points: Floats, spacing: float, reach: float) -> list[tuple[float, float, float]]:
     """Return places for arrow heads: about ``spacing`` apart, on straight pieces.
 
     Args:
@@ -99,7 +97,7 @@ def arrow_places(points: Points, spacing: float, reach: float) -> list[tuple[flo
     return places
 
 
-def corners(points: Points, sharpest: float = 0.5) -> Points:
+def corners(points: Floats, sharpest: float = 0.5) -> Floats:
     """Return the (k, 2) points at which the line turns by more than ``sharpest`` radians."""
     if len(points) < 3:
         return points[:0]
@@ -109,7 +107,7 @@ def corners(points: Points, sharpest: float = 0.5) -> Points:
     return points[1:-1][turn > sharpest]
 
 
-def dashes(points: Points, pattern: tuple[float, ...]) -> list[Points]:
+def dashes(points: Floats, pattern: tuple[float, ...]) -> list[Floats]:
     """Return the drawn pieces of a dashed line, each (k, 2).
 
     Args:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-import numpy as np
-import numpy.typing as npt
+from worldgen.support.arrays import Bools, Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +42,7 @@ class DrawnCircle:
 class DrawnLine:
     """Straight lines through (n, 2) float64 points, with round joins and ends."""
 
-    points: npt.NDArray[np.float64]
+    points: Floats
     paint: Paint
     closed: bool = False
 
@@ -61,7 +60,7 @@ class DrawnCells:
         hatch: Distance between diagonal stripes, px; 0 fills the cells.
     """
 
-    mask: npt.NDArray[np.bool_]
+    mask: Bools
     fill: str
     opacity: float = 1.0
     hatch: float = 0.0

@@ -9,7 +9,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.render.caption import caption
 from worldgen.render.content import Changes, Content
@@ -39,6 +38,7 @@ from worldgen.render.trail_parts import (
     swept_parts,
     trail_parts,
 )
+from worldgen.support.arrays import Bools, Floats
 from worldgen.world import Cut, JointWitness, Witness, World
 
 # A robot with a smaller radius, units, gets a ring of this radius.
@@ -103,8 +103,8 @@ def map_parts(world: World, frame: Frame) -> list[Primitive]:
 def moment_parts(
     world: World,
     frame: Frame,
-    solid: npt.NDArray[np.bool_],
-    burning: npt.NDArray[np.bool_],
+    solid: Bools,
+    burning: Bools,
     height: int,
 ) -> list[Primitive]:
     """Return a world's map at one moment, lowest layer first, with room for text below.
@@ -237,12 +237,12 @@ def _certificate(world: World, frame: Frame) -> list[Primitive]:
     return []
 
 
-def _onto_the_border(points: npt.NDArray[np.float64], frame: Frame) -> npt.NDArray[np.float64]:
+def _onto_the_border(points: Floats, frame: Frame) -> Floats:
     """Return the cut's cells outside the grid, drawn on the wall around it, clear of the caption."""
     beyond = BAND / 2 * frame.unit
     corner = np.array((frame.left, frame.top))
     ends = corner + np.array((frame.width, frame.height))
-    clipped: npt.NDArray[np.float64] = np.clip(points, corner - beyond, ends + beyond)
+    clipped: Floats = np.clip(points, corner - beyond, ends + beyond)
     return clipped
 
 

@@ -8,7 +8,6 @@ import io
 import zlib
 
 import numpy as np
-import numpy.typing as npt
 from PIL import Image
 
 from worldgen.render.caption import printable
@@ -19,6 +18,7 @@ from worldgen.render.overlay import Trails
 from worldgen.render.palette import mix, rgb
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Text
 from worldgen.render.scene import Picture, compose
+from worldgen.support.arrays import Floats, Ints
 from worldgen.world import World
 
 # Limit on the corners of cells drawn as a path; beyond that, an image of them is smaller.
@@ -72,7 +72,7 @@ def _number(value: float) -> str:
     return f"{value:.2f}".rstrip("0").rstrip(".") if value % 1.0 else str(int(value))
 
 
-def _points(points: npt.NDArray[np.float64]) -> str:
+def _points(points: Floats) -> str:
     return " ".join(f"{_number(float(x))},{_number(float(y))}" for x, y in points)
 
 
@@ -201,7 +201,7 @@ class _Writer:
         return f'<rect {self._map_rectangle()} fill="{fill}"/>'
 
 
-def _closed_line(line: npt.NDArray[np.int64]) -> str:
+def _closed_line(line: Ints) -> str:
     """Return a rectilinear closed line as relative path steps: across, up, across, ..."""
     x, y = line[0]
     steps = np.diff(line, axis=0)

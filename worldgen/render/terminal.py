@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import TextIO
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.render.caption import facts
 from worldgen.render.content import Changes
@@ -30,6 +29,7 @@ from worldgen.render.palette import (
     rgb,
 )
 from worldgen.render.polyline import along, arc_length
+from worldgen.support.arrays import Bools, Bytes, Floats
 from worldgen.support.rows import flip_rows
 from worldgen.world import JointWitness, Witness, World
 
@@ -44,7 +44,6 @@ _TARGETS = "ABCDEFGHI"
 # The signal's steps if only 256 colours are available: those of one hue, and where each step ends.
 BLUES = ("#5FAFFF", "#87D7FF", "#AFD7FF", "#D7FFFF", "#FFFFFF")
 BLUE_ENDS = (0.15, 0.35, 0.60, 0.80)
-Dots = npt.NDArray[np.uint8]
 
 # The meaning of a dot; a higher number hides a lower one.
 FREE, PARTLY, SOLID, CLOSES, BURNS, WITNESS, WAY, LOOPS, START_DOT, TARGET_DOT, TUNNELS = range(11)
@@ -160,7 +159,7 @@ def _robots_with_signs(world: World, *, color: bool) -> int:
     return count if not color and 1 < count <= len(_TARGETS) else 0
 
 
-def _letters(dots: Dots, grid: _Grid, world: World) -> list[str]:
+def _letters(dots: Bytes, grid: _Grid, world: World) -> list[str]:
     """Return the rows of a picture without colours, the highest first."""
     letters = np.array([SIGNS[sign].letter for sign in range(len(SIGNS))])[dots]
     count = _robots_with_signs(world, color=False)
@@ -202,7 +201,7 @@ class _Grid:
             fine = max(1, min(columns // world.width, SMALL // max(world.width, world.height)))
         return cls(cells, fine, world.cell_size * cells / fine)
 
-    def shrunk(self, mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
+    def shrunk(self, mask: Bools) -> Floats:
         """Return a (rows, columns) float64 array: the share of each dot's cells that are set."""
         if self.cells == 1:
             return (
@@ -216,7 +215,7 @@ class _Grid:
         ]
         return np.asarray(sums / np.outer(*sizes), np.float64)
 
-    def dots(self, world: World, trails: Sequence[Trail]) -> Dots:
+    def dots(self, world: World, trails: Sequence[Trail]) -> Bytes:
         """Return a (rows, columns) uint8 array: the meaning of each dot, row 0 the lowest."""
         solid = self.shrunk(world.walls)
         dots = np.where(solid >= 1.0, SOLID, np.where(solid > 0.0, PARTLY, FREE)).astype(np.uint8)
@@ -251,14 +250,14 @@ class _Grid:
                 dots[self.place(dots, x, y)] = TUNNELS
         return dots
 
-    def place(self, dots: Dots, x: float, y: float) -> tuple[int, int]:
+    def place(self, dots: Bytes, x: float, y: float) -> tuple[int, int]:
         """Return row and column of the dot at a point, or of the nearest one."""
         rows, columns = dots.shape
         row = math.floor(y / self.dot_size)
         column = math.floor(x / self.dot_size)
         return min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)
 
-    def _line(self, dots: Dots, points: npt.NDArray[np.float64], sign: int) -> None:
+    def _line(self, dots: Bytes, points: Floats, sign: int) -> None:
         if not len(points):
             return
         total = float(arc_length(points)[-1])
@@ -268,7 +267,7 @@ class _Grid:
         rows, columns = dots.shape
         dots[np.clip(spots[:, 1], 0, rows - 1), np.clip(spots[:, 0], 0, columns - 1)] = sign
 
-    def _disc(self, dots: Dots, x: float, y: float, radius: float, sign: int) -> None:
+    def _disc(self, dots: Bytes, x: float, y: float, radius: float, sign: int) -> None:
         rows, columns = dots.shape
         if self.dots_per_cell > 1:
             dx = (np.arange(columns) + 0.5) * self.dot_size - x
@@ -277,7 +276,7 @@ class _Grid:
         dots[self.place(dots, x, y)] = sign
 
 
-def _colours(dots: Dots, grid: _Grid, world: World, *, deep: bool) -> npt.NDArray[np.uint8]:
+def _colours(dots: Bytes, grid: _Grid, world: World, *, deep: bool) -> Bytes:
     """Return a (rows, columns, 3) uint8 array of colours.
 
     The floor is tinted by the signal; everything else has its sign's colour.
@@ -305,7 +304,7 @@ def _colours(dots: Dots, grid: _Grid, world: World, *, deep: bool) -> npt.NDArra
     return colours
 
 
-def _half_blocks(colours: npt.NDArray[np.uint8], *, deep: bool) -> list[str]:
+def _half_blocks(colours: Bytes, *, deep: bool) -> list[str]:
     top_first = flip_rows(colours).tolist()
     # An odd number of rows leaves the last half block without a lower half.
     if len(top_first) % 2:
@@ -357,7 +356,7 @@ def _span(letters: str, drawn: Container[str]) -> str:
     return f"{found[0]}-{found[-1]}" if found in letters and len(found) > 1 else " ".join(found)
 
 
-def _key(dots: Dots, own: Mapping[int, str], *, color: bool, deep: bool) -> str:
+def _key(dots: Bytes, own: Mapping[int, str], *, color: bool, deep: bool) -> str:
     """Return what the signs mean.
 
     Args:

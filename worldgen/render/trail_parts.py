@@ -9,7 +9,6 @@ import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Trail, WallPenetration
@@ -26,8 +25,8 @@ from worldgen.render.palette import (
 )
 from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
 from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
+from worldgen.support.arrays import Floats
 
-Points = npt.NDArray[np.float64]
 # Deviations of a drawn trail from the true one, px; the first that gives a short enough line is
 # used.
 THIN = (
@@ -86,7 +85,7 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
     return parts + _marks(trail, frame, radius)
 
 
-def _thinned(points: Points) -> Points:
+def _thinned(points: Floats) -> Floats:
     for tolerance in THIN:
         points = simplified(points, tolerance)
         if len(points) <= MOST_POINTS:
@@ -94,7 +93,7 @@ def _thinned(points: Points) -> Points:
     return points
 
 
-def _way(points: Points, width: float, unit: float) -> list[Primitive]:
+def _way(points: Floats, width: float, unit: float) -> list[Primitive]:
     if len(points) < 2:
         return []
     casing = DrawnLine(points, Paint(stroke=PAPER, width=width + 2.0 * unit, opacity=0.7))
@@ -112,7 +111,7 @@ def _way(points: Points, width: float, unit: float) -> list[Primitive]:
     return [casing, line, *heads]
 
 
-def _cycle(loop: Points, radius: float, unit: float) -> list[Primitive]:
+def _cycle(loop: Floats, radius: float, unit: float) -> list[Primitive]:
     parts: list[Primitive] = []
     for x, y in _footprint_places(loop, radius):
         parts.append(DrawnCircle(x, y, radius, Paint(fill=LOOP, opacity=0.10)))
@@ -128,7 +127,7 @@ def stays_put(trail: Trail, frame: Frame, robot_radius: float) -> bool:
     return spread < max(3.0 * frame.unit, 0.1 * robot_radius * frame.scale)
 
 
-def _spot(centre: Points, radius: float, unit: float) -> list[Primitive]:
+def _spot(centre: Floats, radius: float, unit: float) -> list[Primitive]:
     """Return a cycle on one spot as the robot's disc, without an arrow: it may be turning."""
     x = float(centre[0])
     y = float(centre[1])
@@ -141,9 +140,9 @@ def _spot(centre: Points, radius: float, unit: float) -> list[Primitive]:
     ]
 
 
-def _footprint_places(loop: Points, radius: float) -> Points:
+def _footprint_places(loop: Floats, radius: float) -> Floats:
     """Return where the robot's disc is drawn: the cycle's corners, and where it hit something."""
-    found: list[npt.NDArray[np.float64]] = []
+    found: list[Floats] = []
     # Show the robot at corners of the loop, if there are few that don't overlap.
     for point in corners(simplified(loop, max(1.0, 0.2 * radius))):
         if all(np.hypot(*(point - other)) > 2.2 * radius for other in found):
@@ -158,7 +157,7 @@ def _footprint_places(loop: Points, radius: float) -> Points:
     return along(loop, np.arange(count) * total / count)
 
 
-def _footprint(centre: Points, radius: float, unit: float) -> list[Primitive]:
+def _footprint(centre: Floats, radius: float, unit: float) -> list[Primitive]:
     x = float(centre[0])
     y = float(centre[1])
     shown = max(radius, 4.0 * unit)
@@ -237,7 +236,7 @@ def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
     return parts
 
 
-def _distinct(points: Points, grain: float) -> Points:
+def _distinct(points: Floats, grain: float) -> Floats:
     if not len(points):
         return points
     _, first = np.unique(np.round(points / grain), axis=0, return_index=True)

@@ -12,10 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen import _core
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.ccall import check, pointer, writable
-
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
 
 
 class Floods:

@@ -15,11 +15,11 @@ from sim._core import ffi, lib
 from sim.kernels import layout
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Floats, Ints
 from worldgen.support.ccall import pointer, writable
 
 __all__ = ["CHOICES", "DEFAULT_BEAMS", "SENSORS", "Interface"]
 
-Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
 DEFAULT_BEAMS = 16
@@ -153,7 +153,7 @@ class Interface:
         return tuple(found)
 
     @property
-    def codes(self) -> npt.NDArray[np.int64]:
+    def codes(self) -> Ints:
         """(k,) int64, the sensors' numbers in the core."""
         return np.array([SENSORS[name].code for name in self.sensors], np.int64)
 

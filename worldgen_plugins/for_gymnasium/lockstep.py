@@ -13,6 +13,7 @@ from sim._core import ffi, lib
 from sim.runners.core_calls import MOST_CORNERS, STATE_WORDS
 from sim.runners.lattice import LatticeRun
 from worldgen.lattice import lattice_to_metres
+from worldgen.support.arrays import Bools, Floats
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import World
 from worldgen_plugins.for_gymnasium.distances import distances_to_target
@@ -20,12 +21,10 @@ from worldgen_plugins.for_gymnasium.options import Rules
 
 __all__ = ["Lockstep", "StepResult"]
 
-Ints = npt.NDArray[np.int64]
 Singles = npt.NDArray[np.float32]
-Bools = npt.NDArray[np.bool_]
 
 
-def _nobody(observation: npt.NDArray[np.float64], memory: object, command: object) -> None:
+def _nobody(observation: Floats, memory: object, command: object) -> None:
     """Do nothing; never called, because an environment's actions are its commands."""
 
 
@@ -44,7 +43,7 @@ class StepResult(NamedTuple):
     """
 
     observation: Singles
-    reward: npt.NDArray[np.float64]
+    reward: Floats
     terminated: Bools
     truncated: Bools
     reached: Bools

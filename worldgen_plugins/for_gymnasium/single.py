@@ -6,10 +6,10 @@ from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.domain import MASK64
 from worldgen.random_streams import GAMMA, mix64
+from worldgen.support.arrays import Bytes
 from worldgen.world import World
 from worldgen_plugins.for_gymnasium.actions import checked_actions
 from worldgen_plugins.for_gymnasium.interface import Interface
@@ -118,7 +118,7 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
         seen = shown(self._rules, result.observation[0])
         return seen, float(result.reward[0]), bool(result.terminated[0]), False, information
 
-    def render(self) -> npt.NDArray[np.uint8] | str | None:
+    def render(self) -> Bytes | str | None:
         """Return the world with the path so far, as a picture, (height, width, 3) uint8, or text.
 
         ``None`` without a render mode.
@@ -128,7 +128,7 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
                 'render() without a render mode shows nothing; make(..., render_mode="rgb_array")'
             )
             return None
-        frame: npt.NDArray[np.uint8] | str = frame_of(self.world, [self._places], self.render_mode)
+        frame: Bytes | str = frame_of(self.world, [self._places], self.render_mode)
         return frame
 
     def _note_place(self) -> None:

@@ -14,6 +14,7 @@ from gymnasium.vector.utils import batch_space
 from sim._core import lib
 from sim.options.run import whole
 from worldgen.errors import InvalidParameter
+from worldgen.support.arrays import Bools, Floats
 from worldgen.support.progress import working
 from worldgen_plugins.for_gymnasium.actions import checked_actions
 from worldgen_plugins.for_gymnasium.interface import Interface
@@ -25,7 +26,6 @@ from worldgen_plugins.for_gymnasium.spaces import action_space, observation_spac
 
 __all__ = ["NavigateVectorEnv"]
 
-Bools = npt.NDArray[np.bool_]
 
 MAX_ENVS = 1_000_000
 MAX_STEPS = 100_000_000
@@ -152,9 +152,7 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             else:
                 crew.episode[robot] += 1
 
-    def step(
-        self, actions: Any
-    ) -> tuple[Any, npt.NDArray[np.float64], Bools, Bools, dict[str, Any]]:
+    def step(self, actions: Any) -> tuple[Any, Floats, Bools, Bools, dict[str, Any]]:
         """Step all robots.
 
         The information ``is_success`` tells which robots have arrived. Where an episode begins, it

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.layout import CHOSEN, Arena, CellSize, RobotRadius, RobotSpeed, Size
 from worldgen.families.parts.open_ground import covered, dig_from, easiest_joints, far_poses
 from worldgen.family import Bounds, check_between, family
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Bytes
 from worldgen.support.grid_search import components, free_windows
 from worldgen.world import World
 
@@ -107,7 +107,7 @@ def cave(
 
 def _hollowed(
     rng: RandomStream, arena: Arena, rock: int, rounds: int, grain: int, *, pillars: bool
-) -> npt.NDArray[np.bool_]:
+) -> Bools:
     """Scatter rock at random and smooth it: a cell becomes rock if most of its 3 x 3 square is.
 
     Args:
@@ -141,7 +141,7 @@ def _hollowed(
     return fine
 
 
-def _rock_within(walls: npt.NDArray[np.bool_], reach: int) -> npt.NDArray[np.uint8]:
+def _rock_within(walls: Bools, reach: int) -> Bytes:
     """Count the rock in the square around each inner cell, including the cell itself.
 
     Everything outside the array counts as rock.
@@ -158,7 +158,7 @@ def _rock_within(walls: npt.NDArray[np.bool_], reach: int) -> npt.NDArray[np.uin
     return counts
 
 
-def _dig_ends(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> None:
+def _dig_ends(rng: RandomStream, arena: Arena, walls: Bools) -> None:
     """Dig a chamber into each of two opposite corners, in place.
 
     The tunnels to these chambers make the cave span the square.
@@ -173,7 +173,7 @@ def _dig_ends(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> 
         walls[row : row + side, column : column + side] = False
 
 
-def _joined(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+def _joined(rng: RandomStream, arena: Arena, walls: Bools) -> Bools:
     """Fill small hollows and join the others by tunnels.
 
     Returns:

@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.families.parts.corridor_layouts import (
@@ -39,6 +38,7 @@ from worldgen.families.parts.mazes import ROOT, winding_tree
 from worldgen.family import Bounds, check_between, family
 from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 Shape: TypeAlias = Literal["bends", "dead-ends", "junctions", "S", "T", "X", "tunnel"]
@@ -490,12 +490,12 @@ def _corners(edges: list[Edge]) -> set[Node]:
 
 
 def _cut(
-    walls: npt.NDArray[np.bool_],
+    walls: Bools,
     edges: list[Edge],
     columns: dict[int, int],
     rows: dict[int, int],
     width: int,
-) -> npt.NDArray[np.bool_]:
+) -> Bools:
     for (ax, ay), (bx, by) in edges:
         x = sorted((columns[ax], columns[bx]))
         y = sorted((rows[ay], rows[by]))

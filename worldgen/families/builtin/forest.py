@@ -7,7 +7,6 @@ from fractions import Fraction
 from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.layout import CHOSEN, Arena, CellSize, RobotRadius, RobotSpeed, Size
@@ -17,6 +16,7 @@ from worldgen.families.parts.planting import disc_cells, plant
 from worldgen.family import Bounds, check_at_least, check_between, family
 from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.grid_search import components, free_windows
 from worldgen.world import World
 
@@ -119,7 +119,7 @@ def _thickest(
     return thickest
 
 
-def _clear_of_border(arena: Arena, clear: Fraction) -> npt.NDArray[np.bool_]:
+def _clear_of_border(arena: Arena, clear: Fraction) -> Bools:
     """Return the cells that are at least a gap away from the border."""
     margin = 1 + math.ceil(clear)
     free = np.zeros((arena.size, arena.size), dtype=np.bool_)
@@ -129,7 +129,7 @@ def _clear_of_border(arena: Arena, clear: Fraction) -> npt.NDArray[np.bool_]:
     return free
 
 
-def _places(rng: RandomStream, arena: Arena, growth: Growth, pitch: int) -> npt.NDArray[np.int64]:
+def _places(rng: RandomStream, arena: Arena, growth: Growth, pitch: int) -> Ints:
     """Return the columns and rows of the places to try, in order.
 
     These are all cells in random order, or, for ``rows``, the places of a plantation, each slightly
@@ -162,9 +162,9 @@ def _felled(
     arena: Arena,
     growth: Growth,
     density: float,
-    places: npt.NDArray[np.int64],
-    stands: npt.NDArray[np.bool_],
-) -> npt.NDArray[np.bool_]:
+    places: Ints,
+    stands: Bools,
+) -> Bools:
     """Draw the trunks to remove; the first one always stays, so that no forest is empty."""
     felled = rng.floats(len(places)) >= density
     if growth == "thickets":
@@ -176,9 +176,7 @@ def _felled(
     return np.asarray(felled)
 
 
-def _trunks(
-    arena: Arena, places: npt.NDArray[np.int64], kinds: npt.NDArray[np.int64], diameters: range
-) -> npt.NDArray[np.bool_]:
+def _trunks(arena: Arena, places: Ints, kinds: Ints, diameters: range) -> Bools:
     walls = arena.solid()
     walls[1:-1, 1:-1] = False
     for kind, diameter in enumerate(diameters):
@@ -187,7 +185,7 @@ def _trunks(
     return walls
 
 
-def _widest(windows: npt.NDArray[np.bool_]) -> int:
+def _widest(windows: Bools) -> int:
     """Return a place of the largest component, flat."""
     owner, count = components(windows)
     largest = int(np.bincount(owner[owner >= 0], minlength=count).argmax())

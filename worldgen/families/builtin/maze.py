@@ -24,7 +24,6 @@ from worldgen.families.parts.layout import (
 from worldgen.families.parts.mazes import (
     FIT_ANY_SHAPE,
     ROCK,
-    Mask,
     braid_ends,
     carve_rooms,
     cells_of,
@@ -35,6 +34,7 @@ from worldgen.families.parts.mazes import (
 )
 from worldgen.family import Bounds, family
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 
@@ -174,7 +174,7 @@ def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]
     return newest, oldest
 
 
-def _mask(shape: str, side: int, algorithm: str) -> Mask:
+def _mask(shape: str, side: int, algorithm: str) -> Bools:
     """Return the mask of a shape, after checking that the algorithm can fill it.
 
     Raises:
@@ -193,7 +193,7 @@ def _mask(shape: str, side: int, algorithm: str) -> Mask:
     return shape_mask(shape, side)
 
 
-def _nearest(mask: Mask, corner: tuple[int, int]) -> tuple[int, int]:
+def _nearest(mask: Bools, corner: tuple[int, int]) -> tuple[int, int]:
     """Return the column and row of the chamber nearest to a corner.
 
     If there are several, this is the lowest one, and the leftmost of those.

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.doors import hang_doors
@@ -27,11 +26,11 @@ from worldgen.families.parts.noise import smooth_noise
 from worldgen.families.parts.open_ground import FAR, dig_from
 from worldgen.family import Bounds, check_between, family
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.grid_search import free_windows, steps_from
 from worldgen.world import World
 
 Collapse: TypeAlias = Literal["quake", "blast", "wing"]
-Grid: TypeAlias = npt.NDArray[np.bool_]
 
 # Probability of a door where none is needed to join all rooms.
 _SHARED = 0.25
@@ -136,7 +135,7 @@ class _Ends:
         return 2 * (place % self.stride) + self.side, 2 * (place // self.stride) + self.side
 
 
-def _building(rng: RandomStream, arena: Arena, room: int, wall: int) -> Grid:
+def _building(rng: RandomStream, arena: Arena, room: int, wall: int) -> Bools:
     """Return the walls before the collapse, with doors open, of a random plan that fits.
 
     Raises:
@@ -160,7 +159,7 @@ def _building(rng: RandomStream, arena: Arena, room: int, wall: int) -> Grid:
     raise problem
 
 
-def _largest(scores: npt.NDArray[np.int64], within: Grid, share: float) -> Grid:
+def _largest(scores: Ints, within: Bools, share: float) -> Bools:
     """Return a share of the cells in ``within``: those with the largest scores, including ties."""
     inside = scores[within]
     count = round(share * len(inside))
@@ -170,7 +169,7 @@ def _largest(scores: npt.NDArray[np.int64], within: Grid, share: float) -> Grid:
     return np.asarray(within & (scores >= limit))
 
 
-def _ruined(rng: RandomStream, arena: Arena, collapse: Collapse, damage: float) -> Grid:
+def _ruined(rng: RandomStream, arena: Arena, collapse: Collapse, damage: float) -> Bools:
     """Return the part of the building that is ruined, with a ragged edge.
 
     Noise gives the edge its shape. A blast adds the distance from a point, and the collapse of a
@@ -199,7 +198,7 @@ def _ruined(rng: RandomStream, arena: Arena, collapse: Collapse, damage: float) 
     return _largest(noise, inside, damage)
 
 
-def _fallen(rng: RandomStream, arena: Arena) -> Grid:
+def _fallen(rng: RandomStream, arena: Arena) -> Bools:
     """Return where walls in the ruined part are down.
 
     Smooth noise gives stretches wide enough for the robot, with stumps between them.
@@ -208,7 +207,7 @@ def _fallen(rng: RandomStream, arena: Arena) -> Grid:
     return _largest(smooth_noise(rng, arena.size, arena.narrowest + 1), everywhere, _BREACHED)
 
 
-def _ends(rng: RandomStream, building: Grid, standing: Grid, ruined: Grid, side: int) -> _Ends:
+def _ends(rng: RandomStream, building: Bools, standing: Bools, ruined: Bools, side: int) -> _Ends:
     """Draw a survivor in the ruined part, and a start far away from it.
 
     The start is where the building still stands, if such a place is far enough away. Both places
@@ -231,7 +230,7 @@ def _ends(rng: RandomStream, building: Grid, standing: Grid, ruined: Grid, side:
     )
 
 
-def _heaps(rng: RandomStream, building: Grid, ruined: Grid, share: float) -> Grid:
+def _heaps(rng: RandomStream, building: Bools, ruined: Bools, share: float) -> Bools:
     """Scatter debris in heaps over a share of the ruined floor, mostly where walls stood."""
     # Sums of 3 x 3 random numbers vary smoothly enough to form heaps.
     size = len(building)
@@ -243,7 +242,7 @@ def _heaps(rng: RandomStream, building: Grid, ruined: Grid, share: float) -> Gri
     return _largest(np.where(near_walls, _NEAR_WALLS, 2) * heaped, ruined, share)
 
 
-def _bury(heaps: Grid, ends: _Ends, pocket: int, side: int) -> None:
+def _bury(heaps: Bools, ends: _Ends, pocket: int, side: int) -> None:
     """Enclose the survivor's pocket in debris, in place."""
     row, column = divmod(ends.target, ends.stride)
     shell = pocket + max(1, side // 2)
@@ -253,7 +252,7 @@ def _bury(heaps: Grid, ends: _Ends, pocket: int, side: int) -> None:
         heaps[rows, columns] = solid
 
 
-def _clear(heaps: Grid, standing: Grid, ends: _Ends, side: int) -> None:
+def _clear(heaps: Bools, standing: Bools, ends: _Ends, side: int) -> None:
     """Clear the path from start to survivor that goes through the least debris, in place."""
     passable = free_windows(standing, side, side)
     free = free_windows(standing | heaps, side, side)

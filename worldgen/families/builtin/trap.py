@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
-import numpy as np
-import numpy.typing as npt
-
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.layout import (
     CHOSEN,
@@ -33,6 +30,7 @@ from worldgen.families.parts.turned_trap import (
 )
 from worldgen.family import Bounds, check_at_least, check_between, family
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 Shape: TypeAlias = Literal["U", "L", "spiral", "V", "comb", "nested", "pair"]
@@ -452,7 +450,7 @@ def _place(rng: RandomStream, arena: Arena, obstacle: _Obstacle) -> tuple[int, i
 class _TrapLayout:
     """Hold walls, start and target in half cells, and the heading in quarter turns."""
 
-    walls: npt.NDArray[np.bool_]
+    walls: Bools
     start: tuple[int, int]
     target: tuple[int, int]
     quarter: int

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.families.parts.noise import smooth_noise
 from worldgen.lattice import exact, in_cells, radius_in_cells
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Indices, Ints
 from worldgen.support.grid_search import free_windows, shortest_path, window_at
 from worldgen.world import World
 
@@ -50,9 +50,9 @@ class Plan:
         step: Time in which the robot moves by one cell, ms, rounded up.
     """
 
-    walls: npt.NDArray[np.bool_]
+    walls: Bools
     side: int
-    flammable: npt.NDArray[np.bool_]
+    flammable: Bools
     start: int
     goal: int
     step: int
@@ -99,7 +99,7 @@ class Plan:
         flammable[kept] = True
         return replace(self, flammable=flammable)
 
-    def noise(self, rng: RandomStream, pitch: int) -> npt.NDArray[np.int64]:
+    def noise(self, rng: RandomStream, pitch: int) -> Ints:
         """Return smooth random heights of all cells, flat."""
         height, width = self.walls.shape
         return smooth_noise(rng, max(height, width), pitch)[:height, :width].ravel()
@@ -144,7 +144,7 @@ class Plan:
         return [cell for cell in cells if cell < self.walls.size]
 
 
-def _window(walls: npt.NDArray[np.bool_], side: int, x: float, y: float, ground: World) -> int:
+def _window(walls: Bools, side: int, x: float, y: float, ground: World) -> int:
     """Return a free window around a place, or next to it.
 
     Args:
@@ -230,7 +230,7 @@ def in_turn(rng: RandomStream, embers: list[int], apart: float, scatter: float) 
     return times
 
 
-def _rim(plan: Plan, cells: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+def _rim(plan: Plan, cells: Indices) -> Indices:
     """Return the cells nearest to the border, or at most ``RIM`` cells farther from it."""
     iy, ix = np.divmod(cells, plan.stride)
     height, width = plan.walls.shape
@@ -345,8 +345,8 @@ def weak_walls(rng: RandomStream, plan: Plan, floor: Times, count: int) -> set[i
 
 
 def _slots(
-    walls: npt.NDArray[np.bool_],
-    burnt: npt.NDArray[np.bool_],
+    walls: Bools,
+    burnt: Bools,
     side: int,
     thickness: int,
     strides: tuple[int, int],

@@ -6,9 +6,9 @@ from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools
 
 # Column and row of a coarse lattice, each line of which has room for one corridor.
 Node: TypeAlias = tuple[int, int]
@@ -122,7 +122,7 @@ def neck_slots(
 
 def place_necks(
     rng: RandomStream,
-    walls: npt.NDArray[np.bool_],
+    walls: Bools,
     slots: list[Slot],
     width: int,
     length: int,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.families.parts.disjoint_sets import joining
 from worldgen.families.parts.floor_plan import FloorPlan, Joints, Sizes
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Ints
 
 
 @dataclass(frozen=True)
@@ -22,12 +22,12 @@ class Doors:
         openings: Rows and columns of each opening.
     """
 
-    walls: npt.NDArray[np.bool_]
+    walls: Bools
     joints: list[int]
     openings: list[tuple[slice, slice]]
 
 
-def _shuffled(rng: RandomStream, rank: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+def _shuffled(rng: RandomStream, rank: Ints) -> Ints:
     """Return positions sorted by rank, in random order within each rank."""
     return np.lexsort((rng.bits(len(rank)), rank))
 

@@ -5,21 +5,21 @@ from __future__ import annotations
 from typing import Annotated, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.domain import MAX_ROBOTS
 from worldgen.families.parts.layout import Arena
 from worldgen.families.parts.placing import Box, place_in_boxes
 from worldgen.family import Bounds
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 Robots: TypeAlias = Annotated[int, Bounds(1, MAX_ROBOTS)]
 
 
 def turned(
-    walls: npt.NDArray[np.bool_], boxes: list[tuple[Box, Box]], quarters: int
-) -> tuple[npt.NDArray[np.bool_], list[tuple[Box, Box]]]:
+    walls: Bools, boxes: list[tuple[Box, Box]], quarters: int
+) -> tuple[Bools, list[tuple[Box, Box]]]:
     """Turn a layout by quarter turns counter-clockwise.
 
     Args:
@@ -42,7 +42,7 @@ def _turned_box(box: Box, size: int) -> Box:
 
 def fleet_world(
     arena: Arena,
-    walls: npt.NDArray[np.bool_],
+    walls: Bools,
     rng: RandomStream,
     boxes: list[tuple[Box, Box]],
     owner: str,

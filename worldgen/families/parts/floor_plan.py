@@ -11,6 +11,7 @@ import numpy.typing as npt
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.layout import CHOSEN, Arena
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Ints
 
 Style: TypeAlias = Literal["wings", "spine", "suite"]
 Box: TypeAlias = tuple[int, int, int, int]
@@ -50,7 +51,7 @@ class FloorPlan:
         owner: (size, size) int32, the box that each cell is in; -1 for walls.
     """
 
-    boxes: npt.NDArray[np.int64]
+    boxes: Ints
     corridors: int
     owner: npt.NDArray[np.int32]
 
@@ -67,11 +68,11 @@ class Joints:
         length: (n,) length of the stretch, cells.
     """
 
-    pairs: npt.NDArray[np.int64]
-    across: npt.NDArray[np.int64]
-    place: npt.NDArray[np.int64]
-    low: npt.NDArray[np.int64]
-    length: npt.NDArray[np.int64]
+    pairs: Ints
+    across: Ints
+    place: Ints
+    low: Ints
+    length: Ints
 
     def opening(self, joint: int, first: int, width: int, wall: int) -> tuple[slice, slice]:
         """Return the rows and columns of an opening.
@@ -247,7 +248,7 @@ def joined(plan: FloorPlan, sizes: Sizes) -> Joints:
     return Joints(table[:, :2], across, table[:, 2], table[:, 3], table[:, 4])
 
 
-def _side_by_side(owner: npt.NDArray[np.int32], wall: int) -> npt.NDArray[np.int64]:
+def _side_by_side(owner: npt.NDArray[np.int32], wall: int) -> Ints:
     """List the boxes that are neighbours in x.
 
     Args:

@@ -9,12 +9,12 @@ from itertools import pairwise
 from typing import Annotated, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.family import Bounds
 from worldgen.lattice import TURN, UNIT, exact, heading_from_lattice, in_cells, lattice_to_metres
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools
 from worldgen.support.frozen import freeze
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
@@ -122,7 +122,7 @@ class Arena:
             )
         return width
 
-    def solid(self) -> npt.NDArray[np.bool_]:
+    def solid(self) -> Bools:
         """Return a (size, size) bool array that is all solid."""
         return np.ones((self.size, self.size), dtype=np.bool_)
 
@@ -144,7 +144,7 @@ class Arena:
 
     def world(
         self,
-        walls: npt.NDArray[np.bool_],
+        walls: Bools,
         start: tuple[int, int],
         target: tuple[int, int],
         quarter: int,

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Ints
 
 _LEVELS = 1024  # number of different heights at lattice points
 
 
-def smooth_noise(rng: RandomStream, size: int, pitch: int) -> npt.NDArray[np.int64]:
+def smooth_noise(rng: RandomStream, size: int, pitch: int) -> Ints:
     """Return (size, size) heights that vary smoothly.
 
     Heights are random at the points of a lattice, and interpolated bilinearly between them. The
@@ -31,5 +31,5 @@ def smooth_noise(rng: RandomStream, size: int, pitch: int) -> npt.NDArray[np.int
     rows = (
         heights[cell] * (pitch - within)[:, np.newaxis] + heights[cell + 1] * within[:, np.newaxis]
     )
-    smooth: npt.NDArray[np.int64] = rows[:, cell] * (pitch - within) + rows[:, cell + 1] * within
+    smooth: Ints = rows[:, cell] * (pitch - within) + rows[:, cell + 1] * within
     return smooth

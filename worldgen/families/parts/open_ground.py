@@ -17,10 +17,10 @@ from worldgen import _core
 from worldgen.families.parts.disjoint_sets import joining
 from worldgen.families.parts.layout import STEPS
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Bytes
 from worldgen.support.ccall import check, writable
 from worldgen.support.grid_search import free_windows, steps_from
 
-Grid: TypeAlias = npt.NDArray[np.bool_]
 Numbers: TypeAlias = npt.NDArray[np.int32]
 
 # Minimum distance from start to target, as a fraction of the longest path from the start. The
@@ -53,7 +53,7 @@ class Dug:
         return way
 
 
-def dig_from(owner: Numbers, hard: npt.NDArray[np.uint8]) -> Dug:
+def dig_from(owner: Numbers, hard: Bytes) -> Dug:
     """Grow all owners' areas over the remaining places, at the speed at which these can be dug.
 
     Args:
@@ -100,7 +100,7 @@ def easiest_joints(dug: Dug, stride: int, owners: int) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in table[first[tree]]]
 
 
-def covered(windows: Grid, side: int) -> Grid:
+def covered(windows: Bools, side: int) -> Bools:
     """Return the cells that any window covers: bool, shaped like ``windows``.
 
     Args:
@@ -124,12 +124,12 @@ class Poses:
 
 def far_poses(
     rng: RandomStream,
-    walls: Grid,
+    walls: Bools,
     side: int,
     begin: int,
     *,
-    start_in: Grid | None = None,
-    target_in: Grid | None = None,
+    start_in: Bools | None = None,
+    target_in: Bools | None = None,
 ) -> Poses:
     """Draw a start and a target with a long path between them.
 
@@ -160,7 +160,11 @@ def far_poses(
 
 
 def _far(
-    rng: RandomStream, windows: Grid, begin: int, within: Grid | None, shares: list[tuple[int, int]]
+    rng: RandomStream,
+    windows: Bools,
+    begin: int,
+    within: Bools | None,
+    shares: list[tuple[int, int]],
 ) -> list[int]:
     """Draw one place per share from those far enough from a given place.
 
@@ -184,7 +188,7 @@ def _middle(place: int, columns: int, side: int) -> tuple[int, int]:
     return 2 * (place % columns) + side, 2 * (place // columns) + side
 
 
-def in_sight(walls: Grid, here: tuple[int, int], there: tuple[int, int]) -> bool:
+def in_sight(walls: Bools, here: tuple[int, int], there: tuple[int, int]) -> bool:
     """Return True if no wall is on the straight line between two points.
 
     The test is exact. A line along walls on one side, or between two cells that touch only at a

@@ -10,7 +10,6 @@ from fractions import Fraction
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import (
@@ -25,6 +24,7 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach.joint.crowd import Crowd
 from worldgen.reach.joint.question import fits_graph
 from worldgen.reach.still.lattice_graph import build_graph, flood
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.progress import Work, working
 from worldgen.world import Pose, Robot, Target, World
 
@@ -67,7 +67,7 @@ class _Room:
         radius: Radius of the robots, cells.
     """
 
-    def __init__(self, places: npt.NDArray[np.int64], radius: Fraction) -> None:
+    def __init__(self, places: Ints, radius: Fraction) -> None:
         self._places = places
         self._nearest_sq = np.full(len(places), np.iinfo(np.int64).max)
         self._apart_sq = [math.ceil((2 * (2 * radius + gap)) ** 2) for gap in (_GAP, 0)]
@@ -77,9 +77,9 @@ class _Room:
         apart = self._places - np.array(place)
         np.minimum(self._nearest_sq, (apart * apart).sum(axis=1), out=self._nearest_sq)
 
-    def left(self, box: Box | None) -> npt.NDArray[np.int64]:
+    def left(self, box: Box | None) -> Ints:
         """Return the places in a box that are far enough from those that are taken."""
-        inside: npt.NDArray[np.bool_] = np.ones(len(self._places), np.bool_)
+        inside: Bools = np.ones(len(self._places), np.bool_)
         if box is not None:
             low = 2 * np.array(box[:2])
             high = 2 * np.array(box[2:]) + 2
@@ -170,7 +170,7 @@ def place_in_boxes(
 
 
 def _draw_ends(
-    places: npt.NDArray[np.int64],
+    places: Ints,
     radius: Fraction,
     rng: RandomStream,
     boxes: Sequence[tuple[Box | None, Box | None]],
@@ -198,7 +198,7 @@ def _draw_ends(
 
 def _crowd(
     world: World,
-    places: npt.NDArray[np.int64],
+    places: Ints,
     rng: RandomStream,
     boxes: Sequence[tuple[Box | None, Box | None]],
     first: PlacedEnds,
@@ -230,7 +230,7 @@ def _crowd(
 
 def _one_by_one(
     world: World,
-    places: npt.NDArray[np.int64],
+    places: Ints,
     rng: RandomStream,
     boxes: Sequence[tuple[Box | None, Box | None]],
     first: PlacedEnds,
@@ -273,9 +273,7 @@ def _one_by_one(
     return replace(placed, certificate=planned.witness(placed))
 
 
-def _places(
-    blocked: npt.NDArray[np.bool_], radius: Fraction, first: PlacedEnds | None
-) -> npt.NDArray[np.int64]:
+def _places(blocked: Bools, radius: Fraction, first: PlacedEnds | None) -> Ints:
     """Return the places where a robot fits: all, or those that the first robot can reach."""
     graph = build_graph(blocked, radius, 2)
     clear = graph.clear.ravel()

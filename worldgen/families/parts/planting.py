@@ -6,13 +6,13 @@ import math
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen import _core
+from worldgen.support.arrays import Bools, Bytes, Ints
 from worldgen.support.ccall import check, pointer, writable
 
 
-def disc_cells(diameter: int) -> npt.NDArray[np.int64]:
+def disc_cells(diameter: int) -> Ints:
     """Return the cells whose centres are in a disc, as rows (dx, dy).
 
     A disc of odd diameter is centred on the centre of cell (0, 0), one of even diameter on that
@@ -26,7 +26,7 @@ def disc_cells(diameter: int) -> npt.NDArray[np.int64]:
     return np.stack([offsets[columns], offsets[rows]], axis=1)
 
 
-def _halo(cells: npt.NDArray[np.int64], gap: Fraction) -> npt.NDArray[np.int64]:
+def _halo(cells: Ints, gap: Fraction) -> Ints:
     """Return the cells less than ``gap`` from a disc, including its own, as rows (dx, dy).
 
     Args:
@@ -58,12 +58,12 @@ def _halo(cells: npt.NDArray[np.int64], gap: Fraction) -> npt.NDArray[np.int64]:
 
 
 def plant(
-    free: npt.NDArray[np.bool_],
-    places: npt.NDArray[np.int64],
-    kinds: npt.NDArray[np.int64],
+    free: Bools,
+    places: Ints,
+    kinds: Ints,
     diameters: range,
     gap: Fraction,
-) -> npt.NDArray[np.bool_]:
+) -> Bools:
     """Try to place a disc at each place in turn, and return which attempts succeed.
 
     Args:
@@ -90,12 +90,12 @@ def plant(
 
 
 def put_down(
-    barred: npt.NDArray[np.uint8],
-    places: npt.NDArray[np.int64],
-    kinds: npt.NDArray[np.int64],
-    cells: list[npt.NDArray[np.int64]],
-    halos: list[npt.NDArray[np.int64]],
-) -> npt.NDArray[np.bool_]:
+    barred: Bytes,
+    places: Ints,
+    kinds: Ints,
+    cells: list[Ints],
+    halos: list[Ints],
+) -> Bools:
     """Visit places in turn, and place an object wherever none of its cells is blocked.
 
     Args:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.support.angles import SCALE, direction
+from worldgen.support.arrays import Bools, Ints
 
 Point: TypeAlias = tuple[int, int]
 Polygon: TypeAlias = tuple[Point, ...]
@@ -35,9 +35,7 @@ def turned(polygon: Sequence[Point], degrees: int) -> Polygon:
     )
 
 
-def to_frame(
-    x: npt.NDArray[np.int64], y: npt.NDArray[np.int64], degrees: int
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+def to_frame(x: Ints, y: Ints, degrees: int) -> tuple[Ints, Ints]:
     """Convert points, in units, to a frame that is turned counter-clockwise about the origin."""
     cos, sin = direction(degrees)
     return (x * cos + y * sin) // SCALE, (y * cos - x * sin) // SCALE
@@ -67,7 +65,7 @@ def extents(polygons: Sequence[Polygon]) -> tuple[int, int]:
     return columns, rows
 
 
-def fill(polygons: Sequence[Polygon]) -> npt.NDArray[np.bool_]:
+def fill(polygons: Sequence[Polygon]) -> Bools:
     """Return the cells whose centres are in any of some convex polygons.
 
     If any polygon is slanted, all are slightly thickened, so that walls of one cell have no holes.

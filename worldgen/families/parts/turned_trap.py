@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.families.parts.layout import Arena
@@ -22,6 +21,7 @@ from worldgen.families.parts.raster import (
     turned,
 )
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.grid_search import free_windows
 
 
@@ -213,7 +213,7 @@ def draw_up_to(rng: RandomStream, values: range, fits: Callable[[int], bool]) ->
 class TurnedLayout:
     """Hold walls, start and target in half cells, and the heading in quarter turns."""
 
-    walls: npt.NDArray[np.bool_]
+    walls: Bools
     start: tuple[int, int]
     target: tuple[int, int]
     quarter: int
@@ -289,9 +289,7 @@ def place_turned(
     return TurnedLayout(walls, spots[0], spots[1], looks % 4)
 
 
-def _seen(
-    points: npt.NDArray[np.int64], origin: tuple[int, int], degrees: int
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+def _seen(points: Ints, origin: tuple[int, int], degrees: int) -> tuple[Ints, Ints]:
     """Convert (2, n) points in half cells to the figure's frame, in units."""
     return to_frame(
         (points[0] - 2 * origin[0]) * (FINE // 2),
@@ -303,7 +301,7 @@ def _seen(
 def _spot_inside(
     rng: RandomStream,
     arena: Arena,
-    walls: npt.NDArray[np.bool_],
+    walls: Bools,
     hollow: Polygon,
     origin: tuple[int, int],
     degrees: int,
@@ -346,9 +344,7 @@ def _spot_inside(
     return int(points[0, spot]), int(points[1, spot])
 
 
-def _zones(
-    figure: TrapShape, u: npt.NDArray[np.int64], v: npt.NDArray[np.int64], side: int, wider: int
-) -> dict[str, npt.NDArray[np.bool_]]:
+def _zones(figure: TrapShape, u: Ints, v: Ints, side: int, wider: int) -> dict[str, Bools]:
     """Return which points are before the figure's mouth, behind it, above it and below it.
 
     Args:
@@ -361,7 +357,7 @@ def _zones(
     # Distance to the figure's hull: half the robot, less what rounding to half cells takes away.
     apart = FINE * (side - 1) // 2
 
-    def between(values: npt.NDArray[np.int64], limits: tuple[int, int]) -> npt.NDArray[np.bool_]:
+    def between(values: Ints, limits: tuple[int, int]) -> Bools:
         return np.asarray(
             (FINE * limits[0] - wider <= values) & (values <= FINE * limits[1] + wider)
         )
@@ -380,9 +376,7 @@ def _zones(
     }
 
 
-def _within(
-    polygon: Polygon, u: npt.NDArray[np.int64], v: npt.NDArray[np.int64]
-) -> npt.NDArray[np.bool_]:
+def _within(polygon: Polygon, u: Ints, v: Ints) -> Bools:
     inside = np.ones(u.shape, dtype=np.bool_)
     for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
         inside &= (bx - ax) * (v - ay) - (by - ay) * (u - ax) >= 0

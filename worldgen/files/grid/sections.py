@@ -16,6 +16,7 @@ import numpy.typing as npt
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError, Message
 from worldgen.files.grid.schema import FREE, SOLID, START, STATES, TARGET, Field, LineSection
+from worldgen.support.arrays import Bools
 from worldgen.support.frozen import freeze
 from worldgen.support.rows import flip_rows
 
@@ -49,7 +50,7 @@ class LetterMark(NamedTuple):
 class CellBlock(NamedTuple):
     """The contents of ``%cells``: walls, lowest row first, and the marks of start and target."""
 
-    walls: npt.NDArray[np.bool_]
+    walls: Bools
     start: LetterMark | None
     target: LetterMark | None
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between
@@ -17,6 +16,7 @@ from worldgen.interop.formats.text import cell_centre
 from worldgen.lattice import UNIT, exact, in_cells, lattice_to_metres
 from worldgen.random_streams import RandomStream
 from worldgen.reach.still.lattice_graph import build_graph
+from worldgen.support.arrays import Bools
 from worldgen.world import DEFAULT_CELL_SIZE, Pose, Target, Value
 
 _FORM = re.compile(r"([0-9]{1,40}\.?[0-9]{0,40}(?:[eE][+-]?[0-9]{1,3})?)\s*(m|c|cells?)?")
@@ -97,7 +97,7 @@ class CensusMap:
     """
 
     name: str
-    walls: npt.NDArray[np.bool_]
+    walls: Bools
     cell_size: float = DEFAULT_CELL_SIZE
     ends: tuple[Ends, ...] = ()
     params: Mapping[str, Value] = field(default_factory=dict)
@@ -129,7 +129,7 @@ def cell_ends(
     return Ends(Pose(*at), Target(*to, half), named)
 
 
-def cell_at(walls: npt.NDArray[np.bool_], cell_size: float, x: float, y: float) -> tuple[int, int]:
+def cell_at(walls: Bools, cell_size: float, x: float, y: float) -> tuple[int, int]:
     """Return row and column of the cell that holds a point.
 
     Args:
@@ -183,7 +183,7 @@ def draw_ends(
     return tuple(drawn)
 
 
-def _clear_centres(walls: npt.NDArray[np.bool_], radius: Fraction) -> npt.NDArray[np.bool_]:
+def _clear_centres(walls: Bools, radius: Fraction) -> Bools:
     # The disc is wider than the map, so no centre is clear.
     if 2 * radius > max(walls.shape):
         return np.zeros_like(walls)

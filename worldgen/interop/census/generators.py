@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
@@ -26,6 +25,7 @@ from worldgen.family import check_between
 from worldgen.interop.census.case import CensusMap, Ends, Refused, cell_ends
 from worldgen.interop.foreign_map import check_sides
 from worldgen.plugins.registry import Registry, user_code
+from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
@@ -217,7 +217,7 @@ def _converted(
     return found
 
 
-def _walls(given: Any) -> npt.NDArray[np.bool_]:
+def _walls(given: Any) -> Bools:
     try:
         array = np.asarray(given)
     except ValueError:
@@ -238,7 +238,7 @@ def _walls(given: Any) -> npt.NDArray[np.bool_]:
     return array.astype(np.bool_)
 
 
-def _cell(what: str, cell: Any, walls: npt.NDArray[np.bool_]) -> tuple[int, int]:
+def _cell(what: str, cell: Any, walls: Bools) -> tuple[int, int]:
     """Convert a cell given as (row, column) from the top to column and row from below."""
     try:
         row, column = (int(value) for value in cell)

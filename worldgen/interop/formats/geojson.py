@@ -11,12 +11,10 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
 from worldgen.interop.geometry.placed_boxes import GridLines
 from worldgen.interop.geometry.polygons import border_cells, cell_polygons
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 
@@ -89,7 +87,7 @@ def _square(ix: int, iy: int, lines: GridLines) -> list[list[float]]:
     return [[float(lines.x[x]), float(lines.y[y])] for x, y in corners]
 
 
-def _multipolygon(solid: npt.NDArray[np.bool_], lines: GridLines, first: int = 0) -> list[Any]:
+def _multipolygon(solid: Bools, lines: GridLines, first: int = 0) -> list[Any]:
     """Return the coordinates of polygons, outlines counter-clockwise and holes clockwise.
 
     ``first`` is the index of the first cell.

@@ -12,7 +12,6 @@ import re
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidWorld
 from worldgen.interop.foreign_map import (
@@ -24,6 +23,7 @@ from worldgen.interop.foreign_map import (
 )
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, end_cells
+from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
@@ -151,7 +151,7 @@ def write_micromouse(world: World, destination: Destination) -> Exported:
     return Exported({destination.name: "".join(f"{line}\n" for line in lines).encode()}, altered)
 
 
-def _line(walls: npt.NDArray[np.bool_], row: int, marks: dict[tuple[int, int], str]) -> str:
+def _line(walls: Bools, row: int, marks: dict[tuple[int, int], str]) -> str:
     words = []
     for column, solid in enumerate(walls[row].tolist()):
         if row % 2 == 0:

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, end_cells, text_rows
+from worldgen.support.arrays import Bytes
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
@@ -111,7 +111,7 @@ def _check_words(rows: list[bytes]) -> None:
         )
 
 
-def _agents(drawn: npt.NDArray[np.uint8]) -> list[list[int]]:
+def _agents(drawn: Bytes) -> list[list[int]]:
     words = [np.all(drawn == np.frombuffer(word, np.uint8), axis=2) for word in _HEADINGS]
     found: list[list[int]] = np.argwhere(np.logical_or.reduce(words)).tolist()
     return found

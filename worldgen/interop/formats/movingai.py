@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError, Note
 from worldgen.family import check_between
@@ -29,6 +28,7 @@ from worldgen.interop.foreign_map import (
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, end_cells
 from worldgen.lattice import exact, radius_in_cells
+from worldgen.support.arrays import Bytes, Floats, Ints
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, World
@@ -106,7 +106,7 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
 
 
 @names_its_file
-def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
+def read_terrain(path: Path) -> Bytes:
     """Read the terrain of a map's cells.
 
     The result has shape (height, width), top row first, with values ``GROUND``, ``OUTSIDE``,
@@ -122,7 +122,7 @@ def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
     return _parse(read_bounded(path))
 
 
-def _parse(data: bytes) -> npt.NDArray[np.uint8]:
+def _parse(data: bytes) -> Bytes:
     """Return the terrain, top row first."""
     head = unix_text(data).split(b"\n", _FIRST_ROW - 1)
     lines = [line.removesuffix(b"\r") for line in head]
@@ -186,7 +186,7 @@ def _size(word: bytes, key: str, number: int) -> int:
     return int(word)
 
 
-def _rows(body: bytes, width: int, height: int) -> npt.NDArray[np.uint8]:
+def _rows(body: bytes, width: int, height: int) -> Bytes:
     # The header's sizes limit the split, so a file of line ends takes no more memory than its own
     # size.
     rows = [row.rstrip() for row in body.split(b"\n", height)]
@@ -365,9 +365,9 @@ class Problems:
     map_name: str
     version: str
     size: tuple[int, int]
-    starts: npt.NDArray[np.int64]
-    goals: npt.NDArray[np.int64]
-    published: npt.NDArray[np.float64]
+    starts: Ints
+    goals: Ints
+    published: Floats
 
 
 @names_its_file

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import ForeignMap, check_sides, read_bounded
 from worldgen.interop.format import Destination, Exported, Format
+from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
@@ -90,7 +91,7 @@ def _header(
     return np.lib.format.read_array_header_2_0(stream)
 
 
-def _solid(cells: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+def _solid(cells: npt.NDArray[Any]) -> Bools:
     strange = (cells != 0) & (cells != 1)
     if strange.any():
         row, column = np.argwhere(strange)[0]

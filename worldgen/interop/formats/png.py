@@ -22,6 +22,7 @@ from worldgen.interop.readers.places_text import (
     place_words,
     read_places,
 )
+from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
@@ -89,7 +90,7 @@ def read_picture(
     )  # fmt: skip
 
 
-def _solid(image: GreyImage, threshold: int, background: str) -> tuple[npt.NDArray[np.bool_], int]:
+def _solid(image: GreyImage, threshold: int, background: str) -> tuple[Bools, int]:
     """Return the solid pixels, top row first, and how many are neither black nor white."""
     values: npt.NDArray[np.integer[Any]] = image.values
     maximum = image.maximum

@@ -15,7 +15,6 @@ from string import ascii_lowercase, ascii_uppercase
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.interop.foreign_map import (
@@ -28,6 +27,7 @@ from worldgen.interop.foreign_map import (
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, end_cells, equal_rows
 from worldgen.interop.readers.pogema_config import KEY_LINE, PogemaTask, read_configuration
+from worldgen.support.arrays import Bools, Bytes
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
@@ -173,7 +173,7 @@ def _task(text: bytes, map_name: str) -> PogemaTask:
     return PogemaTask([(number, line.strip()) for number, line in lines if line.strip()])
 
 
-def _drawn(rows: list[tuple[int, bytes]]) -> npt.NDArray[np.uint8]:
+def _drawn(rows: list[tuple[int, bytes]]) -> Bytes:
     """Return the characters of the rows, all of which are cells."""
     drawn = equal_rows(rows)
     for (number, line), row in zip(rows, drawn, strict=True):
@@ -197,7 +197,7 @@ def _numbered(letters: Mapping[str, tuple[int, int]], alphabet: str) -> dict[int
     }
 
 
-def _freed(walls: npt.NDArray[np.bool_], places: Iterable[tuple[int, int]]) -> Iterator[str]:
+def _freed(walls: Bools, places: Iterable[tuple[int, int]]) -> Iterator[str]:
     """Free the cells of agents and targets that are solid, as POGEMA does, and report it."""
     solid = {place for place in places if walls[place]}
     for place in solid:
@@ -209,7 +209,7 @@ def _freed(walls: npt.NDArray[np.bool_], places: Iterable[tuple[int, int]]) -> I
         )
 
 
-def _letters(drawn: npt.NDArray[np.uint8], numbers: list[int]) -> dict[str, tuple[int, int]]:
+def _letters(drawn: Bytes, numbers: list[int]) -> dict[str, tuple[int, int]]:
     """Return the row and column of each letter."""
     found: dict[str, tuple[int, int]] = {}
     for row, column in np.argwhere(
@@ -267,7 +267,7 @@ def write_pogema(world: World, destination: Destination) -> Exported:
 
 
 def _configuration(
-    world: World, cells: npt.NDArray[np.uint8], destination: Destination, notes: tuple[str, ...]
+    world: World, cells: Bytes, destination: Destination, notes: tuple[str, ...]
 ) -> Exported:
     """Return a configuration, which holds any number of agents."""
     altered: dict[str, str] = {}

@@ -31,6 +31,7 @@ from worldgen.interop.readers.places_text import (
 )
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
+from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
 from worldgen.world import Value, World
 
@@ -132,9 +133,7 @@ def _quarters(yaw: float) -> int:
     return round(yaw / (math.pi / 2))
 
 
-def _turned(
-    walls: npt.NDArray[np.bool_], metadata: RosMetadata
-) -> tuple[npt.NDArray[np.bool_], tuple[float, float]]:
+def _turned(walls: Bools, metadata: RosMetadata) -> tuple[Bools, tuple[float, float]]:
     """Return the picture, top row first, turned by whole quarters, and its new lower-left corner.
 
     Raises:
@@ -190,9 +189,7 @@ def _level(value: int, maximum: int, metadata: RosMetadata) -> int:
     return round(100 * (filled - free) / (occupied - free)) if metadata.mode == "scale" else UNKNOWN
 
 
-def solid_cells(
-    cells: npt.NDArray[np.int8], metadata: RosMetadata
-) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+def solid_cells(cells: npt.NDArray[np.int8], metadata: RosMetadata) -> tuple[Bools, Bools]:
     """Return which cells are certainly occupied, and which are uncertain.
 
     In mode ``raw`` the thresholds apply to the published values; otherwise 100 is occupied and 0 is

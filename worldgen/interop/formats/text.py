@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import ForeignMap, check_sides, read_bounded, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres
+from worldgen.support.arrays import Bytes
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
@@ -75,7 +75,7 @@ def text_rows(data: bytes) -> list[bytes]:
     return rows
 
 
-def equal_rows(rows: Sequence[tuple[int, bytes]]) -> npt.NDArray[np.uint8]:
+def equal_rows(rows: Sequence[tuple[int, bytes]]) -> Bytes:
     """Return the characters of rows that must all have one length.
 
     Args:
@@ -138,9 +138,7 @@ def end_cells(world: World) -> tuple[tuple[int, int], tuple[int, int], dict[str,
     return start, target, altered
 
 
-def _place(
-    drawn: npt.NDArray[np.uint8], letters: bytes, name: str, cell_size: float
-) -> tuple[float, float] | None:
+def _place(drawn: Bytes, letters: bytes, name: str, cell_size: float) -> tuple[float, float] | None:
     found = np.argwhere(np.isin(drawn, list(letters)))
     if len(found) > 1:
         raise FormatError(

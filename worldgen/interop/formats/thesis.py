@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidWorld, Note
 from worldgen.interop.foreign_map import ForeignMap, read_bounded
@@ -31,6 +30,7 @@ from worldgen.lattice import (
     metres_to_lattice,
     radius_in_cells,
 )
+from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Pose, Value, World
 
@@ -53,7 +53,7 @@ _ROBOT_CELLS = 0.7
 _SPEED_CELLS = 20.0
 
 
-def signal(walls: npt.NDArray[np.bool_], target: tuple[int, int]) -> Ints:
+def signal(walls: Bools, target: tuple[int, int]) -> Ints:
     """Return the signal in the program's map editor for walls drawn with the noise filter off.
 
     Args:

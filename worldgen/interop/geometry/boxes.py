@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from worldgen.support.arrays import Bools, Ints
 from worldgen.timeline import CellState
 from worldgen.world import World
-
-_Bools = npt.NDArray[np.bool_]
-_Ints = npt.NDArray[np.int64]
 
 
 class _Lines(NamedTuple):
@@ -20,15 +17,15 @@ class _Lines(NamedTuple):
     The fields are the row and both ends, as corners.
     """
 
-    y: _Ints
-    begin: _Ints
-    end: _Ints
+    y: Ints
+    begin: Ints
+    end: Ints
 
-    def only(self, which: _Bools) -> _Lines:
+    def only(self, which: Bools) -> _Lines:
         return _Lines(self.y[which], self.begin[which], self.end[which])
 
 
-def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
+def merged_boxes(solid: Bools) -> Ints:
     """Cover the solid cells with as few boxes as possible, each cell exactly once.
 
     A corner of free cells that points into the walls needs a cut, and a cut from one such corner to
@@ -67,7 +64,7 @@ def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
     return _rectangles(padded, level_cut, upright_cut)
 
 
-def _lines(padded: _Bools) -> _Lines:
+def _lines(padded: Bools) -> _Lines:
     """Return the lines between rows of cells that are both solid."""
     height, width = padded.shape
     inside = np.zeros((height - 1, width + 1), np.int8)
@@ -78,7 +75,7 @@ def _lines(padded: _Bools) -> _Lines:
     return _Lines(y, begin - 1, np.nonzero(edges == -1)[1] - 1)
 
 
-def _spread(lines: _Lines, more: int) -> tuple[_Ints, _Ints, _Ints]:
+def _spread(lines: _Lines, more: int) -> tuple[Ints, Ints, Ints]:
     """Return one entry for every corner of every line (``more`` = 1), or every edge (0).
 
     The result is the line's number, y and x.
@@ -89,7 +86,7 @@ def _spread(lines: _Lines, more: int) -> tuple[_Ints, _Ints, _Ints]:
     return number, lines.y[number], lines.begin[number] + along
 
 
-def _corners_on(lines: _Lines, shape: tuple[int, ...]) -> _Ints:
+def _corners_on(lines: _Lines, shape: tuple[int, ...]) -> Ints:
     """Return the line that each corner is on, -1 for none."""
     on = np.full(shape, -1, np.int64)
     number, y, x = _spread(lines, 1)
@@ -97,14 +94,14 @@ def _corners_on(lines: _Lines, shape: tuple[int, ...]) -> _Ints:
     return on
 
 
-def _edges_on(lines: _Lines, shape: tuple[int, ...]) -> _Bools:
+def _edges_on(lines: _Lines, shape: tuple[int, ...]) -> Bools:
     on = np.zeros(shape, np.bool_)
     _, y, x = _spread(lines, 0)
     on[y, x] = True
     return on
 
 
-def _apart(level: _Lines, upright: _Lines, shape: tuple[int, ...]) -> tuple[_Bools, _Bools]:
+def _apart(level: _Lines, upright: _Lines, shape: tuple[int, ...]) -> tuple[Bools, Bools]:
     """Return a largest set of lines that do not touch, as masks over those along x and along y.
 
     It follows from a largest matching by Koenig's theorem. The nodes reachable from unmatched ones
@@ -139,7 +136,7 @@ def _apart(level: _Lines, upright: _Lines, shape: tuple[int, ...]) -> tuple[_Boo
     return reached[1 : 1 + along], ~reached[1 + along :]
 
 
-def _cut_from_corners(level: _Lines, corner: _Bools, crossed: _Bools, cut: _Bools) -> None:
+def _cut_from_corners(level: _Lines, corner: Bools, crossed: Bools, cut: Bools) -> None:
     """Cut along x from the remaining corners to the next wall's end or cut."""
     rest = level.only(corner[level.y, level.begin] | corner[level.y, level.end])
     for y, begin, end in zip(rest.y.tolist(), rest.begin.tolist(), rest.end.tolist(), strict=True):
@@ -150,7 +147,7 @@ def _cut_from_corners(level: _Lines, corner: _Bools, crossed: _Bools, cut: _Bool
             cut[y, int(stops[-1]) if len(stops) else begin : end] = True
 
 
-def _rectangles(padded: _Bools, level_cut: _Bools, upright_cut: _Bools) -> _Ints:
+def _rectangles(padded: Bools, level_cut: Bools, upright_cut: Bools) -> Ints:
     """Return the boxes, each from its lower-left cell to the next edges on the right and above."""
     solid = padded[1:-1, 1:-1]
     below = ~(padded[:-1, 1:-1] & padded[1:, 1:-1]) | level_cut[:, :-1]
@@ -159,15 +156,15 @@ def _rectangles(padded: _Bools, level_cut: _Bools, upright_cut: _Bools) -> _Ints
     return np.stack([ix, iy, _next(left, iy, ix), _next(below.T, ix, iy)], axis=1).astype(np.int64)
 
 
-def _next(edge: _Bools, row: _Ints, place: _Ints) -> _Ints:
+def _next(edge: Bools, row: Ints, place: Ints) -> Ints:
     """Return the first edge after a place for each of some rows."""
     length = edge.shape[1]
     flat = np.flatnonzero(edge)
-    after: _Ints = flat[np.searchsorted(flat, row * length + place, side="right")] % length
+    after: Ints = flat[np.searchsorted(flat, row * length + place, side="right")] % length
     return after
 
 
-def always_solid(world: World) -> npt.NDArray[np.bool_]:
+def always_solid(world: World) -> Bools:
     """Return the cells that are solid at all times, (height, width) bool.
 
     In a static world these are its walls.
@@ -175,11 +172,11 @@ def always_solid(world: World) -> npt.NDArray[np.bool_]:
     opened = world.timeline.after(0.0).cells_that_become(
         CellState.FREE, CellState.BURNING, shape=world.walls.shape
     )
-    always: npt.NDArray[np.bool_] = (world.cells_at(0.0) == CellState.SOLID) & ~opened
+    always: Bools = (world.cells_at(0.0) == CellState.SOLID) & ~opened
     return always
 
 
-def closing_boxes(world: World) -> npt.NDArray[np.int64]:
+def closing_boxes(world: World) -> Ints:
     """Return boxes one cell thick around the grid, because everything outside it is solid.
 
     There are none if the world's border is already closed.

@@ -11,13 +11,13 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import InvalidWorld
 from worldgen.interop.format import Destination, Exported
 from worldgen.interop.geometry.boxes import always_solid, closing_boxes, merged_boxes
 from worldgen.lattice import exact
+from worldgen.support.arrays import Ints
 from worldgen.support.bounds import check_between
 from worldgen.world import World
 
@@ -202,9 +202,7 @@ def placed_box(name: str, cells: Sequence[int], lines: GridLines, top: Fraction)
     )
 
 
-def _named(
-    kind: str, cells: npt.NDArray[np.int64], lines: GridLines, top: Fraction
-) -> list[PlacedBox]:
+def _named(kind: str, cells: Ints, lines: GridLines, top: Fraction) -> list[PlacedBox]:
     return [
         placed_box(f"{kind}_{number}", row, lines, top)
         for number, row in enumerate(cells.tolist(), 1)

@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.interop.geometry.boxes import closing_boxes
+from worldgen.support.arrays import Bools, Ints
 from worldgen.world import World
 
 Ring: TypeAlias = list[tuple[int, int]]
@@ -29,7 +29,7 @@ _TURNS = (
 )  # fmt: skip
 
 
-def cell_polygons(solid: npt.NDArray[np.bool_], first: int = 0) -> list[Polygon]:
+def cell_polygons(solid: Bools, first: int = 0) -> list[Polygon]:
     """Return polygons that cover exactly the solid cells.
 
     Pieces that touch only at a corner are separate polygons.
@@ -59,7 +59,7 @@ def cell_polygons(solid: npt.NDArray[np.bool_], first: int = 0) -> list[Polygon]
     return sorted(polygons.values())
 
 
-def border_cells(world: World) -> npt.NDArray[np.bool_]:
+def border_cells(world: World) -> Bools:
     """Return the cells with a ring around them, solid if the border is open.
 
     The result has shape (height + 2, width + 2).
@@ -67,7 +67,7 @@ def border_cells(world: World) -> npt.NDArray[np.bool_]:
     return np.pad(np.zeros_like(world.walls), 1, constant_values=len(closing_boxes(world)) > 0)
 
 
-def _corners(solid: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int64], ...]:
+def _corners(solid: Bools) -> tuple[Ints, ...]:
     """Return x and y of every corner, and the directions in which it is entered and left."""
     cells = np.pad(solid, 1).astype(np.uint8)
     about = cells[:-1, :-1] | cells[:-1, 1:] << 1 | cells[1:, :-1] << 2 | cells[1:, 1:] << 3
@@ -83,11 +83,11 @@ def _corners(solid: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int64], ...]:
 
 
 def _links(
-    x: npt.NDArray[np.int64],
-    y: npt.NDArray[np.int64],
-    entered: npt.NDArray[np.int64],
-    left: npt.NDArray[np.int64],
-) -> npt.NDArray[np.int64]:
+    x: Ints,
+    y: Ints,
+    entered: Ints,
+    left: Ints,
+) -> Ints:
     """Return the number of the corner that follows each corner."""
     after = np.empty(len(x), np.int64)
     for direction in range(4):
@@ -97,9 +97,7 @@ def _links(
     return after
 
 
-def _rings(
-    x: list[int], y: list[int], after: list[int]
-) -> tuple[list[Ring], npt.NDArray[np.int64]]:
+def _rings(x: list[int], y: list[int], after: list[int]) -> tuple[list[Ring], Ints]:
     """Return rings that do not touch themselves, and the ring of each corner's next side."""
     # Follow the corners from every one that has no ring yet.
     rings: list[Ring] = []
@@ -132,9 +130,9 @@ def _begun(ring: Ring) -> Ring:
 
 
 def _shells(
-    solid: npt.NDArray[np.bool_],
+    solid: Bools,
     rings: list[Ring],
-    eastward: tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]],
+    eastward: tuple[Ints, Ints],
 ) -> list[int]:
     """Return the number of each ring's outline; an outline's is its own.
 

@@ -17,6 +17,7 @@ from worldgen.domain import CELL_SIZES, MAX_SIDE
 from worldgen.errors import FormatError, InvalidWorld
 from worldgen.interop.foreign_map import MAX_CELLS
 from worldgen.interop.geometry.boxes import merged_boxes
+from worldgen.support.arrays import Bools, Floats, Ints
 
 # Depth, cells, up to which a shape only touches a cell, because its coordinates were rounded.
 _TOUCH = 1e-6
@@ -91,7 +92,7 @@ class Raster:
         inner = self._window(math.ceil(left), math.ceil(low), math.floor(right), math.floor(high))
         self.full[inner] = True
 
-    def picture(self, solid: npt.NDArray[np.bool_], across: Fraction, along: Fraction) -> None:
+    def picture(self, solid: Bools, across: Fraction, along: Fraction) -> None:
         """Paint a picture's solid pixels, lowest row first, at a size in m from the grid's corner."""
         if across == along == self._cell_size and solid.shape == self.solid.shape:
             self.solid |= solid
@@ -114,7 +115,7 @@ class Raster:
         self.solid[window] |= near[1][:, None] ** 2 + near[0] ** 2 < radius**2 - _TOUCH
         self.full[window] |= far[1][:, None] ** 2 + far[0] ** 2 <= radius**2 + _TOUCH
 
-    def polygon(self, corners: npt.NDArray[np.float64]) -> None:
+    def polygon(self, corners: Floats) -> None:
         """Paint a polygon of (n, 2) corners, m, or, if n is 2, a line without width."""
         # Nothing that far away is in the grid.
         points = corners / float(self._cell_size)
@@ -155,7 +156,7 @@ class Raster:
             )
 
 
-def _prepared(points: npt.NDArray[np.float64]) -> Any:
+def _prepared(points: Floats) -> Any:
     """Return a valid shape of (n, 2) corners, in cells; two corners make a thin wall between them.
 
     Raises:
@@ -179,9 +180,7 @@ def _prepared(points: npt.NDArray[np.float64]) -> Any:
     return shape
 
 
-def _cut_into_rows(
-    shape: Any, rows: slice, columns: slice
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+def _cut_into_rows(shape: Any, rows: slice, columns: slice) -> tuple[Ints, Ints]:
     """Return the cells of each row that the shape reaches into, and those left partly free.
 
     Args:
@@ -205,7 +204,7 @@ def _cut_into_rows(
     return _row_pieces(inside, columns), _row_pieces(outside, columns)
 
 
-def _row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> npt.NDArray[np.int64]:
+def _row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> Ints:
     """Yield row, first and end column of each piece of a row, without slivers."""
     import shapely
 
@@ -225,7 +224,7 @@ def _row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> npt.NDArray[n
     return np.stack(found, axis=1)
 
 
-def _distances(cells: npt.NDArray[np.float64], at: float, far: bool) -> npt.NDArray[np.float64]:
+def _distances(cells: Floats, at: float, far: bool) -> Floats:
     """Return the distances from a coordinate to the nearest, or farthest, point of each cell."""
     if far:
         return np.maximum(np.abs(cells - at), np.abs(cells + 1 - at))

@@ -18,9 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
+from worldgen.support.arrays import Bools, Floats, Ints
 
 # Half the thickness, cells, given to a wall that has none; on a line it blocks both sides.
 _SHEET = 1e-3
@@ -185,7 +183,7 @@ def _crossings(vertices: Floats, one: Ints, other: Ints, height: float) -> Float
     return points
 
 
-def paint(section: Section, width: int, height: int, touch: float) -> npt.NDArray[np.bool_]:
+def paint(section: Section, width: int, height: int, touch: float) -> Bools:
     """Return the cells that a section fills.
 
     Args:
@@ -207,7 +205,7 @@ def paint(section: Section, width: int, height: int, touch: float) -> npt.NDArra
     return solid
 
 
-def _insides(segments: Floats, width: int, height: int) -> npt.NDArray[np.bool_]:
+def _insides(segments: Floats, width: int, height: int) -> Bools:
     """Return the cells whose centres the outlines wind around."""
     turns = np.zeros((height, width + 1), np.int32)
     low = np.minimum(segments[:, 0, 1], segments[:, 1, 1])
@@ -226,7 +224,7 @@ def _insides(segments: Floats, width: int, height: int) -> npt.NDArray[np.bool_]
     return turns[:, :width] > 0
 
 
-def _passed(segments: Floats, width: int, height: int, touch: float) -> npt.NDArray[np.bool_]:
+def _passed(segments: Floats, width: int, height: int, touch: float) -> Bools:
     """Return the cells that segments pass through."""
     runs = np.zeros((height, width + 1), np.int32)
     low = np.minimum(segments[:, 0, 1], segments[:, 1, 1])

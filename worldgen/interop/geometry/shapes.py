@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.interop.geometry.raster import Raster, RasterBox, RasterDisc
+from worldgen.support.arrays import Floats
 
 Point = tuple[Fraction, Fraction]
 
@@ -24,7 +24,7 @@ class Shapes:
 
     boxes: list[RasterBox] = field(default_factory=list)
     circles: list[RasterDisc] = field(default_factory=list)
-    polygons: list[npt.NDArray[np.float64]] = field(default_factory=list)
+    polygons: list[Floats] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     def disc(self, middle: Point, radius: Fraction, at: Point, heading: Fraction) -> None:
@@ -76,11 +76,9 @@ class Shapes:
             raster.polygon(polygon)
 
 
-def turned(points: npt.NDArray[np.float64], at: Point, heading: float) -> npt.NDArray[np.float64]:
+def turned(points: Floats, at: Point, heading: float) -> Floats:
     """Return the points of a body at a pose, (n, 2), m."""
     cos = math.cos(heading)
     sin = math.sin(heading)
-    moved: npt.NDArray[np.float64] = points @ np.array([[cos, sin], [-sin, cos]]) + np.array(
-        at, np.float64
-    )
+    moved: Floats = points @ np.array([[cos, sin], [-sin, cos]]) + np.array(at, np.float64)
     return moved

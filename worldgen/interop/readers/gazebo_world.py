@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import ForeignMap, read_bounded
@@ -25,6 +24,7 @@ from worldgen.interop.geometry.raster import RasterBox, RasterDisc, natural_cell
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml
 from worldgen.lattice import exact
+from worldgen.support.arrays import Bools
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 # Prefix of our elements for facts that SDFormat lacks.
@@ -392,9 +392,7 @@ def _shifted(box: RasterBox, left: Fraction, low: Fraction) -> RasterBox:
     return RasterBox(box.left - left, box.low - low, box.right - left, box.high - low)
 
 
-def _cells(
-    scene: _GazeboScene, frame: _Frame, *, inner: bool
-) -> tuple[npt.NDArray[np.bool_], list[str]]:
+def _cells(scene: _GazeboScene, frame: _Frame, *, inner: bool) -> tuple[Bools, list[str]]:
     size = frame.cell_size
     # Paint all shapes, from the grid's corner.
     corner = np.array([frame.left, frame.low], np.float64)

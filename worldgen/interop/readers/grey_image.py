@@ -19,6 +19,7 @@ from PIL import Image, PngImagePlugin, UnidentifiedImageError
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import check_sides, digest, naming, read_bounded
+from worldgen.support.arrays import Bools, Bytes
 from worldgen.support.plain_text import quote
 from worldgen.support.rows import flip_rows
 
@@ -43,16 +44,16 @@ class GreyImage:
 
     values: npt.NDArray[np.uint8 | np.uint16]
     maximum: int = 255
-    alpha: npt.NDArray[np.uint8] | None = None
+    alpha: Bytes | None = None
     text: Mapping[str, str] = field(default_factory=dict)
 
     @property
-    def opaque(self) -> npt.NDArray[np.bool_] | None:
+    def opaque(self) -> Bools | None:
         """A mask of transparency: True where not fully opaque."""
         return None if self.alpha is None else self.alpha == 255
 
 
-def pgm_bytes(values: npt.NDArray[np.uint8]) -> bytes:
+def pgm_bytes(values: Bytes) -> bytes:
     """Return a binary PGM of greys, top row first.
 
     Its maximum is 255, because some loaders misread any other.
@@ -61,7 +62,7 @@ def pgm_bytes(values: npt.NDArray[np.uint8]) -> bytes:
     return b"P5\n%d %d\n255\n" % (width, height) + values.tobytes()
 
 
-def png_bytes(values: npt.NDArray[np.uint8], text: Mapping[str, str] | None = None) -> bytes:
+def png_bytes(values: Bytes, text: Mapping[str, str] | None = None) -> bytes:
     """Return a grey PNG.
 
     Args:
@@ -76,7 +77,7 @@ def png_bytes(values: npt.NDArray[np.uint8], text: Mapping[str, str] | None = No
     return stream.getvalue()
 
 
-def walls_png(solid: npt.NDArray[np.bool_], text: Mapping[str, str] | None = None) -> bytes:
+def walls_png(solid: Bools, text: Mapping[str, str] | None = None) -> bytes:
     """Return a PNG of cells: solid black, free white.
 
     Args:

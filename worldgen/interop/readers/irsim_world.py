@@ -12,7 +12,6 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.family import check_between
@@ -21,6 +20,7 @@ from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_siz
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.grey_image import read_picture_file
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
+from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
@@ -41,7 +41,7 @@ class _IrsimScene:
     height: Fraction
     corner: tuple[Fraction, Fraction]
     shapes: Shapes = field(default_factory=Shapes)
-    image: tuple[npt.NDArray[np.bool_], str, str] | None = None
+    image: tuple[Bools, str, str] | None = None
     notes: list[str] = field(default_factory=list)
     unread: list[str] = field(default_factory=list)
 
@@ -121,9 +121,7 @@ def _point(table: YamlTable, key: str) -> tuple[Fraction, Fraction]:
     return rows[0][0], rows[0][1]
 
 
-def _picture(
-    world: YamlTable, path: Path, threshold: float
-) -> tuple[npt.NDArray[np.bool_], str, str]:
+def _picture(world: YamlTable, path: Path, threshold: float) -> tuple[Bools, str, str]:
     """Return the obstacle map's solid cells, lowest row first, its name and its digest."""
     line = world.line_of("obstacle_map")
     image = sibling_file(path, "obstacle_map", _picture_name(world), line=line)
@@ -286,7 +284,7 @@ def _add_parts(
         _add_shape(scene, owner, part, [x + moved[0], y + moved[1], heading + own[2]])
 
 
-def _cells(scene: _IrsimScene, wanted: float) -> tuple[npt.NDArray[np.bool_], float]:
+def _cells(scene: _IrsimScene, wanted: float) -> tuple[Bools, float]:
     """Return the walls, and the side of a cell, m."""
     size = _cell_size(scene, wanted)
     raster = painted((scene.width, scene.height), size, lambda raster: _paint(raster, scene, size))

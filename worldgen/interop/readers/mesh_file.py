@@ -18,13 +18,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import trimesh
 
 from worldgen.errors import FormatError, WorldgenError
 from worldgen.interop.foreign_map import MAX_FILE_BYTES, read_bounded, sibling_file
 from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
 from worldgen.interop.readers.threemf_file import read_threemf
+from worldgen.support.arrays import Floats, Ints
 
 _COUNTED = re.compile(rb"^element[ \t]+\w+[ \t]+(\d+)", re.MULTILINE)
 _HELD_LINE = re.compile(rb"^(?:#|comment) (\w+ = .{1,200})$", re.MULTILINE)
@@ -50,8 +50,8 @@ class RawMesh(NamedTuple):
     """
 
     up: str
-    vertices: npt.NDArray[np.float64]
-    faces: npt.NDArray[np.int64]
+    vertices: Floats
+    faces: Ints
     held: dict[str, Any]
     unit: float | None
     left_out: int
@@ -185,11 +185,11 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
         ) from error
 
 
-def _in_one_frame(scene: Any) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], int]:
+def _in_one_frame(scene: Any) -> tuple[Floats, Ints, int]:
     """Return all triangles of a scene, each instance in its place, and the number of empty ones."""
     # Collect the vertices and triangles of every part.
-    places: list[npt.NDArray[np.float64]] = [np.zeros((0, 3))]
-    triangles: list[npt.NDArray[np.int64]] = [np.zeros((0, 3), np.int64)]
+    places: list[Floats] = [np.zeros((0, 3))]
+    triangles: list[Ints] = [np.zeros((0, 3), np.int64)]
     count = 0
     faces = 0
     left_out = 0
@@ -227,7 +227,7 @@ def _in_one_frame(scene: Any) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.i
     return np.concatenate(places), np.concatenate(triangles), left_out
 
 
-def _check_arrays(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64]) -> None:
+def _check_arrays(vertices: Floats, faces: Ints) -> None:
     if not len(faces):
         raise FormatError(
             "no-triangles", "has no triangles", "export surfaces, not points or lines"

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
@@ -25,6 +24,7 @@ from worldgen.interop.foreign_map import ForeignMap, check_sides
 from worldgen.interop.format import HELD, LENGTHS, PAIRS, fact_numbers
 from worldgen.interop.geometry.section import Bodies, Section, cut, paint, sort_bodies
 from worldgen.lattice import exact
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.bounds import check_between
 from worldgen.world import Value
 
@@ -239,9 +239,7 @@ def _checked(held: dict[str, Any]) -> dict[str, Any]:
     return facts
 
 
-def _floors(
-    vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], height: float
-) -> list[float]:
+def _floors(vertices: Floats, faces: Ints, height: float) -> list[float]:
     """Return heights, m, of large level surfaces that face up and have something above them.
 
     If there are none, return the mesh's lowest point.
@@ -275,7 +273,7 @@ def _floors(
 
 
 def _frame(
-    vertices: npt.NDArray[np.float64],
+    vertices: Floats,
     cell_size: float,
     origin: list[float] | None,
     size: list[int] | None,
@@ -306,7 +304,7 @@ def _slack(furthest: float) -> float:
 
 def _cells(
     section: Section, cell_size: float, origin: tuple[float, float], width: int, height: int
-) -> npt.NDArray[np.bool_]:
+) -> Bools:
     corner = np.array([float(exact(value) / exact(cell_size)) for value in origin])
     in_cells = Section(*(segments / cell_size - corner for segments in section))
     furthest = (
@@ -340,7 +338,7 @@ def _notes(plane: Plane, floors: list[float], bodies: Bodies, left_out: int) -> 
     return (*notes, "everything beyond these cells is solid")
 
 
-def _warnings(vertices: npt.NDArray[np.float64]) -> tuple[str, ...]:
+def _warnings(vertices: Floats) -> tuple[str, ...]:
     sides = (vertices.max(axis=0) - vertices.min(axis=0)).tolist()
     if _ODD_SIDES[0] <= max(sides[:2]) <= _ODD_SIDES[1]:
         return ()

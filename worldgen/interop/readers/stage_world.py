@@ -13,7 +13,6 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import ForeignMap, naming, read_bounded, sibling_file
@@ -21,6 +20,7 @@ from worldgen.interop.format import radians
 from worldgen.interop.geometry.raster import painted
 from worldgen.interop.readers.grey_image import read_picture_file
 from worldgen.interop.readers.stage_file import Entity, read_stage_file
+from worldgen.support.arrays import Bools
 from worldgen.support.rows import flip_rows
 from worldgen.world import Value
 
@@ -73,7 +73,7 @@ def _text(path: Path) -> str:
 class _Plan:
     """The floor plan: its picture, the size of a pixel, and its lower-left corner, m."""
 
-    solid: npt.NDArray[np.bool_]
+    solid: Bools
     across: Fraction
     along: Fraction
     corner: _Point
@@ -162,7 +162,7 @@ def _floor_plan(world: Entity, notes: list[str]) -> Entity:
     return max(found, key=lambda entity: math.prod(entity.numbers("size")[:2]))
 
 
-def _plan(floor: Entity, solid: npt.NDArray[np.bool_], unit: Fraction, notes: list[str]) -> _Plan:
+def _plan(floor: Entity, solid: Bools, unit: Fraction, notes: list[str]) -> _Plan:
     """Return the floor plan with these black pixels, stretched as Stage does it."""
     # Check the floor plan's size and pose.
     size = floor.numbers("size")
@@ -204,7 +204,7 @@ def _plan(floor: Entity, solid: npt.NDArray[np.bool_], unit: Fraction, notes: li
     return _Plan(solid, across, along, corner)
 
 
-def _cells(plan: _Plan, wanted: float, notes: list[str]) -> tuple[npt.NDArray[np.bool_], float]:
+def _cells(plan: _Plan, wanted: float, notes: list[str]) -> tuple[Bools, float]:
     """Return the walls, and the side of a cell, m."""
     size = Fraction(repr(wanted)) if wanted else min(plan.across, plan.along)
     rows, columns = plan.solid.shape

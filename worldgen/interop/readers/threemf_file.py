@@ -17,11 +17,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.interop.readers.gltf_tree import MOST_FACES
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml
+from worldgen.support.arrays import Floats, Ints
 
 UNITS = {
     "micron": 1e-6,
@@ -39,8 +39,6 @@ _MOST_DEPTH = 16
 # Limit on items and components, each counted as often as it is placed.
 _MOST_PARTS = 200_000
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 Mesh = tuple[Floats, Ints]
 
 

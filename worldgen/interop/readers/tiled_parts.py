@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
+from worldgen.support.arrays import Ints
 from worldgen.support.plain_text import quote
 
 Part: TypeAlias = dict[str, Any]
@@ -193,7 +194,7 @@ def tile_numbers(layer: Part, width: int, height: int) -> npt.NDArray[np.uint32]
     return (numbers & _TILE).astype(np.uint32).reshape(height, width)
 
 
-def _listed(data: object, name: str) -> npt.NDArray[np.int64]:
+def _listed(data: object, name: str) -> Ints:
     numbers = np.array([])
     if isinstance(data, list) and not any(isinstance(value, list) for value in data[:1]):
         with contextlib.suppress(ValueError, OverflowError):

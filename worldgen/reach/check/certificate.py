@@ -12,7 +12,6 @@ import itertools
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +19,7 @@ import shapely
 
 from worldgen.reach.check.joint import nearest_pair
 from worldgen.reach.check.target import TooMuch, poses_to_part
+from worldgen.support.arrays import Bools, Floats, Indices, Ints
 from worldgen.timeline import CellState
 from worldgen.world import Certificate, Cut, JointWitness, Witness, World
 
@@ -27,9 +27,6 @@ from worldgen.world import Certificate, Cut, JointWitness, Witness, World
 TOLERANCE = 1e-8
 # Fraction of the speed by which a piece may be too fast.
 SPEED_TOLERANCE = 1e-9
-
-Cells: TypeAlias = npt.NDArray[np.int64]
-Floats: TypeAlias = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -184,8 +181,8 @@ class BlockedSpans:
     Each lasts from ``begin`` until just before ``end``, s.
     """
 
-    ix: Cells
-    iy: Cells
+    ix: Ints
+    iy: Ints
     begin: Floats
     end: Floats
 
@@ -222,7 +219,7 @@ def blocked_spans(world: World) -> BlockedSpans:
     return BlockedSpans(ix[kept], iy[kept], begin[kept], end[kept])
 
 
-def _always_blocked(world: World, spans: BlockedSpans) -> npt.NDArray[np.bool_]:
+def _always_blocked(world: World, spans: BlockedSpans) -> Bools:
     """Return a (height, width) bool array: solid or burning at every time from 0 on."""
     blocked = world.still_walls
     order = np.lexsort((spans.begin, spans.iy, spans.ix))
@@ -254,7 +251,7 @@ class WitnessPoints:
         points = np.stack([self.x, self.y], axis=1)
         return _lines(points[:-1], points[1:])
 
-    def parts(self, piece: Cells, low: Floats, high: Floats) -> npt.NDArray[np.object_]:
+    def parts(self, piece: Ints, low: Floats, high: Floats) -> npt.NDArray[np.object_]:
         """Return the part of each piece that the robot drives between ``low`` and ``high``."""
         begin = self.times[piece]
         length = np.diff(self.times)[piece]
@@ -338,7 +335,7 @@ def path_of(world: World, witness: Witness) -> WitnessPoints:
     return WitnessPoints(times, x, y)
 
 
-def _first(found: npt.NDArray[np.intp]) -> int:
+def _first(found: Indices) -> int:
     return int(found[0]) if len(found) else 0
 
 
@@ -475,7 +472,7 @@ def _start_is_covered(
 
 
 def _check_sides(
-    world: World, cells: list[tuple[int, int]], radius: Fraction, blocked: npt.NDArray[np.bool_]
+    world: World, cells: list[tuple[int, int]], radius: Fraction, blocked: Bools
 ) -> str:
     """Check that the chain separates every clear pose in the target's disc from the start."""
     size = _decimal(world.cell_size)

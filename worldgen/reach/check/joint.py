@@ -9,14 +9,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from worldgen.support.arrays import Floats
 from worldgen.world import Witness, World
-
-Floats: TypeAlias = npt.NDArray[np.float64]
 
 
 class PairDistance(NamedTuple):

@@ -6,16 +6,10 @@ Like every checker, it uses none of the code that made the witness.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 
-from worldgen.reach.check.certificate import (
-    TOLERANCE,
-    Floats,
-    WitnessPoints,
-    blocked_spans,
-    path_of,
-)
+from worldgen.reach.check.certificate import TOLERANCE, WitnessPoints, blocked_spans, path_of
+from worldgen.support.arrays import Floats, Indices, Ints
 from worldgen.world import Witness, World
 
 
@@ -62,9 +56,9 @@ def witness_margin(world: World, witness: Witness, *, radius: float | None = Non
 
 def _near(
     path: WitnessPoints,
-    piece: npt.NDArray[np.intp],
-    ix: npt.NDArray[np.int64],
-    iy: npt.NDArray[np.int64],
+    piece: Indices,
+    ix: Ints,
+    iy: Ints,
     reach: float,
 ) -> tuple[Floats, Floats]:
     """Return the interval of shares of each piece that is nearer than ``reach`` to a cell.

@@ -11,10 +11,10 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.reach.check.certificate import CheckReport
 from worldgen.reach.decision import Swap
+from worldgen.support.arrays import Bools
 from worldgen.world import Robot, World
 
 
@@ -82,7 +82,7 @@ def _cell_of(world: World, robot: Robot) -> tuple[int, int]:
     return int(row), int(column)
 
 
-def _flooded(blocked: npt.NDArray[np.bool_], start: tuple[int, int]) -> npt.NDArray[np.bool_]:
+def _flooded(blocked: Bools, start: tuple[int, int]) -> Bools:
     """Return the cells connected to one by their sides, examining each only once."""
     # A ring of blocked cells around the grid, so that no step leaves the array.
     before = np.pad(~blocked, 1)

@@ -20,7 +20,8 @@ from fractions import Fraction
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
+
+from worldgen.support.arrays import Bools
 
 # Digits of places, of their excess over the smallest radius, and of its roots.
 _DIGITS = 180
@@ -38,7 +39,7 @@ class TooMuch(Exception):
 
 
 def poses_to_part(
-    blocked: npt.NDArray[np.bool_],
+    blocked: Bools,
     radius: Fraction,
     centre: tuple[Fraction, Fraction],
     reach: Fraction,
@@ -78,9 +79,7 @@ def _decimal(value: Fraction) -> Decimal:
     return Decimal(value.numerator) / Decimal(value.denominator)
 
 
-def _cells_near(
-    blocked: npt.NDArray[np.bool_], far: float, centre: tuple[Fraction, Fraction]
-) -> list[Cell]:
+def _cells_near(blocked: Bools, far: float, centre: tuple[Fraction, Fraction]) -> list[Cell]:
     """Return blocked cells near a point, including those just outside the grid."""
     ring = np.pad(blocked, 1, constant_values=True)
     x = float(centre[0])

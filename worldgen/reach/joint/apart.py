@@ -6,15 +6,15 @@ import math
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.reach.still.walls import ExactPoint
+from worldgen.support.arrays import Ints
 
 # Two steps of one node each differ by at most 2 across and 2 up.
 _LENGTHS_SQ = (1, 2, 4, 5, 8)
 
 
-def conflict_limits(radii: list[Fraction], k: int) -> npt.NDArray[np.int64]:
+def conflict_limits(radii: list[Fraction], k: int) -> Ints:
     """Return the integers that C compares with squared distances of robots.
 
     Args:

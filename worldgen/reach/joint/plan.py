@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen._core import ffi, lib
 from worldgen.reach.joint.question import JointQuestion
+from worldgen.support.arrays import Ints
 from worldgen.support.ccall import check, pointer, writable
 
 # Each robot without a path is planned first in the next round. In most worlds this works within a
@@ -23,8 +23,6 @@ _QUICK_EXHAUST = 30_000  # for a search that is not thorough: tens of millisecon
 _QUICK_LACAM = 1_000
 _QUICK_ONE = 200_000
 _QUICK_ORDERS = 6
-
-Ints = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)

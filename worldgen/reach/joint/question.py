@@ -21,6 +21,7 @@ from worldgen.reach.still.path import ticks_per_second, travel_ticks
 from worldgen.reach.still.prove import links
 from worldgen.reach.still.walls import ExactPoint, Walls
 from worldgen.reach.timed.spans import Spans
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import Robot, World
 
@@ -29,8 +30,6 @@ _MOST_CHOICES = 20_000  # limit on the assignments of starts to nodes that are t
 
 # The steps across and up, in the order of the core.
 _EIGHT_STEPS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (-1, 1), (1, -1))
-
-Ints = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -297,9 +296,7 @@ def _before_parking(nodes: Sequence[int], start: ExactPoint, disc: Disc, graph: 
     return found
 
 
-def _goal_nodes(
-    walls: Walls, graph: Graph, disc: Disc
-) -> tuple[npt.NDArray[np.bool_], ExactPoint | None]:
+def _goal_nodes(walls: Walls, graph: Graph, disc: Disc) -> tuple[Bools, ExactPoint | None]:
     """Return the nodes that end a path, and the point to go to from those outside the target."""
     flags = np.zeros(graph.clear.size, np.bool_)
     flags[nodes_within(disc, graph)] = True
@@ -312,9 +309,7 @@ def _goal_nodes(
     return flags, goal
 
 
-def _fill_distances(
-    graph: Graph, goals: npt.NDArray[np.bool_], distances: npt.NDArray[np.int32]
-) -> None:
+def _fill_distances(graph: Graph, goals: Bools, distances: npt.NDArray[np.int32]) -> None:
     clear = pointer(ffi, np.ascontiguousarray(graph.clear), np.bool_)
     middle = pointer(ffi, np.ascontiguousarray(graph.middle), np.bool_)
     described = ffi.new("WgGraph *", (clear, middle, graph.clear.size, graph.stride))

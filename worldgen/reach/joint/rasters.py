@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.reach.still.lattice_graph import Graph, build_graph
 from worldgen.reach.timed.spans import Spans
+from worldgen.support.arrays import Bools, Ints
 from worldgen.world import World
 
 MOST_TICKS = 50_000  # limit on the ticks in which a world may change
 _MOST_BYTES = 400_000_000  # limit on the bytes of all rasters
-
-Bools = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,7 @@ class Rasters:
     k: int
     clear: Bools
     middle: Bools
-    raster_of: npt.NDArray[np.int64]
+    raster_of: Ints
     blocked: Bools
 
     def ever(self, which: int) -> Graph:

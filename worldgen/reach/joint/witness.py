@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.lattice import UNIT, exact
 from worldgen.reach.joint.apart import stay_apart
@@ -14,9 +12,8 @@ from worldgen.reach.joint.question import JointQuestion
 from worldgen.reach.still.path import clearance_sq, metres, root_down, travel_ticks
 from worldgen.reach.still.walls import ExactPoint, Walls
 from worldgen.reach.timed.spans import ChangingWalls
+from worldgen.support.arrays import Ints
 from worldgen.world import JointWitness, Witness
-
-Ints: TypeAlias = npt.NDArray[np.int64]
 
 
 def make_joint_witness(question: JointQuestion, nodes: Ints) -> JointWitness | None:

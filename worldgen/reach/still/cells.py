@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres, metres_to_lattice
 from worldgen.reach.still.lattice_graph import build_graph, flood, neighbour_shifts
 from worldgen.reach.still.walls import Walls
+from worldgen.support.arrays import Bools
 from worldgen.world import World
 
 # Nodes per cell side: centres and corners of cells, and the middles of their edges.
@@ -23,7 +23,7 @@ _AXIS_STEPS = 4
 _START = -1
 
 
-def reachable_cells(world: World) -> npt.NDArray[np.bool_]:
+def reachable_cells(world: World) -> Bools:
     """Return which cells' centres the disc can reach from the start, along half cells.
 
     Every cell that counts can really be reached: the disc is clear at each node of the path and on
@@ -125,7 +125,7 @@ class _Ground:
                 if walls.is_clear(start, (column * self._side, row * self._side)):
                     self.sources.append(row * self.graph.stride + column)
 
-    def reached(self) -> npt.NDArray[np.bool_]:
+    def reached(self) -> Bools:
         """Return which cells' centres can be reached."""
         if not self.sources:
             rows, columns = self.graph.clear.shape

@@ -22,11 +22,11 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT
 from worldgen.reach.still.walls import ExactPoint
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.ccall import check, pointer, writable
 
 MOST_TARGETS = 6
@@ -38,16 +38,13 @@ _PORTION = 20_000_000
 _HALF_BITS = 9
 _LIMB_BITS = 32
 
-Chain = npt.NDArray[np.int64]
-"""(n, 2) cells ix, iy in chain order; -1 and the grid's sides stand for cells just outside."""
-
 
 def find_chain(
-    solid: npt.NDArray[np.bool_],
+    solid: Bools,
     radius: Fraction,
     start: ExactPoint,
     targets: Sequence[ExactPoint],
-) -> Chain | None:
+) -> Ints | None:
     """Return a chain of cells that separates one clear pose from others, or None if there is none.
 
     Args:
@@ -56,6 +53,9 @@ def find_chain(
         start: A clear pose, 1/1024 cell.
         targets: One other pose, or up to :data:`MOST_TARGETS`, each of which can be separated from
             the start.
+
+    Returns:
+        (n, 2) cells ix, iy in chain order; -1 and the grid's sides stand for cells just outside.
     """
     whole, limbs, rest = _digits(radius, (start, *targets))
     held = np.ascontiguousarray(solid)
@@ -113,10 +113,10 @@ def refinement(radius: Fraction) -> int:
     return max(0, math.ceil(1 / (least * UNIT)) - 1).bit_length()
 
 
-def rim_cells(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+def rim_cells(solid: Bools) -> Bools:
     """Return a (height + 2, width + 2) bool array: solid cells with a free one next to them."""
     wide = np.pad(solid, 2, constant_values=True)
     free = ~wide
     rows = free[:-2] | free[1:-1] | free[2:]
-    rim: npt.NDArray[np.bool_] = wide[1:-1, 1:-1] & (rows[:, :-2] | rows[:, 1:-1] | rows[:, 2:])
+    rim: Bools = wide[1:-1, 1:-1] & (rows[:, :-2] | rows[:, 1:-1] | rows[:, 2:])
     return rim

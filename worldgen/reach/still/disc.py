@@ -12,8 +12,8 @@ import numpy as np
 
 from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT, in_cells
-from worldgen.reach.still.cut import Chain
 from worldgen.reach.still.walls import ExactPoint, Number, Point
+from worldgen.support.arrays import Ints
 from worldgen.support.ccall import check, pointer
 from worldgen.world import World
 
@@ -53,23 +53,23 @@ def lattice_centre(disc: Disc) -> Point | None:
     return centre if disc.holds(centre) else None
 
 
-def beyond(chain: Chain, start: ExactPoint, disc: Disc) -> bool:
+def beyond(chain: Ints, start: ExactPoint, disc: Disc) -> bool:
     """Return True if a chain separates a pose from a whole disc: its line stays outside the disc."""
     winds, away = _around(chain, (disc.x, disc.y), disc.radius)
     return away and winds != winds_around(chain, start)
 
 
-def parts(chain: Chain, start: ExactPoint, pose: ExactPoint) -> bool:
+def parts(chain: Ints, start: ExactPoint, pose: ExactPoint) -> bool:
     """Return True if a chain winds an odd number of times around exactly one of two poses."""
     return winds_around(chain, start) != winds_around(chain, pose)
 
 
-def winds_around(chain: Chain, pose: ExactPoint) -> bool:
+def winds_around(chain: Ints, pose: ExactPoint) -> bool:
     """Return True if a chain winds around a pose an odd number of times."""
     return _around(chain, pose, 0)[0]
 
 
-def widest_gap_sq(chain: Chain) -> int:
+def widest_gap_sq(chain: Ints) -> int:
     """Return the square of the widest gap between two neighbours of a closed chain, cells."""
     gap_sq: int = lib.wg_chain_gap_sq(pointer(ffi, chain, np.int64), len(chain))
     return gap_sq
@@ -89,7 +89,7 @@ def is_away(line: tuple[ExactPoint, ExactPoint], pose: ExactPoint, radius: Numbe
     return ux**2 + uy**2 > radius**2 < (pose[0] - qx) ** 2 + (pose[1] - qy) ** 2
 
 
-def _around(chain: Chain, pose: ExactPoint, radius: Number) -> tuple[bool, bool]:
+def _around(chain: Ints, pose: ExactPoint, radius: Number) -> tuple[bool, bool]:
     """Return True if a chain winds an odd number of times around a pose and stays outside a radius."""
     scale = math.lcm(pose[0].denominator, pose[1].denominator)
     finer = math.lcm(scale, radius.denominator)
@@ -112,7 +112,7 @@ def _around(chain: Chain, pose: ExactPoint, radius: Number) -> tuple[bool, bool]
     return _inside(lines, pose), all(is_away(line, pose, radius) for line in lines)
 
 
-def _chain_lines(chain: Chain) -> list[tuple[Point, Point]]:
+def _chain_lines(chain: Ints) -> list[tuple[Point, Point]]:
     """Return a chain as a closed line: each cell's centre, two closest points, the next centre."""
     half = _HALF
     corners: list[Point] = []

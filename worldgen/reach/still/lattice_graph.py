@@ -16,11 +16,11 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT
 from worldgen.reach.still.disc import Disc
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.ccall import check, pointer, writable
 
 # Nodes expanded between two checks for Ctrl-C: 0.2 s.
@@ -29,8 +29,6 @@ _PORTION = 2_000_000
 _MOST_STOPS = 16
 # Nodes that a flood fills in the time that a search needs to expand one.
 _LOOK = 32
-
-Ints = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -45,8 +43,8 @@ class Graph:
     """
 
     k: int
-    clear: npt.NDArray[np.bool_]
-    middle: npt.NDArray[np.bool_]
+    clear: Bools
+    middle: Bools
 
     @property
     def stride(self) -> int:
@@ -59,7 +57,7 @@ class Graph:
         return pointer(ffi, self.clear, np.bool_), pointer(ffi, self.middle, np.bool_)
 
 
-def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph:
+def build_graph(solid: Bools, radius: Fraction, k: int) -> Graph:
     """Return the graph of a grid for a disc of ``radius`` cells."""
     height, width = solid.shape
     shape = (k * height + 1, k * width + 1)
@@ -99,7 +97,7 @@ def touching_cells(a: int, b: int, m: int, radius: Fraction) -> list[tuple[int, 
     ]
 
 
-def nodes_within(disc: Disc, graph: Graph) -> npt.NDArray[np.int64]:
+def nodes_within(disc: Disc, graph: Graph) -> Ints:
     """Return the flat indices of the clear nodes in the target's disc."""
     rows, columns = graph.clear.shape
     scale = math.lcm(disc.x.denominator, disc.y.denominator, disc.radius.denominator)
@@ -192,7 +190,7 @@ def _advance(search: Any, most: int) -> int:
     return int(progress[0])
 
 
-def flood(graph: Graph, sources: Ints, stops: Ints | None = None) -> npt.NDArray[np.bool_]:
+def flood(graph: Graph, sources: Ints, stops: Ints | None = None) -> Bools:
     """Return which nodes, flat, can be reached by the eight steps from any of some clear ones.
 
     Args:

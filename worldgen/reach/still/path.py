@@ -7,14 +7,14 @@ import itertools
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT, exact
 from worldgen.reach.still.walls import ExactPoint, Number, Walls, segment_box_sq
+from worldgen.support.arrays import Bytes, Ints
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import Witness
 
@@ -22,8 +22,6 @@ from worldgen.world import Witness
 _PATIENCE = 6
 # Limit on failed straight lines per path; lower for long paths.
 _TESTS = 6_000
-
-Ints: TypeAlias = npt.NDArray[np.int64]
 
 
 def merge_straight(points: list[ExactPoint]) -> list[ExactPoint]:
@@ -92,7 +90,7 @@ def _as_read(x: Ints, y: Ints) -> tuple[Any, Any]:
     return pointer(ffi, x, np.int64), pointer(ffi, y, np.int64)
 
 
-def _whole_points(points: Sequence[ExactPoint]) -> tuple[Ints, Ints, npt.NDArray[np.uint8]]:
+def _whole_points(points: Sequence[ExactPoint]) -> tuple[Ints, Ints, Bytes]:
     """Return both coordinates in lu, rounded down.
 
     Also return whether they are integers, so that nothing was lost.

@@ -23,7 +23,7 @@ from worldgen.reach.decision import (
 )
 from worldgen.reach.still.coarse import FROM_CELLS, coarse_path
 from worldgen.reach.still.core_calls import ROUNDING, ask_still, points_of, witness_of
-from worldgen.reach.still.cut import MOST_TARGETS, Chain, find_chain
+from worldgen.reach.still.cut import MOST_TARGETS, find_chain
 from worldgen.reach.still.disc import Disc, beyond, lattice_centre, target_disc, widest_gap_sq
 from worldgen.reach.still.lattice_graph import Graph, build_graph, find_path, nodes_within
 from worldgen.reach.still.path import make_witness, root_up, shorten
@@ -32,6 +32,7 @@ from worldgen.reach.still.target_poses import deciding_poses
 from worldgen.reach.still.walls import Cell, ExactPoint, Walls
 from worldgen.reach.timed.earliest import find_timed_path, make_timed_witness, shorten_timed
 from worldgen.reach.timed.spans import ChangingWalls, Spans
+from worldgen.support.arrays import Ints
 from worldgen.support.ccall import check
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Witness, World
@@ -391,24 +392,24 @@ class _ReachQuery:
             "every pose in the target's disc is walled off, but no single ring was found",
         )
 
-    def _ringed(self, chain: Chain) -> Decision:
+    def _ringed(self, chain: Ints) -> Decision:
         reason = (
             f"a ring of {len(chain)} cells, with every gap narrower than the disc, separates "
             f"start and target"
         )
         return self._blocked(chain, self._stopped_sq(chain), reason)
 
-    def _chain(self, poses: Sequence[ExactPoint]) -> Chain | None:
+    def _chain(self, poses: Sequence[ExactPoint]) -> Ints | None:
         return find_chain(self.world.walls, self.walls.radius, self.start, poses)
 
-    def _stopped_sq(self, chain: Chain) -> Fraction | None:
+    def _stopped_sq(self, chain: Ints) -> Fraction | None:
         """Return the squared radius, cells, above which a chain stops every disc.
 
         Return None if that is only known for the robot's disc.
         """
         return Fraction(widest_gap_sq(chain), 4) if beyond(chain, self.start, self.disc) else None
 
-    def _blocked(self, chain: Chain | Cell, stopped_sq: Fraction | None, reason: str) -> Decision:
+    def _blocked(self, chain: Ints | Cell, stopped_sq: Fraction | None, reason: str) -> Decision:
         """Return the decision, with the cut and its clearance if requested.
 
         Args:

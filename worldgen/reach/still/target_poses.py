@@ -15,16 +15,16 @@ import itertools
 import math
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT
-from worldgen.reach.still.cut import Chain, rim_cells
+from worldgen.reach.still.cut import rim_cells
 from worldgen.reach.still.disc import Disc, winds_around
 from worldgen.reach.still.walls import Cell, ExactPoint, Walls
+from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.ccall import check, pointer
 
 # Margin, cells; floats, whose error is far smaller, only select candidates for the exact test.
@@ -38,8 +38,6 @@ _WORK = 100_000_000
 
 # Parts of a cell, and lengths in these; larger values overflow in C.
 _LONGEST = 2**61
-
-Floats: TypeAlias = npt.NDArray[np.float64]
 
 
 class _ExactPose(NamedTuple):
@@ -74,7 +72,7 @@ class DecidingPoses(Protocol):
     def __getitem__(self, index: int) -> ExactPoint:
         """Return a pose, lu; the error of irrational coordinates is below 2**-140."""
 
-    def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
+    def first_unparted(self, chain: Ints, start: ExactPoint, begin: int = 0) -> int:
         """Return the first pose, from an index on, that a chain does not separate from the start.
 
         Return the number of poses if there is none.
@@ -144,7 +142,7 @@ class _PosesOfC:
         lib.wg_poses_describe(self._poses, index, found)
         return _point(self._pose(found))
 
-    def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
+    def first_unparted(self, chain: Ints, start: ExactPoint, begin: int = 0) -> int:
         cells = pointer(ffi, chain, np.int64)
         return int(
             lib.wg_poses_next(self._poses, cells, len(chain), winds_around(chain, start), begin)
@@ -166,7 +164,7 @@ class _PosesOfC:
 class _PlainPoses(list[ExactPoint]):
     """Poses in fractions."""
 
-    def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
+    def first_unparted(self, chain: Ints, start: ExactPoint, begin: int = 0) -> int:
         odd = winds_around(chain, start)
         return next(
             (i for i in range(begin, len(self)) if winds_around(chain, self[i]) == odd), len(self)
@@ -294,7 +292,7 @@ def _approximate(pose: _ExactPose) -> tuple[float, float]:
     return float(pose.ax) + float(pose.bx) * root, float(pose.ay) + float(pose.by) * root
 
 
-def _almost_clear(walls: Walls, at: Floats) -> npt.NDArray[np.bool_]:
+def _almost_clear(walls: Walls, at: Floats) -> Bools:
     """Return a (n,) bool array: True for points (n, 2) that are clear, or nearly, in floats."""
     reach = math.ceil(walls.radius) + 1
     limit = max(0.0, float(walls.radius) - _SLACK)

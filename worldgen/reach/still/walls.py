@@ -13,10 +13,10 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen._core import ffi
 from worldgen.lattice import UNIT
+from worldgen.support.arrays import Bools, Bytes
 from worldgen.support.ccall import pointer
 
 # Grids up to this many cells are also kept as bytes, in which the next solid cell is found fastest.
@@ -48,7 +48,7 @@ class Walls:
         radius: Radius of the disc, cells.
     """
 
-    def __init__(self, solid: npt.NDArray[np.bool_], radius: Fraction) -> None:
+    def __init__(self, solid: Bools, radius: Fraction) -> None:
         self.solid = solid
         self.height, self.width = solid.shape
         self.radius = radius
@@ -74,7 +74,7 @@ class Walls:
         return described_disc(self.radius)
 
     @functools.cached_property
-    def cells(self) -> npt.NDArray[np.uint8]:
+    def cells(self) -> Bytes:
         """(height + 2, width + 2) uint8, 1 is solid: the grid and the ring around it."""
         cells = np.ones((self.height + 2, self.width + 2), np.uint8)
         cells[1:-1, 1:-1] = self.solid

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen._core import ffi, lib
 from worldgen.lattice import exact, in_cells
@@ -21,6 +20,7 @@ from worldgen.reach.confinement import NEVER_ENDS, Confinement
 from worldgen.reach.still.walls import Cell
 from worldgen.reach.timed.intervals import CellSpans, Intervals, safe_intervals
 from worldgen.reach.timed.spans import FOREVER, Spans
+from worldgen.support.arrays import Bools, Bytes, Floats, Ints
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import World
 
@@ -28,9 +28,6 @@ from worldgen.world import World
 _PORTION = 200_000
 # Tiles; distances are reduced by this much, and by less in the checker.
 _SLACK = 1e-6
-
-Ints = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -114,9 +111,7 @@ def _covering(radius: Fraction, k: int) -> list[list[Cell]]:
     ]
 
 
-def _alive(
-    fixed: npt.NDArray[np.bool_], classes: list[list[Cell]], k: int
-) -> npt.NDArray[np.bool_]:
+def _alive(fixed: Bools, classes: list[list[Cell]], k: int) -> Bools:
     """Return a (k * height, k * width) bool array: tiles that no permanently solid cell covers."""
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0)
     solid = np.pad(fixed, pad, constant_values=True)
@@ -197,9 +192,7 @@ class _States:
         self.high = np.minimum(self.high, np.clip(slabs, -1.0, 2.0**60).astype(np.int64)[self.tile])
 
 
-def _spread(
-    states: _States, shape: tuple[int, ...], start: Cell, goal: npt.NDArray[np.bool_]
-) -> tuple[Ints, int]:
+def _spread(states: _States, shape: tuple[int, ...], start: Cell, goal: Bools) -> tuple[Ints, int]:
     """Return the slab in which each state is first reached, -1 for never.
 
     Also return the slab in which the goal is reached, if it is.
@@ -219,7 +212,7 @@ def _spread(
 
 
 def _spread_out(
-    states: _States, shape: tuple[int, ...], goal: npt.NDArray[np.uint8], sources: list[int]
+    states: _States, shape: tuple[int, ...], goal: Bytes, sources: list[int]
 ) -> tuple[Ints, int]:
     """Return the same, starting with the states in which the robot may be at first."""
     came: Ints = np.full(len(states.tile), -1, np.int64)

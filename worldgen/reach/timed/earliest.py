@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen._core import ffi, lib
 from worldgen.lattice import UNIT, exact
@@ -26,6 +25,7 @@ from worldgen.reach.still.path import metres, root_down, travel_ticks
 from worldgen.reach.still.walls import ExactPoint, Point
 from worldgen.reach.timed.intervals import Intervals, safe_intervals, touching
 from worldgen.reach.timed.spans import FOREVER, MARGIN, ChangingWalls
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import Witness, World
 
@@ -35,8 +35,6 @@ _LOOK_AHEAD = 24
 _TESTS = 20_000
 # Queue entries between two checks for Ctrl-C.
 _PORTION = 200_000
-
-Ints = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -161,9 +159,7 @@ def make_timed_witness(world: World, walls: ChangingWalls, path: TimedPath) -> W
     )
 
 
-def nodes_round(
-    start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int
-) -> list[tuple[int, Point]]:
+def nodes_round(start: ExactPoint, clear: Bools, unit: int) -> list[tuple[int, Point]]:
     """Return the start's node, or the nodes around the start."""
     x, y = start
     exactly = x % unit == 0 and y % unit == 0

@@ -11,23 +11,21 @@ from fractions import Fraction
 from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen._core import ffi, lib
 from worldgen.reach.still.lattice_graph import touching_cells
 from worldgen.reach.still.walls import Cell
+from worldgen.support.arrays import Bools, Ints
 from worldgen.support.ccall import check, pointer, writable
 
 # Points between two checks for Ctrl-C.
 _PORTION = 2_000_000
 
-Ints = npt.NDArray[np.int64]
-
 
 class Blocked(Protocol):
     """The spans in which each changing cell is blocked, as in :class:`Spans`."""
 
-    changing: npt.NDArray[np.bool_]
+    changing: Bools
     first: Ints
     begin: Ints
     end: Ints
@@ -44,7 +42,7 @@ class CellSpans:
         end: (n,) int64, ticks.
     """
 
-    changing: npt.NDArray[np.bool_]
+    changing: Bools
     first: Ints
     begin: Ints
     end: Ints
@@ -74,9 +72,7 @@ def touching(radius: Fraction, k: int, half: int) -> list[list[Cell]]:
     ]
 
 
-def safe_intervals(
-    clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
-) -> Intervals:
+def safe_intervals(clear: Bools, spans: Blocked, classes: Sequence[Sequence[Cell]]) -> Intervals:
     """Find the times at which the points of a raster are safe.
 
     Args:
@@ -102,9 +98,7 @@ def safe_intervals(
     return Intervals(first, begins, ends)
 
 
-def _described(
-    clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
-) -> tuple[Any, Any]:
+def _described(clear: Bools, spans: Blocked, classes: Sequence[Sequence[Cell]]) -> tuple[Any, Any]:
     """Return points and spans in the form that C reads, and the arrays that must outlive them."""
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0) + 1
     cells = np.pad(spans.changing, pad)

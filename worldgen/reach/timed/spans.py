@@ -9,11 +9,11 @@ import math
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.lattice import UNIT, exact
 from worldgen.reach.still.path import ticks_per_second
 from worldgen.reach.still.walls import Cell, ExactPoint, Number, Walls, segment_box_sq
+from worldgen.support.arrays import Bools, Ints
 from worldgen.timeline import CellState
 from worldgen.world import World
 
@@ -23,8 +23,6 @@ FOREVER = 2**60
 MARGIN = 2
 # Ticks up to which a float stores an event's time to a fraction of a tick.
 _LAST = 2.0**50
-
-Ints = npt.NDArray[np.int64]
 
 
 class Spans:
@@ -92,13 +90,13 @@ class Spans:
         )
         self.end = self.end.astype(np.int64)
         self.changing = world.changing_cells
-        self.fixed: npt.NDArray[np.bool_] = world.walls & ~self.changing
+        self.fixed: Bools = world.walls & ~self.changing
         self.at_start = self.fixed | self._raster(world, cell[since == 0])
         self.always = self.fixed | self._raster(world, cell[(since == 0) & (until == math.inf)])
         self.ever = self.fixed | self._raster(world, cell)
 
     @staticmethod
-    def _raster(world: World, places: Ints) -> npt.NDArray[np.bool_]:
+    def _raster(world: World, places: Ints) -> Bools:
         raster = np.zeros(world.walls.size, np.bool_)
         raster[places] = True
         return raster.reshape(world.walls.shape)

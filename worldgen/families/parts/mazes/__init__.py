@@ -14,7 +14,6 @@ from worldgen.families.parts.mazes.board import (
     ROCK,
     ROOT,
     Links,
-    Mask,
     open_sides,
     ways_out,
 )
@@ -40,7 +39,6 @@ __all__ = [
     "ROOT",
     "Algorithm",
     "Links",
-    "Mask",
     "Shape",
     "braid_ends",
     "carve_rooms",

@@ -16,11 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen import _core
+from worldgen.support.arrays import Bools
 
 Links: TypeAlias = npt.NDArray[np.int8]
 """(rows, columns): the bits EAST, NORTH, CORNER and ROCK of each chamber."""
-Mask: TypeAlias = npt.NDArray[np.bool_]
-"""(rows, columns): True where there is a chamber."""
 
 _lib = _core.lib
 
@@ -43,7 +42,7 @@ def links_of_parents(tree: npt.NDArray[np.int8]) -> Links:
     return links
 
 
-def open_sides(links: Links) -> npt.NDArray[np.bool_]:
+def open_sides(links: Links) -> Bools:
     """Return which neighbours each chamber is open to.
 
     Returns:

@@ -13,8 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen import _core
-from worldgen.families.parts.mazes.board import Links, Mask, links_of_parents
+from worldgen.families.parts.mazes.board import Links, links_of_parents
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools, Ints, Words
 from worldgen.support.ccall import check, pointer, writable
 
 Algorithm: TypeAlias = Literal[
@@ -91,7 +92,7 @@ _DRAW_FROM_THE_STREAM_ITSELF = ("wilson", "backtracker")
 
 
 def grow(
-    rng: RandomStream, mask: Mask, algorithm: str, *, newest: float = 0.5, oldest: float = 0.0
+    rng: RandomStream, mask: Bools, algorithm: str, *, newest: float = 0.5, oldest: float = 0.0
 ) -> Links:
     """Return a random maze without loops in a connected shape.
 
@@ -124,7 +125,7 @@ def winding_tree(rng: RandomStream, columns: int, rows: int) -> npt.NDArray[np.i
     return _grown(rng, np.ones((rows, columns), np.bool_), "backtracker", 0.0, 0.0)
 
 
-def pitch(widths: list[int], wall: int) -> npt.NDArray[np.int64]:
+def pitch(widths: list[int], wall: int) -> Ints:
     """Return the width of each strip of a plan, in cells.
 
     The strips are border, chamber, wall, chamber, ..., chamber, border.
@@ -135,9 +136,7 @@ def pitch(widths: list[int], wall: int) -> npt.NDArray[np.int64]:
     return strips
 
 
-def cells_of(
-    links: Links, across: npt.NDArray[np.int64], up: npt.NDArray[np.int64]
-) -> npt.NDArray[np.bool_]:
+def cells_of(links: Links, across: Ints, up: Ints) -> Bools:
     """Return chambers, walls and border as cells, True is solid.
 
     Args:
@@ -160,7 +159,7 @@ def cells_of(
 
 
 def _grown(
-    rng: RandomStream, mask: Mask, algorithm: str, newest: float, oldest: float
+    rng: RandomStream, mask: Bools, algorithm: str, newest: float, oldest: float
 ) -> npt.NDArray[np.int8]:
     """Run an algorithm to its end, and return the board's chambers as a (rows, columns) view."""
     method = METHODS[algorithm]
@@ -193,9 +192,7 @@ def _grown(
     return board[1:-1, 1:-1]
 
 
-def _edge_keys(
-    maze: Any, words: npt.NDArray[np.uint64], board: npt.NDArray[np.int8]
-) -> npt.NDArray[np.uint64]:
+def _edge_keys(maze: Any, words: Words, board: npt.NDArray[np.int8]) -> Words:
     """Return the keys of all edges between chambers, in ascending order of their random weights."""
     ffi = _core.ffi
     lib = _core.lib

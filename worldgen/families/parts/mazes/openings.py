@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.layout import STEPS
-from worldgen.families.parts.mazes.board import CORNER, EAST, NORTH, ROCK, Links, Mask, open_sides
+from worldgen.families.parts.mazes.board import CORNER, EAST, NORTH, ROCK, Links, open_sides
 from worldgen.random_streams import RandomStream
+from worldgen.support.arrays import Bools
 
 # Chambers per side of a plot: a room of 2 x 2, and one more that separates it from the next room.
 LEAST_PLOT = 3
@@ -45,7 +45,7 @@ def braid_ends(rng: RandomStream, links: Links, share: float) -> None:
         links[min(row, row + dy), min(column, column + dx)] |= NORTH if dy else EAST
 
 
-def _sides_within(mask: Mask) -> npt.NDArray[np.bool_]:
+def _sides_within(mask: Bools) -> Bools:
     """Return which sides of each chamber have a neighbour: (rows, columns, 4) bool."""
     links = np.zeros(mask.shape, dtype=np.int8)
     links[:, :-1] = (mask[:, :-1] & mask[:, 1:]) * EAST
@@ -53,7 +53,7 @@ def _sides_within(mask: Mask) -> npt.NDArray[np.bool_]:
     return open_sides(links)
 
 
-def carve_rooms(rng: RandomStream, links: Links, mask: Mask, count: int) -> None:
+def carve_rooms(rng: RandomStream, links: Links, mask: Bools, count: int) -> None:
     """Remove the walls inside rectangles of chambers, in place; no two rectangles touch.
 
     The chambers are divided into square plots, as large as possible if ``count`` of them must be
@@ -93,7 +93,7 @@ def carve_rooms(rng: RandomStream, links: Links, mask: Mask, count: int) -> None
         links[y : y + height - 1, x : x + width - 1] |= CORNER
 
 
-def _plots(mask: Mask, side: int) -> list[tuple[int, int]]:
+def _plots(mask: Bools, side: int) -> list[tuple[int, int]]:
     """Return the row and column of the lower left chamber of each plot inside the maze."""
     rows, columns = (length // side for length in mask.shape)
     whole = (

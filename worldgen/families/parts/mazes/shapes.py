@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from worldgen.errors import InvalidParameter
-from worldgen.families.parts.mazes.board import Mask
+from worldgen.support.arrays import Bools
 
 Shape: TypeAlias = Literal["square", "disc", "ring", "cross", "diamond"]
 
@@ -16,7 +16,7 @@ Shape: TypeAlias = Literal["square", "disc", "ring", "cross", "diamond"]
 LEAST = {"square": 2, "disc": 4, "ring": 6, "cross": 6, "diamond": 4}
 
 
-def shape_mask(shape: str, side: int) -> Mask:
+def shape_mask(shape: str, side: int) -> Bools:
     """Return where a maze of a shape has chambers: (side, side) bool.
 
     Raises:
@@ -36,7 +36,7 @@ def shape_mask(shape: str, side: int) -> Mask:
     across = doubled[np.newaxis, :]
     up = doubled[:, np.newaxis]
     from_middle_sq = across**2 + up**2
-    mask: Mask = np.ones((side, side), dtype=np.bool_)
+    mask: Bools = np.ones((side, side), dtype=np.bool_)
     if shape in ("disc", "ring"):
         mask &= from_middle_sq <= side**2
     if shape == "ring":
