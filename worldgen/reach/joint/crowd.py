@@ -57,19 +57,16 @@ class Crowd:
         if question is None:
             return False
         distances = np.empty(question.distances.shape[1], np.int32)
-        approach = self._ground.approach(robot, question.world.cell_size, distances)
-        if not approach.nodes:
-            return False
-        ends = RobotEnds(approach.start, approach.nodes[0], approach.goal)
-        if not self._leg_fits(ends):
+        ends = self._ground.ends(robot, question.world.cell_size, distances)
+        if not ends.nodes or not self._leg_fits(ends):
             return False
         # Search for a path, and keep the robot only if there is one.
         described = ffi.new("WgJointRobot *")
         described.number = len(self.robots)
         described.start = ends.node
         described.distances = pointer(ffi, distances, np.int32)
-        described.crossings = pointer(ffi, approach.crossings, np.int64)
-        described.crossing_count = len(approach.crossings)
+        described.crossings = pointer(ffi, ends.crossings, np.int64)
+        described.crossing_count = len(ends.crossings)
         found = ffi.new("int64_t *")
         check(lib.wg_joint_order_add(self._order, described, _MOST_STATES, found))
         if found[0]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -38,13 +38,21 @@ class RobotEnds:
 
     Args:
         start: Where it starts, lu.
-        node: The node that it goes to first.
+        nodes: The nodes that it can go to from there, the nearest first; of a question, the chosen
+            one.
         goal: Where it ends, lu; None if it ends at a node.
+        crossings: (n,) int64, the steps across its target; see :func:`crossing_steps`.
     """
 
     start: ExactPoint
-    node: int
+    nodes: list[int]
     goal: ExactPoint | None
+    crossings: Ints
+
+    @property
+    def node(self) -> int:
+        """The node that it goes to first."""
+        return self.nodes[0]
 
 
 @dataclass(frozen=True)
@@ -60,8 +68,6 @@ class JointQuestion:
         tick: Time units in which every robot can take any step.
         ends: Starts and goals of the robots.
         distances: (robots, nodes) int32.
-        crossings: Of each robot, (n,) int64: the steps across its target; see
-            :func:`crossing_steps`.
     """
 
     world: World
@@ -72,7 +78,6 @@ class JointQuestion:
     tick: int
     ends: list[RobotEnds]
     distances: npt.NDArray[np.int32]
-    crossings: list[Ints]
 
     @property
     def stride(self) -> int:
@@ -103,6 +108,7 @@ class JointQuestion:
         if self.has_first_leg:  # the first tick is over when the search begins
             raster_of = np.ascontiguousarray(raster_of[min(1, len(raster_of) - 1) :])
         starts = np.array([end.node for end in self.ends], np.int64)
+        crossings = [end.crossings for end in self.ends]
         rows, columns = self.rasters.clear.shape[-2:]
         # Keep the arrays alive as long as the question.
         held = [
@@ -113,8 +119,8 @@ class JointQuestion:
             pointer(ffi, limits, np.int64),
             pointer(ffi, starts, np.int64),
             pointer(ffi, self.distances, np.int32),
-            pointer(ffi, np.cumsum([0, *map(len, self.crossings)]), np.int64),
-            pointer(ffi, np.concatenate(self.crossings), np.int64),
+            pointer(ffi, np.cumsum([0, *map(len, crossings)]), np.int64),
+            pointer(ffi, np.concatenate(crossings), np.int64),
         ]
         # Fill in the struct.
         made = ffi.new("WgJoint *")
@@ -174,42 +180,15 @@ def joint_question(
     # Starts and goals, each with the nodes next to it.
     grounds = [Ground(rasters, which, of_class) for which, of_class in enumerate(classes)]
     distances = np.empty((len(robots), rasters.clear.shape[-2] * rasters.clear.shape[-1]), np.int32)
-    approaches = []
-    for robot, of_robot, row in zip(robots, radii, distances, strict=True):
-        ground = grounds[classes.index(of_robot)]
-        approaches.append(ground.approach(robot, size, row))
-    chosen = _choose_nodes(
-        [approach.nodes for approach in approaches],
-        [approach.start for approach in approaches],
-        radii,
-        k,
-        rasters.clear.shape[-1],
-    )
+    ends = [
+        grounds[classes.index(of_robot)].ends(robot, size, row)
+        for robot, of_robot, row in zip(robots, radii, distances, strict=True)
+    ]
+    chosen = _choose_nodes(ends, radii, k, rasters.clear.shape[-1])
     if chosen is None:
         return None
-    ends = [
-        RobotEnds(approach.start, node, approach.goal)
-        for approach, node in zip(approaches, chosen, strict=True)
-    ]
-    crossings = [approach.crossings for approach in approaches]
-    return JointQuestion(world, radii, rasters, spans, ticks, tick, ends, distances, crossings)
-
-
-@dataclass(frozen=True)
-class Approach:
-    """The ways of one robot onto the nodes and off again.
-
-    Args:
-        start: Where it starts, lu.
-        nodes: The nodes that it can go to from there, the nearest first.
-        goal: Where it ends, lu; None if it ends at a node.
-        crossings: The steps across its target.
-    """
-
-    start: ExactPoint
-    nodes: list[int]
-    goal: ExactPoint | None
-    crossings: Ints
+    ends = [replace(end, nodes=[node]) for end, node in zip(ends, chosen, strict=True)]
+    return JointQuestion(world, radii, rasters, spans, ticks, tick, ends, distances)
 
 
 class Ground:
@@ -227,7 +206,7 @@ class Ground:
         self._ever = rasters.ever(which)
         self._ever_walls = Walls(rasters.ever_blocked, radius)
 
-    def approach(self, robot: Robot, size: float, distances: npt.NDArray[np.int32]) -> Approach:
+    def ends(self, robot: Robot, size: float, distances: npt.NDArray[np.int32]) -> RobotEnds:
         """Return how a robot gets onto the nodes, and fill in their distances from its target.
 
         Args:
@@ -243,7 +222,9 @@ class Ground:
         _fill_distances(self._ever, flags, distances)
         crossings = crossing_steps(disc, self._ever.k, self._ever.stride)
         nodes = _before_parking(nodes, start, disc, self._ever)
-        return Approach(start, _nearest_first(nodes, start, self._ever, distances), goal, crossings)
+        return RobotEnds(
+            start, _nearest_first(nodes, start, self._ever, distances), goal, crossings
+        )
 
 
 def crossing_steps(disc: Disc, k: int, stride: int) -> Ints:
@@ -332,31 +313,31 @@ def _nearest_first(
 
 
 def _choose_nodes(
-    options: list[list[int]], starts: list[ExactPoint], radii: list[Fraction], k: int, stride: int
+    ends: list[RobotEnds], radii: list[Fraction], k: int, stride: int
 ) -> list[int] | None:
     """Choose a node for each robot so that all can go there at once, straight from their starts."""
     # Try the nodes of each robot in turn, and backtrack if none fits.
     unit = UNIT // k
     chosen: list[int] = []
-    tried = [0] * (len(options) + 1)
+    tried = [0] * (len(ends) + 1)
     looked = 0
-    while len(chosen) < len(options):
+    while len(chosen) < len(ends):
         robot = len(chosen)
-        if tried[robot] == len(options[robot]) or looked > _MOST_CHOICES:
+        if tried[robot] == len(ends[robot].nodes) or looked > _MOST_CHOICES:
             if not chosen or looked > _MOST_CHOICES:
                 return None
             tried[robot] = 0
             chosen.pop()
             continue
-        node = options[robot][tried[robot]]
+        node = ends[robot].nodes[tried[robot]]
         tried[robot] += 1
         looked += 1
         # The robot's first leg must stay clear of the legs chosen before.
-        move = (starts[robot], (node % stride * unit, node // stride * unit))
+        move = (ends[robot].start, (node % stride * unit, node // stride * unit))
         fits = True
         for other, there in enumerate(chosen):
             apart_sq = ((radii[robot] + radii[other]) * UNIT) ** 2
-            path = (starts[other], (there % stride * unit, there // stride * unit))
+            path = (ends[other].start, (there % stride * unit, there // stride * unit))
             if not stay_apart(move, path, apart_sq):
                 fits = False
                 break
