@@ -17,7 +17,7 @@ begin.
   step of twenty.
 
 Peers do different things: MiniGrid, NAVIX and FrozenLake move on grids, CartPole is a formula;
-    envpool's PointMaze moves a ball among walls with MuJoCo.
+envpool's PointMaze moves a ball among walls with MuJoCo.
 """
 
 from __future__ import annotations

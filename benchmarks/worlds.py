@@ -15,10 +15,10 @@ without compilation.
 - ``start``: seconds from the command line.
 
 Peers of the proof look at whole cells: walls are inflated by the radius (scipy's exact distance
-    transform, from cell to cell), and the rest is labelled (scipy) or searched (tcod). That is
-    faster, but a different question: the robot is in the middle of a cell, so a passage of two
-    cells stops a disc of 1.4. ``agrees`` says whether the peer's answer was the true one. A peer
-    that is not installed is named.
+transform, from cell to cell), and the rest is labelled (scipy) or searched (tcod). That is faster,
+but a different question: the robot is in the middle of a cell, so a passage of two cells stops a
+disc of 1.4. ``agrees`` says whether the peer's answer was the true one. A peer that is not
+installed is named.
 """
 
 from __future__ import annotations

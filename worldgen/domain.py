@@ -78,7 +78,7 @@ def number_fault(name: str, value: float, limits: tuple[float, float], unit: str
     return Message(
         "out-of-range",
         "{name}={value!n}{unit!u} is outside {low!n} to {high!n}{unit!u}",
-        "give one between",
+        "use one between",
         name=name,
         value=value,
         low=low,

@@ -53,7 +53,7 @@ __all__ = [
 Build = Callable[..., World]
 
 MAX_ATTEMPTS = 64  # layouts tried per seed before the parameters are called unsolvable
-MAX_PLACEMENTS = 4  # of the robots, tried in each layout
+MAX_PLACEMENTS = 4  # placements of the robots to try in each layout
 # Layouts tried for several robots. In the first ones passages are as narrow as for one robot, so
 # that robots have to make way for each other; in those after that, two robots can pass.
 MAX_NARROW_ATTEMPTS = 3
@@ -519,7 +519,7 @@ class FamilyRegistry(Registry[Family]):
             raise InvalidParameter(
                 "other-recipe",
                 "{name}: its recipe belongs to {other}",
-                "name that family, or give the other recipe",
+                "name that family, or use the other recipe",
                 name=name,
                 other=other,
             )

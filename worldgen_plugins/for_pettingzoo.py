@@ -247,7 +247,7 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
             raise InvalidParameter(
                 "wrong-number-of-robots",
                 "a world has {count} robots, and the environment began with {expected}",
-                "give worlds with the same number of robots",
+                "use worlds with the same number of robots",
                 count=count,
                 expected=len(self.possible_agents),
             )

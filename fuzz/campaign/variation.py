@@ -67,7 +67,7 @@ class Variation:
                 unit = _OF_THE_ROBOT[self.name]
                 raise InvalidParameter(
                     "out-of-range",
-                    "{option} {name}={value}: give {unit} above 0 and below a million",
+                    "{option} {name}={value}: use {unit} above 0 and below a million",
                     option=_OPTION,
                     name=self.name,
                     value=value,

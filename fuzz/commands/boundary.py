@@ -116,7 +116,7 @@ def _subject(
     failure = Failure.found_in(world)
     if failure is None:
         raise click.UsageError(
-            f"{path} does not hold a failure that names a controller; give --controller NAME"
+            f"{path} does not hold a failure that names a controller; use --controller NAME"
         )
     return Subject(failure.world, failure.scenario)
 

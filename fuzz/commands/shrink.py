@@ -97,7 +97,7 @@ def shrink(
     from worldgen.files.whole import check_output
 
     if as_snippet and as_json:
-        raise click.UsageError("--snippet and --json both choose what to print; give one of them")
+        raise click.UsageError("--snippet and --json both choose what to print; use one of them")
     target = out
     # With --snippet, the test contains the world, so write a file only if one is named.
     if target is None and not as_snippet:

@@ -309,7 +309,7 @@ def _parse_range(text: str, time_step: float) -> tuple[float | None, float | Non
         raise InvalidParameter(
             "no-steps-left",
             "no number of steps matches {steps!r}",
-            "give at least 1, and the smaller number first",
+            "use at least 1, with the smaller number first",
             steps=text[:40],
         )
     return low, high

@@ -60,7 +60,7 @@ class Screening:
     """Screening runs in many worlds; every array is of shape (n,).
 
     If the flood found no path to the target, nothing was simulated: ``ran`` is False there, and
-        only ``layout`` has a meaning.
+    only ``layout`` has a meaning.
 
     Args:
         layouts: (n, LAYOUT_BYTES or SCENE_BYTES) uint8.
@@ -290,7 +290,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
         raise InvalidParameter(
             "wrong-shape",
             "the layouts have shape {shape} and type {dtype}",
-            "give uint8 with {narrow} or {wide} bytes per row",
+            "use uint8 with {narrow} or {wide} bytes per row",
             shape=layouts.shape,
             dtype=layouts.dtype,
             narrow=widths[0],
@@ -313,7 +313,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
         raise InvalidParameter(
             "out-of-range",
             "budget={budget!r} is outside 1 to {most} steps",
-            "give one between",
+            "use one between",
             budget=budget,
             most=MAX_STEPS,
         )
@@ -322,7 +322,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
             "robot-larger-than-cell",
             "robot_radius={robot_radius:g} m is more than a cell of {cell_size:g} m, and native "
             "search finds no paths for such robots",
-            "give a smaller one, or use another strategy",
+            "use a smaller one, or use another strategy",
             robot_radius=robot["robot_radius"],
             cell_size=DEFAULT_CELL_SIZE,
         )
@@ -338,7 +338,7 @@ def _spread(values: Any, count: int, name: str) -> Any:
         raise InvalidParameter(
             "wrong-shape",
             "{name} has shape {shape}, but there are {count} layouts",
-            "give one per layout, or one for all",
+            "use one per layout, or one for all",
             name=name,
             shape=values.shape,
             count=count,

@@ -33,7 +33,7 @@ _WANTED = {
 }
 
 _AT_ONCE = 256  # edits in one call of the core
-_MOST_CELLS = 1_000_000  # of a world that is screened: the flood takes 36 bytes per cell
+_MOST_CELLS = 1_000_000  # limit for screening a world: the flood takes 36 bytes per cell
 
 
 class Trying:

@@ -36,7 +36,7 @@ from worldgen.files.worlds import is_world_file
 
 __all__ = ["WallAnswers"]
 
-_MOST_STEPS = 200_000  # of a run in a picture; the Play page shows longer ones
+_MOST_STEPS = 200_000  # longest run drawn in a picture; the Play page shows longer ones
 
 _TOLD = 500  # files between progress reports
 
@@ -235,7 +235,8 @@ class WallAnswers(Opened):
                     continue
                 if facts is not None:
                     found.append(CorpusEntry(place, facts))
-        except FormatError as error:  # of the archive; the entries read so far are sound
+        # the archive is damaged, but the entries read so far are sound
+        except FormatError as error:
             faults.append(self.folder.refusal(error))
         return found
 

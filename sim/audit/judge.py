@@ -93,7 +93,7 @@ class Trajectory:
             return -1, Message(
                 "too-few-samples",
                 "a trajectory needs at least two samples, not {count}",
-                "give more",
+                "use more",
                 count=len(times),
             )
         for name, values, most in (("t", times, _LATEST), ("x", x, _FURTHEST), ("y", y, _FURTHEST)):
@@ -246,7 +246,7 @@ def _check(name: str, value: float, least: float) -> None:
         raise InvalidParameter(
             "out-of-range",
             "{name}={value} m is out of range",
-            "give metres, at least {least:g}",
+            "use metres, at least {least:g}",
             name=name,
             value=value,
             least=least,
@@ -259,7 +259,7 @@ def _check_places(trajectory: Trajectory, size: float) -> None:
         raise InvalidParameter(
             "out-of-range",
             "sample {sample} is more than 1e9 cells of {cell_size:g} m away",
-            "give metres",
+            "use metres",
             sample=far[0],
             cell_size=size,
         )

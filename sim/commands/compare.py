@@ -123,7 +123,7 @@ def compare(
     check_out("--picture", picture, ".png", force=force)
     check_out("--csv", table, force=force)
     if table is not None and picture is not None and table.resolve() == picture.resolve():
-        raise click.UsageError(f"--csv and --picture both name {table}; give two names")
+        raise click.UsageError(f"--csv and --picture both name {table}; use two names")
     # Read the figures, the controllers and the worlds.
     figures = _figures(paths, against)
     scenarios = _scenarios(controllers, _motion(motion, figures), time_step, seed)
@@ -201,7 +201,7 @@ def _scenarios(
                 "assigned-robot",
                 "{text!r} assigns a controller to one robot, but compare drives all robots of a "
                 "world with the same controller",
-                "give {name}; worldgen run can assign controllers",
+                "use {name}; worldgen run can assign controllers",
                 at_terminal=True,
                 text=text,
                 name=name,

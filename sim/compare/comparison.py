@@ -338,7 +338,7 @@ def compare(
     """
     if not worlds or not scenarios:
         raise InvalidParameter(
-            "nothing-given", "nothing to compare", "give at least one world and one controller"
+            "nothing-given", "nothing to compare", "use at least one world and one controller"
         )
     if not 1 <= seeds <= MAX_SEEDS:
         raise InvalidParameter(

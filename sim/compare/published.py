@@ -162,7 +162,7 @@ def _figure(
         raise FormatError(
             "wrong-count",
             "{count} fields, but the header has {wanted}",
-            "give as many",
+            "use as many",
             count=len(row),
             wanted=len(header),
             line=line,
@@ -195,7 +195,7 @@ def _figure(
         raise FormatError(
             "time-missing",
             "the verdict is reached, but there is no time",
-            "give seconds, or the verdict never",
+            "use seconds, or the verdict never",
             line=line,
             source=source,
         )

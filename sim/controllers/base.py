@@ -262,7 +262,7 @@ class CompiledController:
             raise InvalidParameter(
                 "out-of-range",
                 "controller {name!r} has start_speed={speed!r}",
-                "give m/s, 0 or more, or inf for the top speed",
+                "use m/s, 0 or more, or inf for the top speed",
                 name=self.name,
                 speed=speed,
             )

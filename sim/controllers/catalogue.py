@@ -142,7 +142,7 @@ class ControllerRegistry(Registry[Controller]):
             raise InvalidParameter(
                 "other-controller",
                 "{path} holds what {other!r} learned, not {controller!r}",
-                "name a file that `worldgen train` wrote for it",
+                "choose a file that `worldgen train` wrote for it",
                 at_terminal=True,
                 path=path,
                 other=learned.controller,

@@ -120,7 +120,7 @@ class FleetRun:
             )
             for number, (controller, one) in enumerate(zip(self.controllers, options, strict=True))
         ]
-        self._words = 0  # of all robots' states, once a run has shown how large they are
+        self._words = 0  # words of all robots' states; known after a run
         self._place_robots()
 
     def _place_robots(self) -> None:

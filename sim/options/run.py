@@ -114,7 +114,7 @@ class RunOptions:
                 raise InvalidParameter(
                     "wrong-type",
                     "{name}={value} is not {wanted}",
-                    "give one",
+                    "use one",
                     name=name,
                     value=quote(getattr(self, name)),
                     wanted=wanted,
@@ -217,7 +217,7 @@ def check_recordable(steps: int) -> None:
             "run-too-long",
             "this run takes {steps} steps, and at most {most} can be recorded to show or prove "
             "them",
-            "give a smaller --steps",
+            "use a smaller --steps",
             at_terminal=True,
             steps=steps,
             most=MAX_RECORDED,
@@ -242,7 +242,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         raise InvalidParameter(
             "step-too-long",
             f"{moves}, and at most {{most}} can be simulated",
-            "give a shorter --time-step",
+            "use a shorter --time-step",
             at_terminal=True,
             **facts,
             most=_LONGEST_STEP,
@@ -251,7 +251,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         raise InvalidParameter(
             "step-too-short",
             f"{moves}, less than the smallest step of {{least}} cell",
-            "give a longer --time-step",
+            "use a longer --time-step",
             at_terminal=True,
             **facts,
             least=str(shortest),
@@ -322,12 +322,12 @@ def options_from(
         raise InvalidParameter(
             "wrong-type",
             "{options!r} is not RunOptions",
-            "give this object, or single settings: steps=3000, seed=3",
+            "use this object, or single settings: steps=3000, seed=3",
             options=options,
         )
     if settings:
         raise InvalidParameter(
-            "options-given-twice", "give options or {settings!l}, not both", settings=list(settings)
+            "options-given-twice", "use options or {settings!l}, not both", settings=list(settings)
         )
     return options
 
@@ -341,7 +341,7 @@ def check_world(world: object) -> World:
     if isinstance(world, World):
         return world
     is_path = isinstance(world, str | Path)
-    way = "read it: worldgen.read_world({path!r})" if is_path else "give a World"
+    way = "read it: worldgen.read_world({path!r})" if is_path else "use a World"
     raise InvalidParameter(
         "wrong-type", "{world} is not a world", way, world=quote(world), path=str(world)
     )
@@ -369,7 +369,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
         raise InvalidParameter(
             "wrong-type",
             "starts={starts} is not a list",
-            "give a list of poses",
+            "use a list of poses",
             starts=quote(starts),
         )
     poses = tuple(starts)
@@ -381,7 +381,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
             raise InvalidParameter(
                 "not-a-pose",
                 "start {pose} is not a pose of finite numbers",
-                "give one such as Pose(0.35, 0.35, 0.0)",
+                "use one such as Pose(0.35, 0.35, 0.0)",
                 pose=quote(pose),
             )
     return poses
@@ -408,7 +408,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
         raise InvalidParameter(
             "not-a-whole-number",
             "{name}={value} is not a whole number",
-            "give one from {low} to {high}",
+            "use one from {low} to {high}",
             name=name,
             value=quote(value),
             low=low,
@@ -418,7 +418,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
         raise InvalidParameter(
             "out-of-range",
             "{name}={value!q} is outside {low} to {high}",
-            "give one between",
+            "use one between",
             name=name,
             value=value,
             low=low,

@@ -24,8 +24,8 @@ from worldgen.world import World
 
 __all__ = ["PackedDisturbances", "fill_settings"]
 
-_PUSH_FIELDS = 6  # of a WgPush
-_SCALE_BITS = 30  # of the table of headings
+_PUSH_FIELDS = 6  # fields of a WgPush
+_SCALE_BITS = 30  # scale of the table of headings
 _LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
 
 
@@ -166,7 +166,7 @@ def _drift_of(world: World, robot: RobotOptions, time_step: float) -> tuple[int,
             "out-of-range",
             "drift={drift:g} m/s moves the robot {cells:.3g} cells in a step, and at most {most} "
             "can be simulated",
-            "give a smaller drift or a shorter --time-step",
+            "use a smaller drift or a shorter --time-step",
             at_terminal=True,
             drift=robot.drift,
             cells=float(cells),
@@ -178,7 +178,7 @@ def _drift_of(world: World, robot: RobotOptions, time_step: float) -> tuple[int,
             "drift-too-slow",
             "drift={drift:g} m/s moves the robot less than half of 1/1024 of a cell in a step of "
             "{time_step:g} s, which rounds to nothing",
-            "give a faster drift or a longer --time-step",
+            "use a faster drift or a longer --time-step",
             at_terminal=True,
             drift=robot.drift,
             time_step=time_step,
@@ -221,7 +221,7 @@ def _shove(dx: float, dy: float, turn: float, side: float, name: str) -> tuple[i
         raise InvalidParameter(
             "out-of-range",
             "{name}: a displacement of {cells:.4g} cells is more than {most}",
-            "give a shorter one",
+            "use a shorter one",
             name=name,
             cells=float(longest),
             most=_LONGEST_PUSH,

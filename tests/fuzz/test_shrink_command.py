@@ -82,7 +82,7 @@ def test_ctrl_c_keeps_the_best_so_far(big, tmp_path, monkeypatch):
 
 def test_snippet_and_json_do_not_go_together(big):
     result = worldgen("shrink", big, "--snippet", "--json")
-    assert result.code == 2 and "give one of them" in result.err
+    assert result.code == 2 and "use one of them" in result.err
 
 
 @pytest.mark.parametrize(

@@ -185,7 +185,7 @@ def _maps(
         raise InvalidParameter(
             "only-for-generators",
             "an option is for a generator, but none is named",
-            "name one, such as ./file.py:function",
+            "use one, such as ./file.py:function",
         )
     # Read the files and folders.
     found: list[FolderMaps | GeneratedMaps] = []
@@ -224,13 +224,16 @@ def _option(text: str) -> tuple[str, str]:
 def _check_folder(folder: Path, *, force: bool) -> None:
     if folder.exists() and not folder.is_dir():
         raise OutputError(
-            "is-a-file", "{folder} is a file", "name a folder for the worlds to keep", folder=folder
+            "is-a-file",
+            "{folder} is a file",
+            "choose a folder for the worlds to keep",
+            folder=folder,
         )
     if folder.is_dir() and any(folder.iterdir()) and not force:
         raise OutputError(
             "folder-not-empty",
             "{folder} is not empty",
-            "give --force to write into it, or choose another folder",
+            "use --force to write into it, or choose another folder",
             at_terminal=True,
             folder=folder,
         )

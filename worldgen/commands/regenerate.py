@@ -152,7 +152,7 @@ def _make(
         raise OutputError(
             "is-a-file",
             "{path} is one file",
-            "give --out to make the set somewhere else, or --check to compare",
+            "use --out to make the set somewhere else, or --check to compare",
             at_terminal=True,
             path=known.path,
         )

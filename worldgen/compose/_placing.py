@@ -82,7 +82,7 @@ def corner_of(
         raise InvalidParameter(
             "unknown-name",
             "at={at!r} is not a place in the host",
-            "give [x, y] in cells, or one of {known!l}",
+            "use [x, y] in cells, or one of {known!l}",
             at=at,
             known=[*NAMED, *DRAWN, *host.marks],
         )
@@ -115,7 +115,7 @@ def _anchored(piece: Piece, place: Mark, anchor: str) -> tuple[int, int]:
         raise InvalidParameter(
             "unknown-name",
             "anchor={anchor!r} is not a point of the piece",
-            "give one of {known!l}",
+            "use one of {known!l}",
             anchor=anchor,
             known=[*NAMED, *piece.marks],
         )
@@ -157,7 +157,7 @@ def put_down(
             "outside-grid",
             "a piece of {width} x {height} cells at ({x}, {y}) sticks out of {host_width} x "
             "{host_height} cells",
-            "put it elsewhere, or give outside='clip' or 'grow'",
+            "put it elsewhere, or use outside='clip' or 'grow'",
             width=piece.width,
             height=piece.height,
             x=x,

@@ -148,7 +148,7 @@ def words_of(value: Spec) -> tuple[str, ...]:
         raise InvalidParameter(
             "wrong-type",
             "names are words in quotes, or {{ any = [...] }} with such words",
-            "give one",
+            "write one",
         )
     return tuple(str(item) for item in items)
 
@@ -272,7 +272,7 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
         _check(
             isinstance(about, str),
             Message(
-                "wrong-type", "{about!q} is not text", "give a sentence in quotes", about=about
+                "wrong-type", "{about!q} is not text", "write a sentence in quotes", about=about
             ),
         )
 
@@ -299,7 +299,7 @@ def _whole(value: object, least: int) -> int:
         raise InvalidParameter(
             "not-a-number",
             "{value!q} is not a whole number of at least {least}",
-            "give one",
+            "write one",
             value=value,
             least=least,
         )
@@ -354,7 +354,7 @@ def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
                     raise InvalidParameter(
                         "not-a-number",
                         "default={default!q} is not a number",
-                        "give one",
+                        "write one",
                         default=default,
                     )
                 note = (
@@ -378,12 +378,12 @@ def _declared(raw: Any) -> Declared:
         raise InvalidParameter(
             "wrong-type",
             "default={default!q} is not a number, a text, true or false",
-            "give one",
+            "write one",
             default=default,
         )
     _check(
         isinstance(note, str),
-        Message("wrong-type", "help={help!q} is not text", "give a sentence in quotes", help=note),
+        Message("wrong-type", "help={help!q} is not text", "write a sentence in quotes", help=note),
     )
     _check(
         isinstance(choices, list) and all(isinstance(word, str) for word in choices),
@@ -394,7 +394,7 @@ def _declared(raw: Any) -> Declared:
         Message(
             "unknown-name",
             "default={default!q} is not one of its choices",
-            "give one of them",
+            "write one of them",
             default=default,
         ),
     )
@@ -422,7 +422,7 @@ def _declared(raw: Any) -> Declared:
             Message(
                 "out-of-range",
                 "default={default} is not between least and most",
-                "give one that is",
+                "write one that is",
                 default=default,
             ),
         )
@@ -453,7 +453,10 @@ def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> 
             _check(
                 name not in parts,
                 Message(
-                    "twice", "name={name!q} is already an earlier part's", "give another", name=name
+                    "twice",
+                    "name={name!q} is already an earlier part's",
+                    "choose another",
+                    name=name,
                 ),
             )
         part = _read_part(reader, number, str(name), table, names)
@@ -546,7 +549,10 @@ def _read_part(
             _check(
                 isinstance(value, str),
                 Message(
-                    "wrong-type", "{value!q} is not text", "give one in quotes", value=table[source]
+                    "wrong-type",
+                    "{value!q} is not text",
+                    "write one in quotes",
+                    value=table[source],
                 ),
             )
 

@@ -104,7 +104,7 @@ def draw_corner(
             "a piece of {width} x {height} cells fits nowhere {where} in {host_width} x "
             "{host_height} cells without covering start or target, with a margin of "
             "{margin}",
-            "give a smaller piece or margin, or a larger host",
+            "use a smaller piece or margin, or a larger host",
             width=piece[0],
             height=piece[1],
             where=where,

@@ -75,7 +75,7 @@ def constraint_for(where: str | None, difficulty: float | None = None) -> Expres
             raise InvalidParameter(
                 "out-of-range",
                 "difficulty={difficulty:g} is outside 0 to 1",
-                "give one between",
+                "use one between",
                 difficulty=difficulty,
             )
         parts.append(
@@ -86,7 +86,7 @@ def constraint_for(where: str | None, difficulty: float | None = None) -> Expres
         parse(where)
         parts.append(f"({where})" if parts else where)
     if not parts:
-        raise InvalidParameter("missing", "no constraint is given", "give where or difficulty")
+        raise InvalidParameter("missing", "no constraint is given", "use where or difficulty")
     return parse(" and ".join(parts))
 
 
@@ -281,7 +281,7 @@ def _nothing(search: Search, tries: int, before: int) -> GenerationFailed:
         return GenerationFailed(
             "no-world-found",
             problem + " and is new",
-            "give more tries, or fix fewer parameters",
+            "use more tries, or fix fewer parameters",
             **facts,
         )
     metrics = {
@@ -290,7 +290,7 @@ def _nothing(search: Search, tries: int, before: int) -> GenerationFailed:
     return GenerationFailed(
         "no-world-found",
         problem + "; the nearest has {metrics!l:none of these metrics} ({settings!l})",
-        "give more tries, fix fewer parameters, or relax the constraint",
+        "use more tries, fix fewer parameters, or relax the constraint",
         **facts,
         metrics=[f"{name} {value:g}" for name, value in metrics.items()],
         settings=[f"seed {near.seed}", *(f"{name}={value}" for name, value in near.params.items())],

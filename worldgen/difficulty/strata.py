@@ -98,7 +98,7 @@ def check_range(low: float, high: float) -> None:
         raise InvalidParameter(
             "range-too-narrow",
             "difficulty={low!r}..{high!r} is narrower than {narrowest:g}",
-            "widen it, or give a single difficulty, such as {low:g}",
+            "widen it, or use a single difficulty, such as {low:g}",
             low=low,
             high=high,
             narrowest=_NARROWEST,
@@ -270,7 +270,7 @@ class StrataSearch:
             "{family}: only {before} of {count} worlds were found with a difficulty of {low:g} to "
             "{high:g}, "
             "{tries} tries after the last",
-            "give more tries, fix fewer parameters, or another range",
+            "use more tries, fix fewer parameters, or another range",
             family=self._family.name,
             before=before,
             count=self._count,

@@ -80,7 +80,7 @@ def export_world(
         raise InvalidParameter(
             "only-read",
             "{format} can be read but not written",
-            "give another format",
+            "use another format",
             format=known.name,
         )
     given = known.accept({**worded, **(options or {})}, out=True)
@@ -89,7 +89,7 @@ def export_world(
         raise InvalidWorld(
             "world-changes",
             "the world changes {changes} times, and {format} files are static",
-            "give --at 0 for the cells at that time, or another format",
+            "use --at 0 for the cells at that time, or another format",
             at_terminal=True,
             changes=len(world.timeline),
             format=known.name,
@@ -206,7 +206,7 @@ def frozen_at(world: World, time: float) -> World:
     """
     if not (0.0 <= time < float("inf")):
         raise InvalidParameter(
-            "below-minimum", "at={time:g} is not a time", "give a time of 0 s or more", time=time
+            "below-minimum", "at={time:g} is not a time", "use a time of 0 s or more", time=time
         )
     walls = world.cells_at(time) != CellState.FREE
     same = np.array_equal(walls, world.walls) and not world.is_dynamic

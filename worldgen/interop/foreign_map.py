@@ -185,7 +185,7 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             raise FormatError(
-                "not-a-regular-file", "is not a regular file", "give the map file itself"
+                "not-a-regular-file", "is not a regular file", "use the map file itself"
             )
         with path.open("rb") as stream:
             data = stream.read(limit + 1)

@@ -219,7 +219,7 @@ def _in_file_frame(error: InvalidWorld, found: ForeignMap) -> InvalidWorld:
     message = error.message.replaced(facts)
     if error.code == "outside-grid":
         message = message.with_remedy(
-            "give x from {left:g} to {right:g} and y from {low:g} to {high:g}, in the file's "
+            "use x from {left:g} to {right:g} and y from {low:g} to {high:g}, in the file's "
             "coordinates",
             left=left,
             right=left + width * size,
@@ -278,7 +278,7 @@ def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
         )
     if found.params.get("format") != "movingai":
         raise InvalidParameter(
-            "conflict", "scen is for MovingAI maps", "give start and target instead"
+            "conflict", "scen is for MovingAI maps", "use start and target instead"
         )
     if robot.start is not None or robot.target is not None:
         raise InvalidParameter(

@@ -138,7 +138,7 @@ class _ClearPoints:
             raise InvalidWorld(
                 "no-room",
                 "a disc of radius {radius:g} m does not fit anywhere in the map",
-                "give a smaller radius",
+                "use a smaller radius",
                 radius=self._radius,
             )
         return _Region(found.root, found.largest, found.largest / found.places, found.regions)
@@ -227,7 +227,7 @@ def _check_inside(name: str, point: _Point, walls: npt.NDArray[np.bool_], cell_s
         raise InvalidWorld(
             "outside-grid",
             "{name} ({x:g}, {y:g}) m is outside the map of {width:g} x {height:g} m",
-            "give metres from its lower-left corner, x right, y up; --frame map uses the file's own "
+            "use metres from its lower-left corner, x right, y up; --frame map uses the file's own "
             "coordinates",
             at_terminal=True,
             name=name,

@@ -21,11 +21,27 @@ __all__ = ["find_format", "looks_like_a_map", "read_map", "read_map_alone", "rea
 
 # Bytes read to recognise a file.
 _HEAD = 4096
-_COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", ".gz",
-           ".stl", ".obj", ".ply", ".glb", ".gltf", ".3mf")  # fmt: skip  # of much that is not a map
+# Suffixes that other files also have.
+_COMMON = (
+    ".txt",
+    ".yaml",
+    ".yml",
+    ".json",
+    ".world",
+    ".png",
+    ".pgm",
+    ".bmp",
+    ".gz",
+    ".stl",
+    ".obj",
+    ".ply",
+    ".glb",
+    ".gltf",
+    ".3mf",
+)
 _OURS = "worldgen.interop."
 _WAY_OUT = (
-    "give the .grid file that it was made from, or a file of another format, as `worldgen formats` "
+    "use the .grid file that it was made from, or a file of another format, as `worldgen formats` "
     "lists them; if it is one of these, name it with --from"
 )
 
@@ -56,7 +72,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
             raise InvalidParameter(
                 "only-written",
                 "{format} can be written but not read",
-                "give a file of another format",
+                "use a file of another format",
                 format=known.name,
             )
         return known
@@ -72,7 +88,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
         raise FormatError(
             "no-map-found",
             "a scenario file has no map",
-            "give the .map file, and name this one with --scen",
+            "use the .map file, and name this one with --scen",
             at_terminal=True,
         )
     for known in map(FORMATS.get, FORMATS.entry_points()):

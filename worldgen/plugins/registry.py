@@ -152,7 +152,7 @@ def _load_seconds() -> float:
         raise InvalidParameter(
             "not-a-number",
             "{variable}={text!r} is not a time",
-            "give seconds, such as 120, up to {most:.0f}",
+            "use seconds, such as 120, up to {most:.0f}",
             variable=LOAD_SECONDS,
             text=said[:40],
             most=_LONGEST_LOAD,
@@ -260,7 +260,7 @@ class Registry(Generic[T]):
             "unknown-name",
             "no {noun} is called {name!r}",
             ("did you mean {near!r}? known: {known!l}; " if near else "known: {known!l}; ")
-            + "for your own, give package.module:name or ./file.py:name",
+            + "for your own, use package.module:name or ./file.py:name",
             noun=self.noun,
             name=name,
             near=near,

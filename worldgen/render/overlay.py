@@ -184,7 +184,7 @@ class Trail:
             raise InvalidParameter(
                 "wrong-shape",
                 "trail: x has shape {x_shape}, y has {y_shape}",
-                "give two flat arrays of equal length",
+                "use two flat arrays of equal length",
                 x_shape=self.x.shape,
                 y_shape=self.y.shape,
             )
@@ -249,7 +249,7 @@ class Drive:
             raise InvalidParameter(
                 "wrong-length",
                 "drive: {times} times and {headings} headings for {points} points",
-                "give a time for each point, and at least one heading",
+                "use a time for each point, and at least one heading",
                 times=len(self.times),
                 points=len(self.trail.x),
                 headings=len(self.headings),

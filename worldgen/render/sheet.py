@@ -78,12 +78,12 @@ def draw_sheet(
     """
     # Refuse what cannot be drawn.
     if not panels:
-        raise InvalidParameter("empty", "there is no world to draw", "give at least one")
+        raise InvalidParameter("empty", "there is no world to draw", "use at least one")
     if len(robots) > len(COLOURS):
         raise InvalidParameter(
             "too-many-robots",
             "{robots} robots are more than a picture can distinguish",
-            "give at most {most}",
+            "use at most {most}",
             robots=len(robots),
             most=len(COLOURS),
         )

@@ -233,7 +233,7 @@ def _whole_lines(lines: Iterable[bytes], source: str) -> Iterator[bytes]:
             raise FormatError(
                 "too-large",
                 "a line of more than {most} bytes",
-                "give a manifest",
+                "use a manifest",
                 most=_LONGEST,
                 line=number,
                 source=source,
@@ -250,7 +250,7 @@ def _object(line: bytes, number: int, source: str) -> dict[str, Any]:
         raise FormatError(
             "not-json",
             "not a line of JSON: {reason}",
-            "give a manifest",
+            "use a manifest",
             reason=reason,
             line=number,
             source=source,

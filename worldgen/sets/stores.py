@@ -71,7 +71,7 @@ def store_for(out: Path) -> Store:
             raise OutputError(
                 "is-a-folder",
                 "{out} is a folder with the name of an archive",
-                "give another name",
+                "use another name",
                 out=out,
             )
         return ArchiveStore(out)
@@ -79,7 +79,7 @@ def store_for(out: Path) -> Store:
         raise OutputError(
             "is-a-file",
             "{out} is a file",
-            "name a folder for more than one world, or a .zip, .tar.gz or .tar.bz2",
+            "choose a folder for more than one world, or a .zip, .tar.gz or .tar.bz2",
             out=out,
         )
     return SetFolder(out)
@@ -112,7 +112,7 @@ class SetFolder:
                     "folder-not-empty",
                     "{folder} holds other files: {file}"
                     + (" and {more} more" if len(others) > 1 else ""),
-                    "a set needs its own folder: name another, or give --force to overwrite files "
+                    "a set needs its own folder: choose another, or use --force to overwrite files "
                     "of the same names",
                     at_terminal=True,
                     folder=self._folder,
@@ -164,7 +164,7 @@ class SetFolder:
             raise OutputError(
                 "other-content",
                 "{file} differs from the set's file",
-                "move it away, or give --force",
+                "move it away, or use --force",
                 at_terminal=True,
                 file=file,
             )
@@ -180,7 +180,7 @@ class SetFolder:
                 raise OutputError(
                     "other-content",
                     "{file} differs from the set's file",
-                    "move it away, or give --force",
+                    "move it away, or use --force",
                     at_terminal=True,
                     file=file,
                 )
@@ -231,7 +231,7 @@ class ArchiveStore:
             raise OutputError(
                 "file-exists",
                 "{archive} already exists",
-                "give --force to replace it, or another name",
+                "use --force to replace it, or another name",
                 at_terminal=True,
                 archive=self._archive,
             )
@@ -239,7 +239,7 @@ class ArchiveStore:
             raise OutputError(
                 "file-exists",
                 "{part} is in the way and is not an unfinished set",
-                "move it away, or give --force",
+                "move it away, or use --force",
                 at_terminal=True,
                 part=self._part,
             )
@@ -256,7 +256,7 @@ class ArchiveStore:
             raise OutputError(
                 "written-meanwhile",
                 "{archive} was made by another command in the meantime",
-                "look at it, or name another archive",
+                "look at it, or choose another archive",
                 archive=self._archive,
             )
         self._open_worlds(0)

@@ -175,7 +175,7 @@ class _Reader:
             raise InvalidParameter(
                 "too-large",
                 "an expression of {characters} characters",
-                "give at most {most}",
+                "use at most {most}",
                 characters=len(text),
                 most=language.longest,
             )
@@ -199,7 +199,8 @@ class _Reader:
         Operands and operators alternate, so the previous word determines what may come next.
         """
         structure = ""
-        brackets: list[str] = []  # of those open, the word before, which is "call" for a function
+        # for each open one, the word before it, which is "call" for a function
+        brackets: list[str] = []
         before = "("  # parse the whole as if it were in parentheses
         for token in _TOKEN.finditer(self._text):
             kind = "number" if token["number"] is not None else str(token.lastgroup)
@@ -264,7 +265,7 @@ class _Reader:
                 Message(
                     "too-large",
                     "this number is beyond the range of a float64",
-                    "give a smaller one",
+                    "use a smaller one",
                 ),
                 at,
             )

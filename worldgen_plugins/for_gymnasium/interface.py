@@ -106,14 +106,14 @@ class Interface:
             raise InvalidParameter(
                 "unknown-name",
                 "actions={actions!r} is neither 'continuous' nor 'discrete'",
-                "give one of them",
+                "use one of them",
                 actions=self.actions,
             )
         if not isinstance(self.reverse, bool):
             raise InvalidParameter(
                 "wrong-type",
                 "reverse={reverse!r} is neither True nor False",
-                "give one of them",
+                "use one of them",
                 reverse=self.reverse,
             )
         if self.reverse and self.actions == "discrete":
@@ -133,7 +133,7 @@ class Interface:
                 raise InvalidParameter(
                     "wrong-type",
                     "robot={given} is not a RobotOptions",
-                    "give some, or a dict: {{'slip': 0.1}}",
+                    "use some, or a dict: {{'slip': 0.1}}",
                     given=repr(robot),
                 )
             robot = RobotOptions.of(robot)
@@ -226,7 +226,7 @@ def positive(name: str, value: object, most: float, unit: str) -> float:
         raise InvalidParameter(
             "out-of-range",
             "{name}={value!r} is not a number of {unit} above 0 and at most {most:g}",
-            "give one",
+            "use one",
             name=name,
             value=value,
             unit=unit,
@@ -256,7 +256,7 @@ def _names(sensors: object) -> tuple[str, ...]:
     if not names or len(set(names)) != len(names):
         raise InvalidParameter(
             "twice",
-            "sensors={sensors!r}: give at least one, and each only once",
+            "sensors={sensors!r}: use at least one, and each only once",
             sensors=sensors,
         )
     return names

@@ -124,7 +124,7 @@ def resolve(options: Mapping[str, Any]) -> tuple[Rules, Supply]:
         raise InvalidParameter(
             "unknown-name",
             "observation={observation!r} is neither 'box' nor 'dict'",
-            "give one of them",
+            "use one of them",
             observation=form,
         )
     distance = options.get("distance", "straight")
@@ -132,7 +132,7 @@ def resolve(options: Mapping[str, Any]) -> tuple[Rules, Supply]:
         raise InvalidParameter(
             "unknown-name",
             "distance={distance!r} is neither 'straight' nor 'way'",
-            "give one of them",
+            "use one of them",
             distance=distance,
         )
     rules = Rules(
@@ -191,7 +191,7 @@ def _reward(given: object) -> dict[str, float]:
             raise InvalidParameter(
                 "not-a-number",
                 "reward: {name}={value!r} is not a number within 1e9 of 0",
-                "give one",
+                "use one",
                 name=name,
                 value=value,
             )

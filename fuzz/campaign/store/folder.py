@@ -134,7 +134,7 @@ class FolderStore(CampaignStore):
         self._fingerprint = ""
         self._shrunk: dict[str, Path] = {}
         if out.exists() and not out.is_dir():
-            raise OutputError("wrong-kind-of-file", "{out} is a file", "name a folder", out=out)
+            raise OutputError("wrong-kind-of-file", "{out} is a file", "choose a folder", out=out)
         with refused_writes(self._path):
             self._path.mkdir(parents=True, exist_ok=True)
             self._lock = os.open(self._path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
@@ -143,7 +143,7 @@ class FolderStore(CampaignStore):
             raise OutputError(
                 "campaign-is-running",
                 "another worldgen fuzz is writing {out}",
-                "wait until it ends, or name another folder",
+                "wait until it ends, or choose another folder",
                 out=out,
             )
         sign(self._lock)

@@ -101,7 +101,7 @@ def budget(message: Message, *, needed: bool) -> list[str]:
         raise InvalidParameter(
             "out-of-range",
             "{seconds:g} s",
-            "give a time above 0 and up to {most:g} s",
+            "use a time above 0 and up to {most:g} s",
             seconds=seconds,
             most=MOST_SECONDS,
         )
@@ -261,7 +261,7 @@ def _whole(message: Message, name: str, most: int) -> int:
         raise InvalidParameter(
             "out-of-range",
             "{name} is {value}",
-            "give a whole number from 1 to {most}",
+            "use a whole number from 1 to {most}",
             name=name,
             value=value,
             most=most,

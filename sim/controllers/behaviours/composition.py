@@ -84,7 +84,7 @@ def composed(
         raise InvalidParameter(
             "unknown-name",
             "no arbiter is called {arbiter!r}",
-            "give {known!l}",
+            "use {known!l}",
             arbiter=arbiter,
             known=list(ARBITERS),
         )

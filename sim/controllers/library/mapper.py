@@ -164,7 +164,7 @@ def mapping(
         raise InvalidParameter(
             "out-of-range",
             "side={side} is outside {least_side} to {most_side} nodes",
-            "give a number in that range",
+            "use a number in that range",
             side=side,
             least_side=LEAST_SIDE,
             most_side=MOST_SIDE,
@@ -173,14 +173,14 @@ def mapping(
         raise InvalidParameter(
             "out-of-range",
             "pitch={pitch:g} m is not above 0",
-            "give the distance between two nodes of the map",
+            "use the distance between two nodes of the map",
             pitch=pitch,
         )
     if not 0.0 <= no_room <= 10.0:
         raise InvalidParameter(
             "out-of-range",
             "no_room={no_room:g} is outside 0 to 10 times the robot's radius",
-            "give a fraction near 1",
+            "use a fraction near 1",
             no_room=no_room,
         )
     size = memory_size(side)

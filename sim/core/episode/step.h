@@ -19,7 +19,7 @@
 #include "wg_episode.h"
 
 enum {
-    WG_STATE_WORDS = 5,  // of a WgState
+    WG_STATE_WORDS = 5,  // words of a WgState
     WG_NEIGHBOUR_NUMBERS = 5,  // numbers of a neighbour in a flat array before its message
     WG_SENSES = 17,      // numbers of an observation before its beams
     WG_ANSWER = 4,       // numbers of an answer before the memory

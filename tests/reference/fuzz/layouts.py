@@ -170,8 +170,7 @@ def flood_length(layouts: Bytes, n: int, solid: Ints, room: Ints) -> int:
     """Steps of one cell from a corner of the start's cell to one of the target's, along corners of four free cells.
 
     A disc whose radius is at most a cell, and that fits into start and target, can follow them: no
-        solid cell
-    is nearer to them than a whole cell.
+    solid cell is nearer to them than a whole cell.
 
     Args:
         layouts: (n, LAYOUT_BYTES or more) uint8.

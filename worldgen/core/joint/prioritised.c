@@ -42,7 +42,7 @@ typedef struct Period {
 typedef struct State {
     int32_t node;
     int32_t tick;
-    int32_t begin;  // of the interval
+    int32_t begin;  // begin of the interval
     int32_t parent;
 } State;
 

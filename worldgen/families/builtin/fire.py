@@ -79,8 +79,8 @@ def fire(
     """Build a world of another family in which fire breaks out on the way to the target.
 
     What the robot knows at the start is no longer true later: paths burn, debris blocks them after
-        the fire, and new ones open where walls burn through. The floor around the start never
-        burns, so that the robot can wait.
+    the fire, and new ones open where walls burn through. The floor around the start never burns, so
+    that the robot can wait.
 
     Args:
         rng: The only source of randomness; equal state gives an equal world.
@@ -193,7 +193,7 @@ def _cells(text: str, plan: Plan) -> list[int]:
             raise InvalidParameter(
                 "cannot-burn",
                 "ignite_cells: cell {cell} is {what}",
-                "give a cell of floor that can burn",
+                "use a cell of floor that can burn",
                 cell=part.strip(),
                 what=what,
             )

@@ -80,7 +80,7 @@ def shift(
         raise InvalidParameter(
             "not-square",
             "over={over}: {width} x {height} cells have no mirror image",
-            "give a square ground",
+            "use a square ground",
             over=over,
             width=ground.width,
             height=ground.height,

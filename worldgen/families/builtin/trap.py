@@ -151,7 +151,7 @@ def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _R
         raise InvalidParameter(
             "no-effect",
             "inside cannot be combined with faces=target: nothing would be in the way",
-            "give faces=start or faces=side",
+            "use faces=start or faces=side",
         )
     least_depth = arena.narrowest if inside else 1
     # From the side, the robot would pass an arm that is shorter than itself.
@@ -231,7 +231,7 @@ def _draw_figure(
             "no-room",
             "size={size} has no room for shape={shape} with mouth={mouth}, depth={depth}, "
             "thickness={thickness}, turned by {degrees} degrees: {problem}",
-            "give a larger size, or a smaller obstacle or robot_radius",
+            "use a larger size, or a smaller obstacle or robot_radius",
             size=arena.size,
             shape=request.shape,
             mouth=mouth,
@@ -385,7 +385,7 @@ def _draw_to_fit(
             "size={size} has no room for shape={shape} with mouth={mouth}, depth={depth}, "
             "thickness={thickness}"
             f"{turns_said}: {{problem}}",
-            "give a larger size, or a smaller obstacle or robot_radius",
+            "use a larger size, or a smaller obstacle or robot_radius",
             size=arena.size,
             shape=shape,
             mouth=least_mouth,

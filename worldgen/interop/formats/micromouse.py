@@ -187,7 +187,7 @@ def _check(world: World) -> None:
             "cell ({ix}, {iy}) is free; in a micromouse maze it is a post and solid"
             if is_post
             else "cell ({ix}, {iy}) is solid; in a micromouse maze it is a square and free",
-            "give a maze with walls and corridors of one cell",
+            "use a maze with walls and corridors of one cell",
             ix=ix,
             iy=iy,
         )

@@ -91,9 +91,9 @@ def filtered(values: Ints, target: tuple[int, int]) -> Ints:
     """Return the signal after one pass of the noise filter, in the program's order of walls.
 
     A wall changes the cells within two of it: a cell that now holds more than the wall's own
-        distance gets one and a half times its undisturbed value, any other nine tenths of it unless
-        that is 0. A cell's final value depends on the order of the walls around it and on no other
-        cell, so all cells are processed together.
+    distance gets one and a half times its undisturbed value, any other nine tenths of it unless
+    that is 0. A cell's final value depends on the order of the walls around it and on no other
+    cell, so all cells are processed together.
 
     Args:
         values: As :func:`signal` gives them.
@@ -219,7 +219,7 @@ def _square(values: Ints) -> Ints:
         raise FormatError(
             "wrong-size",
             "{size} x {size} cells; a map has {min_size} to {max_size} per side",
-            "give another file",
+            "use another file",
             size=size,
             min_size=MIN_SIZE,
             max_size=MAX_SIZE,

@@ -79,7 +79,7 @@ class GridLines:
                 "too-many-digits",
                 "cells of {cell_size:g} m around ({x:g}, {y:g}) m need more than the "
                 "{bits} bits that a coordinate has here",
-                "give --origin 0,0",
+                "use --origin 0,0",
                 at_terminal=True,
                 cell_size=world.cell_size,
                 x=destination.origin[0],

@@ -153,7 +153,7 @@ class Raster:
         self._painted += work
         if self._painted > _MOST_PAINTED:
             raise InvalidWorld(
-                "too-large", "the obstacles take too many cells", "give a larger cell_size"
+                "too-large", "the obstacles take too many cells", "use a larger cell_size"
             )
 
 
@@ -292,7 +292,7 @@ def painted(
         raise FormatError(
             "out-of-range",
             "cells of {cell_size:g} m",
-            "give {low:g} to {high:g} m",
+            "use {low:g} to {high:g} m",
             cell_size=float(cell_size),
             low=CELL_SIZES[0],
             high=CELL_SIZES[1],
@@ -302,7 +302,7 @@ def painted(
         raise FormatError(
             "wrong-size",
             "the world takes {width} x {height} cells of {cell_size:g} m",
-            "give a larger cell_size",
+            "use a larger cell_size",
             width=width,
             height=height,
             cell_size=float(cell_size),

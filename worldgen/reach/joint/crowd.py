@@ -16,7 +16,7 @@ from worldgen.world import JointWitness, Robot, World
 
 __all__ = ["Crowd"]
 
-_MOST_STATES = 50_000  # of one robot: enough for a path through a hall of 1000 robots
+_MOST_STATES = 50_000  # states of one robot: enough for a path through a hall of 1000 robots
 
 
 class Crowd:

@@ -91,9 +91,9 @@ function asked(form, parts) {
   for (const input of [parts.at, parts.x, parts.y])
     if (!input.validity.valid) {
       input.focus();
-      throw new Refused("Give a number; a time must be 0 or more.");
+      throw new Refused("Enter a number; a time must be 0 or more.");
     }
-  if ((parts.x.value === "") !== (parts.y.value === "")) throw new Refused("An origin has x and y; give both, or neither.");
+  if ((parts.x.value === "") !== (parts.y.value === "")) throw new Refused("An origin has x and y; enter both or neither.");
   const changing = form.studio.model.world.events !== null;
   return {
     options: form.given,

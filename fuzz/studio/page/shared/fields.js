@@ -90,7 +90,8 @@ export function parameterField(parameter, value, change) {
   }
   if (kind === "str") return el("input", { type: "text", value, onchange: (event) => change(event.target.value) });
   const { chosen } = parameter,
-    isAutomatic = typeof chosen === "number"; // this number stands for "automatic", and is shown as an empty field
+    // this number stands for "automatic", and is shown as an empty field
+    isAutomatic = typeof chosen === "number";
   const input = number(value === chosen ? "" : value, change, { low, high, step: kind === "int" ? 1 : "any" });
   if (isAutomatic) {
     input.placeholder = "automatic";
@@ -221,7 +222,7 @@ export function faultOf({ validity, min, max, step, title, validationMessage }) 
   if (validity.customError) return validationMessage;
   const kind = step === "any" ? "a number" : "a whole number";
   const from = min === "" ? "" : max === "" ? ` from ${min} on` : ` from ${min} to ${Number(max).toLocaleString("en-US")}`;
-  if (validity.badInput || validity.rangeUnderflow || validity.rangeOverflow || validity.stepMismatch) return `Give ${kind}${from}.`;
+  if (validity.badInput || validity.rangeUnderflow || validity.rangeOverflow || validity.stepMismatch) return `Enter ${kind}${from}.`;
   return validity.valueMissing || validity.patternMismatch ? title : "";
 }
 

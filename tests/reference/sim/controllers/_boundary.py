@@ -43,7 +43,7 @@ ADVANCE, PRESS = 0.0, 1.0
 
 _STRIDE = (
     0.03 / 0.07
-)  # of the radius: longest step along a wall; less than the diameter, or it steps over openings
+)  # radii: longest step along a wall; less than the diameter, or it steps over openings
 _LEAST_STRIDE = 0.005  # m: a robot smaller than half of this would take forever
 _DEGREE = math.pi / 180.0
 # lean on a flat wall, and around a corner

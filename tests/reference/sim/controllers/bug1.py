@@ -42,8 +42,8 @@ SIZE = body.BODY_SIZE + 12
 
 START, GOAL, MEET, ROUND, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
 
-_SAME_PLACE = 0.5  # of a step
-_ELSEWHERE = 1.5  # of a step: farther than this from the hit point, it has been away
+_SAME_PLACE = 0.5  # fraction of a step
+_ELSEWHERE = 1.5  # steps: beyond this distance from the hit point, it has left it
 _SAME_WALL = math.radians(
     100.0
 )  # rad by which the direction of the wall may differ at the same place

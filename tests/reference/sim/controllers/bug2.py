@@ -41,9 +41,10 @@ SIZE = body.BODY_SIZE + 9
 START, GOAL, ROUND, BACK = 0.0, 1.0, 2.0, 3.0
 
 _NEARER = (
-    0.05  # of a step: a place to leave at must be this much nearer to the target than the hit point
+    # fraction of a step by which a leave point must be nearer to the target than the hit point
+    0.05
 )
-_THERE = 0.02  # of a step: within this distance, it is at the place to leave at
+_THERE = 0.02  # fraction of a step: within this distance it is at the leave point
 
 
 def _hit(observation: Floats, memory: Floats) -> None:

@@ -144,9 +144,8 @@ def growing_tree(words, board, state, stride, scratch):
     """Digs from the newest, the oldest or any chamber of a list.
 
     A chamber without a free neighbour leaves the list. Each word is one try: 16 bits choose the
-    rule,
-        16 the neighbour, 32 the entry. A number that would favour some
-    choice, and an entry that has left the list, are drawn again with the next word.
+    rule, 16 the neighbour, 32 the entry. A number that would favour some choice, and an entry that
+    has left the list, are drawn again with the next word.
 
     Args:
         words: (n,) random 64 bits as int64.

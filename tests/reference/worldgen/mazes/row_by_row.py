@@ -135,7 +135,7 @@ def recursive_division(words, board, state, stride, scratch):
 
     ``state`` holds STACKED and USED (words). ``scratch`` has four numbers for each waiting
     rectangle: place of its first chamber, columns, rows, 0. The smaller part goes first, so the
-        number of waiting rectangles is at most the number of bits of its size.
+    number of waiting rectangles is at most the number of bits of its size.
 
     Source: Jamis Buck, "Mazes for Programmers", 2015, "Recursive Division".
     """

@@ -78,7 +78,7 @@ def carve_rooms(rng: RandomStream, links: Links, mask: Mask, count: int) -> None
         raise InvalidParameter(
             "no-room",
             "rooms={rooms} do not fit in this maze",
-            "give at most {most}, or a larger size",
+            "use at most {most}, or a larger size",
             rooms=count,
             most=most,
         )
