@@ -29,10 +29,10 @@ MASK64: Final = (1 << 64) - 1
 """All bits of a 64-bit word, and the largest seed."""
 
 MAX_SIDE: Final = 20_000
-"""Most cells in a row or a column."""
+"""Limit on the cells in a row or a column."""
 
 MAX_ROBOTS: Final = 1000
-"""Most robots of a world; each is compared with every other."""
+"""Limit on the robots of a world; each is compared with every other."""
 
 CELL_SIZES: Final = (1e-6, 1e6)
 """Side of a cell, m."""

@@ -341,8 +341,8 @@ class Family:
 
         Raises:
             InvalidParameter: If a name is unknown, or a value has a different type than the
-                default, or is out of bounds; or if they are those of a world whose robots were
-                placed by another version.
+                default, or is out of bounds; or if they belong to a world whose robots were placed
+                by another version.
         """
         if PLANNER in params:
             complete = self.complete({name: params[name] for name in params if name != PLANNER})

@@ -330,7 +330,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         return jobs, kept
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
-        """Return a unit's result, or that of an earlier run if it got further with the unit."""
+        """Return a unit's result, or an earlier run's if that got further with the unit."""
         before = self._store.cut_unit(unit)
         if before is None or before.result.worlds <= result.worlds:
             return result

@@ -54,8 +54,8 @@ def corpus() -> None:
     """List, compare, merge and prune folders of failures.
 
     A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures
-    count as the same if controller, motion model and class are equal. docs/howto/keep-failures.md
-    describes it.
+    count as the same if their controller, motion model and class are the same.
+    docs/howto/keep-failures.md describes it.
     """
 
 
@@ -245,8 +245,8 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
 def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...]) -> None:
     """Delete failures that no longer replay, and all but the smallest of each class.
 
-    This does not ask for confirmation; nothing is deleted before all failures are judged. A failure
-    whose controller cannot be run here is kept, and the exit code is then 1. This runs the
+    This does not ask for confirmation; nothing is deleted until all failures have been judged. A
+    failure whose controller cannot be run here is kept, and the exit code is then 1. This runs the
     controllers that the files name.
     """
     from fuzz.corpus import judge_all, remove

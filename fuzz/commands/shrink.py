@@ -54,7 +54,7 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     also="--seconds",
     type=Duration(),
     metavar="TIME",
-    help="Stop after this time, such as 30s or 5m, and keep the best so far.",
+    help="Stop after this time, such as 30s or 5m, and keep the smallest world so far.",
 )
 @click.option(
     "--keep",
@@ -87,8 +87,9 @@ def shrink(
 ) -> None:
     """Make the world of a failure as small as possible.
 
-    It frees cells, drops rows, columns and events, and simplifies start, robot and numbers, until
-    nothing more can be removed; the result is checked independently. Ctrl-C keeps the best so far.
+    It frees cells, drops rows, columns and events, and simplifies the start, the robot and the
+    numbers, until nothing more can be removed; the result is checked independently. Ctrl-C keeps
+    the smallest world so far.
     """
     from fuzz.describe import describe
     from fuzz.failure import Failure
@@ -130,7 +131,7 @@ def shrink(
     if changed:
         note(_describe_changed(changed))
     if result.interrupted:
-        note("interrupted; the best so far is kept")
+        note("interrupted; the smallest world so far is kept")
         raise SystemExit(130)
 
 

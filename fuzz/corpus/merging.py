@@ -1,4 +1,4 @@
-"""Choose entries of several corpora, and merge these into one with the simplest of each class."""
+"""Choose entries from several corpora, and merge them, keeping the simplest of each class."""
 
 from __future__ import annotations
 

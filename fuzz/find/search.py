@@ -228,7 +228,7 @@ class _Unit:
                 layout = layout.edited(self.rng) if layout is not None else None
             if layout is None or layout == held.layout:
                 continue
-            # Compare it with a layout of some steps ago.
+            # Compare it with the layout some steps ago.
             bar = max(past[step % _MEMORY], held.distance)
             world = layout.world()
             distance = self.distance(world, bar)

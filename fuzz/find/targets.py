@@ -87,7 +87,7 @@ class OutcomeTarget:
         text: The outcome as it was written.
         verdicts: Accepted verdicts.
         low: Fewest steps (or shortest period), or ``None``.
-        high: Most steps (or longest period), or ``None``.
+        high: Maximum number of steps (or longest period), or ``None``.
     """
 
     scenario: Scenario
@@ -191,7 +191,7 @@ class OutcomeTarget:
         steps = statistics.median(
             run.steps if run.verdict == Verdict.REACHED else math.inf for run in runs
         )
-        # The distance is that of the median time, or of the share of fitting runs.
+        # The distance is computed from the median time, or from the share of fitting runs.
         if self._timed:
             distance = self._off(steps) if math.isfinite(steps) else _OTHERWISE - share
         else:

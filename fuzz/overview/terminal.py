@@ -91,7 +91,7 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     # Known classes have their own line, and the report lists what was tried.
     if overview.natural is not None and overview.natural.worlds and not headline.is_known:
         lines.append(describe_coverage(overview.natural))
-    # End with what to do next.
+    # Finally, suggest what to do next.
     folder = shown(shlex.quote(str(headline.folder)))
     if causes and headline.lasts:
         lines.append(f"look at it: worldgen report {folder} --out report.html")

@@ -142,7 +142,9 @@ def shrink_class(
     """
     waiting = sorted(failures, key=lambda one: one.order)
     if not waiting:
-        raise InvalidParameter("nothing-given", "there is no failure to shrink", "use at least one")
+        raise InvalidParameter(
+            "nothing-given", "there is no failure to shrink", "pass at least one"
+        )
     deadline = None if seconds is None else time.monotonic() + seconds
     results: list[Shrunk] = []
     for done, failure in enumerate(waiting):

@@ -64,7 +64,7 @@ class Trying:
         self._on_lattice = run.task == TARGET and MOTIONS.get(run.motion).kernel != THESIS
 
     def first(self, case: Case, edits: Sequence[Edit], begin: int) -> tuple[int, Case] | None:
-        """Return the first edit from ``begin`` on that keeps the failure, and the edited case.
+        """Return the first edit from ``begin`` onwards that keeps the failure, and the edited case.
 
         The case has no certificate.
 

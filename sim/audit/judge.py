@@ -132,17 +132,17 @@ class Finding:
         t: Time when it was worst, s; the earliest if there are several.
         x: Position of the centre at that time, m.
         y: The same, m.
-        depth: How far it went at worst, m. For a ``tunnel``, the distance from the centre to the
+        depth: Largest extent, m. For a ``tunnel``, the distance from the centre to the
             nearest face of the cell that it is in. For ``overlap`` and ``burned``, the radius minus
             the distance to the cell. For ``outside``, the distance from the centre to the grid. For
             a ``jump``, how much farther it went than possible. For ``start``, the distance from the
             first sample to the start.
-        cell: Cell (ix, iy) at worst; -1 or the grid's width or height mean the outside.
+        cell: Cell (ix, iy) at the worst place; -1 or the grid's width or height mean the outside.
             ``None`` for findings without a cell.
         begin: Time when it began, s.
         end: Time when it ended, s.
         sample: Number of the last sample at or before the worst place, from 0.
-        speed: Speed of a ``jump`` at worst, m/s; ``inf`` if it took no time.
+        speed: Largest speed of a ``jump``, m/s; ``inf`` if it took no time.
     """
 
     kind: str

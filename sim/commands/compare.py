@@ -60,7 +60,7 @@ _TIME_FOR_NEVER = 300.0
 )
 @click.option(
     "--motion",
-    help="Motion model.  [default: swept, or that of published figures for these worlds]",
+    help="Motion model.  [default: swept, or the model of published figures for these worlds]",
 )
 @time_step_option
 @click.option(
@@ -110,7 +110,7 @@ def compare(
 
     PATH is a .grid file or a folder of them. After a controller's name, +option=value varies its
     run, so bug2,bug2+time_step=0.03 compares two time steps. A random controller runs with many
-    seeds. docs/howto/compare.md describes table, CSV and JSON.
+    seeds. docs/howto/compare.md describes the table, the CSV and the JSON.
     """
     from sim.compare.comparison import compare as compare_worlds
     from sim.compare.picture import MAX_CONTROLLERS, draw_comparison

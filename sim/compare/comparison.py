@@ -4,7 +4,7 @@ A random controller runs with many seeds, any other once. Its time in a world is
 seeds with which it arrives, and it counts as arriving if at least half of them do.
 
 In a world of several robots, a controller drives all of them. It arrives if every robot does, its
-time is that of the last one, and its area is the sum over the robots.
+time is the last robot's, and its area is the sum over the robots.
 """
 
 from __future__ import annotations
@@ -227,7 +227,8 @@ class Total:
         failures: Number of the other runs, by verdict.
         wins: Worlds in which it alone was best.
         shared_wins: Worlds in which it tied for best.
-        mean_time: Mean time over the worlds that all controllers reach, s; ``None`` without any.
+        mean_time: Mean time over the worlds that all controllers reach, s; ``None`` if there are
+        none.
         median_time: Median time over the same worlds, s.
         mean_area: Mean area of the cells that its centre was in, m2, over all runs.
     """

@@ -221,7 +221,7 @@ def _figure(
 
 
 def _scenario(text: str, motion: str) -> tuple[str, str, float | None]:
-    """Return controller, motion model and time step, however the table writes them."""
+    """Return a controller, motion model and time step, in whichever form the table writes them."""
     try:
         controller, settings = read_settings(text, motion)
         found = Scenario(controller, RunOptions(**({"motion": motion} | settings)))

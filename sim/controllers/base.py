@@ -60,7 +60,7 @@ class Neighbour(NamedTuple):
         heading: rad, the neighbour's heading relative to the robot's.
         speed: m/s, of the neighbour along its heading.
         radius: m, of the neighbour.
-        message: Numbers that the neighbour sent in the step before; empty without a channel.
+        message: Numbers that the neighbour sent in the step before; empty if there is no channel.
     """
 
     x: float

@@ -92,7 +92,7 @@ class ControllerRegistry(Registry[Controller]):
         return super().get(name)
 
     def option_names(self, name: str) -> tuple[str, ...]:
-        """Return the options of its own that a controller's name can carry.
+        """Return the controller's own options, which its name may contain.
 
         This runs no user code: such a controller can only be given what it learned.
         """

@@ -218,7 +218,7 @@ typedef struct WgSettings {
     double smoke;         // share of the signal that a cell in smoke absorbs
     double neighbour_range;  // lattice units, from centre to centre; 0: no other robot is sensed
     double beam_range;    // lattice units
-    // angle between the first and the last beam, heading units; a whole turn: evenly all round
+    // angle between the first and the last beam, heading units; a whole turn: evenly all around
     double beam_field;
     double beam_noise;    // largest share by which a distance is wrong
     double beam_dropout;  // probability that a beam returns nothing

@@ -223,7 +223,7 @@ class _One:
         self.member = fleet.members[number]
         self._workspace = Workspace(self.member)
         self._memory = memory
-        # A program's time is measured where its answer is waited for.
+        # For a program, the code that waits for its answer measures the time.
         is_program = isinstance(controller, ProcessController)
         self._act = controller.act if is_program else timed(controller.act)
 

@@ -448,7 +448,7 @@ class FleetRun:
 
 
 def _proof_of(outcome: FleetOutcome, fleet: CoreFleet, entry: int) -> JointProof:
-    """Return the proof of a recurrence, from the run that noted who did what since its entry."""
+    """Return the proof of a recurrence, from the run that recorded the acts since its entry."""
     moved = fleet.moved()
     waiting = tuple(number for number, one in enumerate(outcome.members) if one.ending == LIMIT)
     return JointProof(

@@ -59,7 +59,7 @@ TARGET: Task = "target"
 COVER: Task = "cover"
 # Seconds: the thesis's time step.
 DEFAULT_TIME_STEP = 0.015
-# Least and largest time step, s.
+# Smallest and largest time step, s.
 TIME_STEPS = (0.001, 10.0)
 MAX_STEPS = 100_000_000
 # Maximum number of steps; a recorded one takes about 300 bytes.
@@ -76,7 +76,7 @@ _MOST_OF_A_DRIFT = 10
 _ROUNDING = 1e-6
 # Cells: larger steps would come near the limits of 64-bit lattice arithmetic.
 _LONGEST_STEP = 1_000
-# Least budget, steps, however short the witness.
+# Smallest budget, steps, however short the witness.
 FEWEST_STEPS = 4_000
 _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
@@ -230,7 +230,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
     Args:
         world: World of the robot.
         time_step: Time step, s.
-        shortest: Least length of a step at top speed, cells.
+        shortest: Minimum length of a step at top speed, cells.
 
     Raises:
         InvalidParameter: If a step is longer than 1,000 cells, or shorter than ``shortest``.
@@ -272,7 +272,7 @@ def step_budget(world: World, run: RunOptions) -> int:
     Raises:
         InvalidWorld: If a world that changes is to be covered.
     """
-    # The time to cover an area is that of driving through every cell, not the witness's.
+    # The time to cover an area is the time to drive through every cell, not the witness's.
     if run.task == COVER:
         cells = int(np.count_nonzero(reachable_cells(world)))
         duration = 2 * cells * exact(world.cell_size) / exact(world.robot_speed)

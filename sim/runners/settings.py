@@ -1,4 +1,4 @@
-"""Fill in the core's settings of a run: world, controller, options, and what moves the robot besides."""
+"""Fill in the core's settings of a run: world, controller, options, and outside forces."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ __all__ = ["PackedDisturbances", "fill_settings"]
 
 _PUSH_FIELDS = 6  # fields of a WgPush
 _SCALE_BITS = 30  # scale of the table of headings
-_LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
+_LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic comes near the limit of 64 bits
 
 
 def fill_settings(settings: Any, world: World, controller: Controller, options: RunOptions) -> None:

@@ -43,7 +43,7 @@ def place(page, x, y):
 
 
 def drag(page, first, last, *, button="left"):
-    """Drags from the middle of one cell to that of another."""
+    """Drags from the middle of one cell to the middle of another."""
     page.mouse.move(*place(page, first[0] + 0.5, first[1] + 0.5))
     page.mouse.down(button=button)
     page.mouse.move(*place(page, last[0] + 0.5, last[1] + 0.5), steps=5)

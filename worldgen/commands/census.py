@@ -48,7 +48,7 @@ _LONGEST = 50
     "radii",
     multiple=True,
     metavar="R",
-    help="0.3 is m, 0.7c cells.  [default: 0.45c 0.7c 1c]",
+    help="Radius of the robot: 0.3 in m, 0.7c in cells.  [default: 0.45c 0.7c 1c]",
 )
 @click.option(
     "--pairs",
@@ -119,7 +119,7 @@ def census(
 
     SOURCE is a map file, a folder of them, or a generator: ./file.py:function or
     package.module:function. Each answer is proved and the proof checked. docs/howto/census.md
-    describes table, CSV, JSON and generators.
+    describes generators and the three outputs: table, CSV and JSON.
     """
     from worldgen.files.whole import check_output
     from worldgen.interop import census as library

@@ -175,6 +175,6 @@ def _make(
             changed = {"kind": "changed", "file": error.facts["file"]}
             known.emit(made=0, ok=False, differences=[changed])
         raise click.exceptions.Exit(1) from error
-    note(f"{place}: {count - done.resumed} worlds made, {done.resumed} were there already")
+    note(f"{place}: {count - done.resumed} worlds made, {done.resumed} already existed")
     if as_json:
         known.emit(made=count - done.resumed, ok=True, differences=[])

@@ -50,7 +50,8 @@ def corner_of(
         piece: The piece to place.
         at: As in ``Piece.place``.
         anchor: As in ``Piece.place``.
-        margin: Least cells between the piece and the host's sides, for named and drawn places.
+        margin: Minimum number of cells between the piece and the host's sides, for named and drawn
+        places.
         seed: Seed of a drawn place.
 
     Raises:

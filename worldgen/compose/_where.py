@@ -67,7 +67,7 @@ def draw_corner(
         rng: The only source of randomness.
         host: Columns and rows of the host.
         piece: Columns and rows of the piece.
-        margin: Least cells between the piece and the host's sides.
+        margin: Minimum number of cells between the piece and the host's sides.
         keep_free: Discs that the piece must not touch, usually around start and target: centres,
             and radii in cells.
         way: (n, 2) points, in cells, of a path to centre the piece on, as closely as the sides

@@ -226,7 +226,7 @@ typedef struct WgStill {
     // smallest squared gap, cells, that lets the disc through; 0 if lu are too coarse to tell
     int64_t limit;
     WgDisc disc;
-    // if clear at start_x, start_y, so is the robot's disc at the start and on the way
+    // if clear at start_x, start_y, so is the robot's disc at the start and on the way there
     WgDisc start_disc;
     WgDisc start_core;  // if this disc is not clear, the robot's disc is not clear at the start
     WgDisc goal_disc;  // for the path to the goal: slightly smaller

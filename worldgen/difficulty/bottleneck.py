@@ -1,7 +1,7 @@
 """Find the largest disc that can get from start to target, without trying disc after disc.
 
 A disc is stopped by a closed chain of cells, with gaps below its diameter, that separates start
-from target (docs/explanation/reachability.md). So the gaps are processed from the narrowest on,
+from target (docs/explanation/reachability.md). So the gaps are processed from narrow to wide,
 uniting the cells on both sides; the first gap that closes such a chain is the bottleneck between
 two poses. In addition, start and target must have room for the disc.
 """

@@ -211,7 +211,7 @@ def search_world(
         where: A constraint, such as ``"detour > 3 and bottleneck < 1.2r"``.
         difficulty: The difficulty, 0 to 1, to within :data:`CLOSE`.
         seed: Seed of the search.
-        tries: Most worlds to make.
+        tries: Maximum number of worlds to make.
         progress: Called after each try.
         **given: Parameters that keep their values; the others vary, except the sizes of robot and
             cells.
@@ -233,7 +233,7 @@ def found(
     Args:
         search: The search.
         count: Number of worlds.
-        tries: Most worlds to make for each.
+        tries: Maximum number of worlds to make for each.
         progress: Called after each try.
 
     Raises:

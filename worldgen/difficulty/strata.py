@@ -31,7 +31,7 @@ __all__ = ["MOST_STRATA", "InStratum", "StrataSearch", "check_range", "edges_of"
 MOST_STRATA = 10
 # Least width of a range: the edges of its strata are rounded to a millionth and must differ.
 _NARROWEST = 1e-3
-# Parents kept per stratum, the latest.
+# Number of parents kept per stratum: the latest ones.
 _PARENTS = 12
 # Proposals per try, because proposals that a family refuses take no time.
 _REFUSED = 5

@@ -28,9 +28,9 @@ __all__ = ["Samples", "samples_of", "surroundings"]
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
-# Most cells between two samples.
+# Maximum number of cells between two samples.
 _APART = 0.5
-# Most samples; on longer paths they are farther apart.
+# Maximum number of samples; on longer paths they are farther apart.
 _MOST = 50_000
 # Samples processed together: 30 MB.
 _PART = 20_000

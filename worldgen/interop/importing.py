@@ -42,8 +42,8 @@ class ImportedRobot:
     Args:
         start: x and y, m, and optionally the heading, rad; chosen if omitted.
         target: x and y, m, and optionally the radius, m; chosen if omitted.
-        radius: Radius of the robot's disc, m; if omitted, the file's, or that of the robot such
-            maps are drawn for.
+        radius: Radius of the robot's disc, m; if omitted, the file's, or the radius of the robot
+        that such maps are drawn for.
         speed: Top speed, m/s.
         scenario: A MovingAI scenario file with start and target.
         row: Number of the scenario's problem, from 1.

@@ -34,7 +34,7 @@ __all__ = ["Placement", "heading_towards", "is_clear", "place"]
 _HALF = UNIT // 2
 # Radii of clearance around a chosen place, the widest first.
 _ROOMY = (Fraction(2), Fraction(3, 2), Fraction(5, 4))
-# Share of a region that must be nearer than a chosen place with room to turn.
+# A place with room to turn is chosen only if at least this share of its region is nearer.
 _FAR = 0.5
 # Share of the clear places below which the largest region deserves a warning.
 _SCATTERED = 0.5

@@ -57,7 +57,7 @@ def robot_parts(world: World, trails: Sequence[Trail], frame: Frame) -> list[Pri
 
     Args:
         world: The world of the robots.
-        trails: A path for each robot, in order; empty without a run.
+        trails: A path for each robot, in order; empty if there is no run.
         frame: The map's place in the picture.
     """
     robots = world.robots

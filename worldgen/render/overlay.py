@@ -234,8 +234,7 @@ class Drive:
         time_step: Time step, s.
 
     Raises:
-        InvalidParameter: If the number of times differs from that of points, or there is no
-            heading.
+        InvalidParameter: If there are not as many times as points, or there is no heading.
     """
 
     name: str

@@ -78,7 +78,7 @@ def draw_sheet(
     """
     # Refuse what cannot be drawn.
     if not panels:
-        raise InvalidParameter("empty", "there is no world to draw", "use at least one")
+        raise InvalidParameter("empty", "there is no world to draw", "pass at least one")
     if len(robots) > len(COLOURS):
         raise InvalidParameter(
             "too-many-robots",

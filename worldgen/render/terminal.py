@@ -354,7 +354,7 @@ def _xterm(colour: list[int]) -> int:
 
 
 def _span(letters: str, drawn: Container[str]) -> str:
-    """Return those of some letters that are drawn: ``A-C``, or ``A C`` if one between is not."""
+    """Return the letters that are drawn: ``A-C``, or ``A C`` if one between is not."""
     found = "".join(letter for letter in letters if letter in drawn)
     return f"{found[0]}-{found[-1]}" if found in letters and len(found) > 1 else " ".join(found)
 

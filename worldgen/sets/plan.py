@@ -93,14 +93,14 @@ class SeededPlan(SetPlan):
     family: str
 
     def jobs(self, first: int = 0) -> Iterator[Job]:
-        """Yield the worlds to make, from this one on, counted from 0."""
+        """Yield this world, counted from 0, and all later ones to make."""
         for k in range(first, self.header.count):
             yield Job(
                 self.family, self.seed(k), self.header.params, None if self.header.metrics else {}
             )
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Make the worlds from this one on, in this many processes."""
+        """Make this world and all later ones, in this many processes."""
         return make_all(self.jobs(first), workers)
 
     def seed(self, k: int) -> int:

@@ -61,7 +61,7 @@ class Store(Protocol):
 
 
 def store_for(out: Path) -> Store:
-    """Return an archive if the name is that of an archive, otherwise a folder.
+    """Return an archive if the name is an archive's, otherwise a folder.
 
     Raises:
         OutputError: If a folder has an archive's name, or a file a folder's.

@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 MOST_NESTED: Final = 50
-# Most levels of the syntax tree; Python allows a thousand nested calls.
+# Limit on the levels of the syntax tree; Python allows a thousand nested calls.
 _DEEPEST: Final = 250
 
 _TOKEN = re.compile(
@@ -65,7 +65,7 @@ class Language:
     Args:
         variables: Names of the numbers that are known when an expression is evaluated.
         noun: What a variable is called in messages, such as ``metric``.
-        longest: Most characters of an expression.
+        longest: Limit on the characters of an expression.
         example: A number or condition in this language, for messages.
         functions: By name; each takes one number or several.
         units: Suffixes of a number, each with the variable that it is then multiplied by, or None.

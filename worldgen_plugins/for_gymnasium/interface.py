@@ -32,7 +32,7 @@ class Sensor(NamedTuple):
 
     Args:
         code: Its number in the core.
-        low: Least value of each of its numbers.
+        low: Smallest value of each of its numbers.
         high: Greatest value of each of its numbers.
         senses: The fields of the simulator's observation that it reads.
     """
@@ -186,7 +186,7 @@ class Interface:
         return found
 
     def observe(self, observation: Observation) -> Singles:
-        """Return (size,) float32, the environment's observation, given that of a controller."""
+        """Return (size,) float32, the environment's observation, made from a controller's."""
         # Fill the core's struct, whose numbers have the order of the observation's fields.
         numbers = np.array(observation[: layout.OBS_SIZE], np.float64)
         beams = np.array(observation.beams, np.float64)

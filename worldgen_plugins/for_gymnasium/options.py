@@ -38,7 +38,7 @@ class Options(TypedDict, total=False):
         worlds: Worlds, or files, or a folder or archive of them.
         family: Name of a family, whose worlds get rising seeds.
         params: The family's parameters.
-        difficulty: Least and greatest difficulty of the family's worlds, 0 to 1.
+        difficulty: Smallest and largest difficulty of the family's worlds, 0 to 1.
         pool: Number of worlds of the family; each episode is in one of them.
         pool_seed: Seed of the first.
         sensors: See :class:`worldgen_plugins.for_gymnasium.Interface`, also for the next ones down

@@ -1,4 +1,4 @@
-"""Supply the worlds of episodes: given ones, or those of a family at a chosen difficulty."""
+"""Supply the worlds of episodes: given ones, or a family's at a chosen difficulty."""
 
 from __future__ import annotations
 

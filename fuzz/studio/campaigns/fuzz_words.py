@@ -195,7 +195,7 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
 def options() -> dict[str, dict[str, Any]]:
     """Return the command's options by name, with ``help`` and ``default``.
 
-    Help that holds only at the command line is omitted, such as how to name a class in a file.
+    Help that applies only to the command line is omitted, such as how to name a class in a file.
     """
     declared = {option.name: option.help for option in CampaignOptions.declared()}
     return {

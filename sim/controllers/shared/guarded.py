@@ -73,7 +73,7 @@ class CallResult(NamedTuple):
 
     Args:
         result: Return value of the core's function.
-        error: ``WgReport.error`` of the last run; empty without an error.
+        error: ``WgReport.error`` of the last run; empty if there was no error.
     """
 
     result: int
@@ -216,7 +216,7 @@ class _Server:
             self._close()
             raise WorldgenError(
                 "no-process",
-                "no process can be started to run the controller in",
+                "the process that would run the controller cannot be started",
                 "end some others",
             )
         self._poll = select.poll()

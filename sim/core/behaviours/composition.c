@@ -4,9 +4,9 @@
 // The arbiter decides by priority (worldgen_behaviours.h), lets the parts vote,
 // or learns when each part is useful.
 //
-// Sources: the vote is that of Julio K. Rosenblatt, "DAMN: a distributed architecture for mobile
-// navigation", Journal of Experimental & Theoretical Artificial Intelligence 9 (1997); learning is
-// that of Pattie Maes and Rodney A. Brooks, "Learning to coordinate behaviors", AAAI (1990).
+// Sources: the vote follows Julio K. Rosenblatt, "DAMN: a distributed architecture for mobile
+// navigation", Journal of Experimental & Theoretical Artificial Intelligence 9 (1997); learning
+// follows Pattie Maes and Rodney A. Brooks, "Learning to coordinate behaviors", AAAI (1990).
 
 #include <assert.h>
 #include <math.h>

@@ -43,11 +43,11 @@ static const double CLOSE = 0.95;
 static const double APART = 0.25;
 static const double THERE = 0.02;  // radii: within this distance the robot is at a place
 static const double STANDS = 0.1;  // radii: also within this distance, if it gets no nearer
-static const double ALONG = 0.9;   // least progress, in steps, if a wall deflected the step
+static const double ALONG = 0.9;   // minimum progress, in steps, if a wall deflected the step
 // an exit opens at the side if the cosine from the direction of driving is at most this
 static const double ACROSS = 0.5;
 
-// The shortest ways from a place.
+// The shortest paths from a place.
 typedef struct Ways {
     double length[MOST_PLACES];  // m; INFINITY: there is none
     int64_t first[MOST_PLACES];  // the place after the first one
@@ -156,7 +156,7 @@ static bool is_explored(const WgTopologicalMemory *own, double x, double y, doub
     return false;
 }
 
-// Finds the shortest ways from the robot's place along the map.
+// Finds the shortest paths from the robot's place along the map.
 static void find_ways(const WgTopologicalMemory *own, Ways *ways)
 {
     bool done[MOST_PLACES] = {false};

@@ -268,7 +268,7 @@ typedef struct WgReckoning {
     double far;         // m: distance to the target there
     double cell;        // m: distance at which the signal has fallen to a half; 0: unknown
     double search;      // directions in which it has searched for a signal
-    double turned;      // rad: its heading after the previous step minus that of the odometry
+    double turned;      // rad: its heading after the previous step minus the odometry's
 } WgReckoning;
 
 typedef struct WgQLearnerMemory {

@@ -39,7 +39,7 @@ static uint64_t seldom_words(const WgState *state)
            + wg_folded((uint64_t)state->draws) * WG_FACTORS[4];
 }
 
-// The fingerprint of the state, equal to that of wg_fingerprint_of_few.
+// The fingerprint of the state, equal to wg_fingerprint_of_few's.
 static inline uint64_t fingerprint(const Plain *plain)
 {
     const WgBody *body = plain->robot->body;

@@ -38,7 +38,7 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
 // The controller's senses before its first step: only constants.
 void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings);
 
-// The most events in one step.
+// Maximum number of events in one step.
 int64_t wg_most_events_of_a_step(const WgArena *arena);
 
 // Forgets where the robot has been, except for its start.

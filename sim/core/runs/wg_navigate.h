@@ -36,9 +36,9 @@ typedef struct WgRules {
     double beam_range;  // m: length that counts as 1 in range beams
     double turn_rate;   // rad/s: turn rate that counts as 1 in actions
     double slowest;     // smallest share of the top speed that an action may request
-    double progress;    // reward for a metre nearer to the target
+    double progress;    // reward per metre of progress towards the target
     double time;        // for a second
-    double contact;     // for a step in which a wall stopped or bent the move
+    double contact;     // reward for a step in which a wall stopped or bent the move
     double reached;
     double burned;
     int64_t limit;      // steps until an episode is cut off; 0: never

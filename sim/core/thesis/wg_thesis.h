@@ -57,7 +57,7 @@ typedef struct WgThesisSettings {
     double speed;           // px/ms
     double tolerance;       // overlap with a wall that is not reported, px
     double acceleration;    // largest gain of px/ms per ms; 0: unlimited
-    double friction;        // px/ms lost per ms by a robot that rolls out; 0: stops immediately
+    double friction;        // px/ms lost per ms by a coasting robot; 0: stops immediately
     double wall_friction;   // share of a slide that is lost to friction
     double slip;            // largest share of a tick's path that is lost
     double sensor_field;    // angle that the sensor looks into, rad; 0: all around

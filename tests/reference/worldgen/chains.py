@@ -144,7 +144,7 @@ class _Links:
         )
 
     def search(self, source: int, limit: int, *, thorough: bool = False) -> tuple[list[int], int]:
-        """Return the shortest cycle through a cell whose bits are all odd, of fewer than ``limit`` links; and the work.
+        """Return the shortest odd cycle through a cell, of fewer than ``limit`` links, and the work.
 
         A thorough search continues to everything that it can reach, and leaves ``before`` and the
         rows as they are.

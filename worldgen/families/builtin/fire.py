@@ -96,7 +96,7 @@ def fire(
         spread: Mean time that fire takes to spread from one cell of floor to the next, s.
         scatter: Fraction by which times differ from their means.
         wind: Fraction by which fire is faster with the wind and slower against it.
-        wind_to: Direction that the wind blows to: quarter turns counter-clockwise from +x; if
+        wind_to: Direction in which the wind blows: quarter turns counter-clockwise from +x; if
             omitted, drawn.
         fuel: Share of the floor that has fuel; the rest never burns.
         grain: Cells across a patch without fuel; 1: single cells.
@@ -110,7 +110,7 @@ def fire(
             many.
         monotone: Nothing ever opens: everything that burns is blocked for good, and no wall burns
             through.
-        margin: The robot may start on its witness up to this much later and still arrive, s.
+        margin: Delay, s, up to which the robot may start late and still arrive along its witness.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.

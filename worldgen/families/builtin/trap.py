@@ -84,7 +84,7 @@ def trap(
             that keeps winding around it; V: two slanted arms; comb: a back wall with teeth; nested:
             U's in each other's hollows; pair: a U, and another behind it, offset to the side.
         depth: Inner length of the arms, cells; for a spiral, the length of its innermost chamber;
-            for nested U's, that of the innermost; if omitted, drawn.
+            for nested U's, the innermost one's; if omitted, drawn.
         mouth: Clear width of the opening, between the arms or along the back wall, cells; for a
             spiral, of its whole winding corridor; also the gap between teeth, and between one U and
             the next; if omitted, drawn.

@@ -46,7 +46,7 @@ _DRAWS = 4
 _REDRAWS = 20
 # Placements of all robots to try, one robot by one, as long as some robot finds no room.
 _PLACEMENTS = 4
-# Most robots whose paths are searched together if they have none one after another. The search
+# Limit on robots whose paths are searched together if a search one by one finds none. The search
 # rarely succeeds with more.
 MOST_TOGETHER = 50
 

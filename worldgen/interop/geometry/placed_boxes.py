@@ -160,7 +160,7 @@ def box_writer(
     """Return the writer of a format that has nothing but boxes.
 
     Args:
-        contents: Returns the file with these boxes.
+        contents: Function that returns the file with these boxes.
         bits: Bits of a coordinate in the file, as for :func:`solid_boxes`.
     """
 

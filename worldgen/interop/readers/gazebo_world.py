@@ -128,8 +128,8 @@ def read_gazebo_world(
 
     Args:
         path: The ``.world`` or ``.sdf`` file.
-        cell_size: Side of a cell, m; 0 means that of our own files, 0.15 for BARN's, and otherwise
-            as large as the boxes allow, or 0.1.
+        cell_size: Side of a cell, m; 0 means the recorded side in our own files, 0.15 in BARN's,
+            and otherwise as large as the boxes allow, or 0.1.
         raster: Whether a cell is solid if a shape reaches into it, or only if it is completely
             inside one.
 

@@ -185,6 +185,6 @@ def _agents(
             )
     if count < 1:
         raise FormatError(
-            "empty", "there is no agent", "use at least one", line=top.line_of("num_agents")
+            "empty", "there is no agent", "add at least one", line=top.line_of("num_agents")
         )
     return starts[:count], targets[:count]

@@ -28,7 +28,7 @@ class Crowd:
 
     Args:
         world: A world of one robot, which is the first.
-        count: Most robots that can be added, including the first.
+        count: Limit on the robots that can be added, including the first.
         margin: Seconds by which all robots may start late, in a world that changes.
     """
 
@@ -94,7 +94,7 @@ class Crowd:
         return make_joint_witness(question, taken_nodes(made[0], count))
 
     def _leg_fits(self, ends: RobotEnds) -> bool:
-        """Return True if the first leg of a robot stays clear of those of the others."""
+        """Return True if the first leg of a robot stays clear of the others' first legs."""
         question = self._question
         assert question is not None
         if self.robots and not question.has_first_leg and ends.start != question.point(ends.node):

@@ -43,7 +43,7 @@ __all__ = [
 _LOOK_AHEAD = 24
 # Limit on straight lines tried per path; long paths look ahead less.
 _TESTS = 20_000
-# Queue entries between two checks for Ctrl-C.
+# Queue entries to process between checks for Ctrl-C.
 _PORTION = 200_000
 
 Ints = npt.NDArray[np.int64]

@@ -2,7 +2,7 @@
 
 It drives straight to the target. If a wall stops it, at the hit point, it follows the wall with its
 left hand all the way around, and notes where it was nearest to the target: the leave point. From
-the hit point it goes there by the shorter way, and drives straight to the target again. Leave
+the hit point it takes the shorter path there, and drives straight to the target again. Leave
 points come nearer and nearer, so it arrives if the target can be reached, on a path of at most the
 distance plus one and a half times the perimeters of the obstacles that it meets.
 

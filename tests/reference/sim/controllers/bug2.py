@@ -31,7 +31,7 @@ from tests.reference.sim.fdlibm import cos, sin
 Floats = npt.NDArray[np.float64]
 
 # Memory after the body's: what it does, its distance to the target before the step; the hit point,
-# its distance to the target and the direction of the line (a unit vector); the place to leave at.
+# its distance to the target and the direction of the line (a unit vector); the leave point.
 MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
 HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y = (body.BODY_SIZE + k for k in range(2, 7))
 LEAVE_X = body.BODY_SIZE + 7
@@ -62,7 +62,7 @@ def _hit(observation: Floats, memory: Floats) -> None:
 
 
 def _crosses(observation: Floats, memory: Floats) -> bool:
-    """Return whether the last step crossed the line at a place to leave at, and note that place."""
+    """Return whether the last step crossed the line at a leave point, and note that point."""
     from_x = memory[body.X] - memory[HIT_X]
     from_y = memory[body.Y] - memory[HIT_Y]
     to_x = observation[layout.OBS_X] - memory[HIT_X]
