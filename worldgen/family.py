@@ -390,12 +390,12 @@ def _is_of_crowd(error: InvalidParameter) -> bool:
 
 
 def _how_full(error: InvalidParameter) -> tuple[int, int]:
-    """Return a key that orders errors of crowded layouts; the highest one says the most."""
+    """Return a sort key for errors of crowded layouts; the highest is the most informative."""
     return _CROWDED.index(error.code), int(error.facts["placed"])
 
 
 def _attempts(robots: int) -> int:
-    """Return the number of layouts that are tried for so many robots."""
+    """Return the number of layouts that are tried for this many robots."""
     if robots == 1:
         return MAX_ATTEMPTS
     return MAX_FLEET_ATTEMPTS if robots <= MOST_TOGETHER else MAX_CROWD_ATTEMPTS
@@ -404,7 +404,7 @@ def _attempts(robots: int) -> int:
 def _decided(world: World, margin: float) -> Decision:
     """Return whether the robots of a world can arrive.
 
-    A witness that the world brings along counts only if it holds: a family can change a world that
+    A witness that comes with the world counts only if it holds: a family can change a world that
     another one has proved.
     """
     if isinstance(world.certificate, Witness | JointWitness):

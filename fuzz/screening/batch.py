@@ -52,7 +52,7 @@ _KINDS = {"int64_t": "<i8", "uint64_t": "<u8", "double": "<f8"}
 
 
 def _numbers_of(name: str) -> list[tuple[str, str, int]]:
-    """Yield name, type and offset of a struct's numbers, including those of nested structs."""
+    """Yield the name, type and offset of a struct's numbers, including those of nested structs."""
     found = []
     for field_name, field in ffi.typeof(name).fields:
         if field.type.kind == "struct":

@@ -235,7 +235,7 @@ def test_a_leash_keeps_walls_and_target_near_where_they_were(tmp_path):
 
 
 def grown(walls, cells):
-    """Return walls and every cell at most this many columns and rows away."""
+    """Return the walls and every cell at most this many columns and rows away."""
     padded = np.pad(walls, cells)
     height, width = walls.shape
     shifts = range(2 * cells + 1)

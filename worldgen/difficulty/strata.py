@@ -29,7 +29,7 @@ from worldgen.world import Value, World
 __all__ = ["MOST_STRATA", "InStratum", "StrataSearch", "check_range", "edges_of"]
 
 MOST_STRATA = 10
-# Least width of a range: the edges of its strata are rounded to a millionth and must differ.
+# Minimum width of a range: the edges of its strata are rounded to a millionth and must differ.
 _NARROWEST = 1e-3
 # Number of parents kept per stratum: the latest ones.
 _PARENTS = 12

@@ -1,4 +1,4 @@
-"""Choose start and target on a map that has none: far apart, clear, and connected.
+"""Choose a start and a target on a map that has none: far apart, clear, and connected.
 
 The candidates are the multiples of half a cell at which the disc is clear, exactly. A step of half
 a cell along an axis between two of them is clear as well (docs/explanation/reachability.md), so two
@@ -58,7 +58,7 @@ def place(
     start: _Point | None = None,
     target: _Point | None = None,
 ) -> Placement:
-    """Choose start and target as far apart by path as two sweeps find; keep what is given.
+    """Choose a start and a target with the longest path that two sweeps find; keep given ones.
 
     If neither is given, both are in the largest region that the disc can drive through; otherwise
     the missing one is as far as possible from the given one, in its region. A chosen place has room

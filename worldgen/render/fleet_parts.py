@@ -53,7 +53,7 @@ def joint_witness_parts(joint: JointWitness, frame: Frame) -> list[Primitive]:
 
 
 def robot_parts(world: World, trails: Sequence[Trail], frame: Frame) -> list[Primitive]:
-    """Return starts, paths, targets and numbers of all robots, lowest layer first.
+    """Return the starts, paths, targets and numbers of all robots, lowest layer first.
 
     Args:
         world: The world of the robots.

@@ -121,7 +121,7 @@ class Remembered:
     Args:
         fills: (n, 5) rectangles, x and y of two corners, and how strongly to tint them, 0 to 1.
         blocked: (n, 4) lines that it takes for walls, x and y of both ends.
-        edges: (n, 4) ways of a graph, same.
+        edges: (n, 4) edges of a graph, same.
         plan: (n, 2) corners of the path that it was about to drive.
         nodes: (n, 2) places without a name.
         places: Places by name.

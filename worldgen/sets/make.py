@@ -43,7 +43,7 @@ class _Work:
     Args:
         header: First line of the manifest.
         count: Number of worlds.
-        made: Makes this world and all later ones.
+        made: Makes the worlds, starting with this one.
         named: A file's name, and its line in the manifest.
         refuse: Raises an error if the existing set is another one, or is finished.
     """

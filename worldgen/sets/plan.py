@@ -93,14 +93,14 @@ class SeededPlan(SetPlan):
     family: str
 
     def jobs(self, first: int = 0) -> Iterator[Job]:
-        """Yield this world, counted from 0, and all later ones to make."""
+        """Yield the worlds to make, starting with this one, counted from 0."""
         for k in range(first, self.header.count):
             yield Job(
                 self.family, self.seed(k), self.header.params, None if self.header.metrics else {}
             )
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Make this world and all later ones, in this many processes."""
+        """Make the worlds starting with this one, in this many processes."""
         return make_all(self.jobs(first), workers)
 
     def seed(self, k: int) -> int:

@@ -40,7 +40,7 @@ class WantedPlan(SearchedPlan):
     tell: Callable[[Search], None] | None = None
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Make this world and all later ones.
+        """Make the worlds, starting with this one.
 
         The search repeats what it found before, because later finds depend on it.
         """
@@ -101,7 +101,7 @@ class StratifiedPlan(SearchedPlan):
     where: str | None
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Make this world and all later ones.
+        """Make the worlds, starting with this one.
 
         The search repeats its earlier finds, because later ones depend on them.
         """

@@ -11,7 +11,8 @@ void wg_naive_act(const WgObservation *seen, double *memory, WgCommand *command)
 }
 
 static const double ROUNDING = 1e-6;  // m: far more than the rounding error of distances
-static const double MARGIN = 1.3;  // times the sum of the radii: distance at which robots pass each other
+// times the sum of the radii: distance at which robots pass each other
+static const double MARGIN = 1.3;
 
 // Returns the angle, rad, of a sine from 0 to 1.
 static double arc_sine(double sine)

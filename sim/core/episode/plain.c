@@ -18,7 +18,8 @@ typedef struct Plain {
     int64_t words;      // words of a state
     bool is_inside;     // 1 if the centre is in the grid
     bool knows_random;  // 1 if the observation has the next random number
-    uint64_t constant;  // contribution to the fingerprint of the words that the last step did not change
+    // contribution to the fingerprint of the words that the last step did not change
+    uint64_t constant;
 } Plain;
 
 bool wg_is_plain(const WgEpisode *episode)

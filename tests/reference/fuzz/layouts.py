@@ -147,7 +147,7 @@ def draw_layout(layouts: Bytes, n: int, solid: Ints) -> None:
 
 
 def fill_arena(solid: Ints, cells: Bytes, near: npt.NDArray[np.int32]) -> int:
-    """Write cells and masks of a drawn world, (height, width), and return how many cells are solid."""
+    """Write a drawn world's cells and masks, (height, width), and return the number of solid cells."""
     height, width = cells.shape
     count = 0
     for iy in range(height):

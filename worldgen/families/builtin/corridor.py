@@ -45,8 +45,8 @@ __all__ = ["corridor"]
 
 Shape: TypeAlias = Literal["bends", "dead-ends", "junctions", "S", "T", "X", "tunnel"]
 
-# Lattices to try until one has the requested bends and side paths. With the most that is allowed of
-# one or both, 20,000 drafts on 2 to 200 lines took 1.0 to 1.5 tries on average, and 4 at worst.
+# Lattices to try until one has the requested bends and side paths. With the largest allowed number
+# of one or both, 20,000 drafts on 2 to 200 lines took 1.0 to 1.5 tries on average, and at most 4.
 MAX_DRAFTS = 100
 # Random side paths to try, per node from which one can start.
 TRIES_PER_ORIGIN = 4

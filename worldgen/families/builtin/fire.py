@@ -172,7 +172,8 @@ def _cells(text: str, plan: Plan) -> list[int]:
                 text=text,
                 part=part,
             )
-        # Nine digits exceed every grid, and keep ``int`` from refusing or crawling on longer ones.
+        # Nine digits are enough for every grid; ``int`` is slow for longer numbers, or refuses
+        # them.
         ix = int(column[:9])
         iy = int(row[:9])
         if not (ix < width and iy < height):

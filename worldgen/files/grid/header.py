@@ -183,7 +183,7 @@ class Header:
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:
-    """Yield offset and key part of every statement: ``[table]``, or the text before ``=``."""
+    """Yield the offset and key part of every statement: ``[table]``, or the text before ``=``."""
     depth = 0
     begin = -1
     key_done = False

@@ -232,7 +232,7 @@ def _walls(boxes: tuple[PlacedBox, ...]) -> Iterator[str]:
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
-    """Yield starts and targets as discs that are only visible; a start's shows the heading."""
+    """Yield the starts and targets as discs that are only visible; a start's shows the heading."""
     for number, robot in enumerate(world.robots, start=1):
         start = robot.start
         target = robot.target

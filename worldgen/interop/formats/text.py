@@ -67,7 +67,7 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
             column=column + 1,
             line=row_index + 1,
         )
-    # Find start and target.
+    # Find the start and the target.
     start = _place(drawn, _START, "start", cell_size)
     target = _place(drawn, _TARGET, "target", cell_size)
     return ForeignMap(
@@ -122,7 +122,7 @@ def cell_centre(column: int, row: int, cell_size: float) -> tuple[float, float]:
 
 
 def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
-    """Return column and row, from the top, of the cell that contains a point.
+    """Return the column and row, from the top, of the cell that contains a point.
 
     A point on a cell's right or upper side belongs to the next cell.
     """
@@ -131,7 +131,7 @@ def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
 
 
 def end_cells(world: World) -> tuple[tuple[int, int], tuple[int, int], dict[str, str]]:
-    """Return column and row, from the top, of the cells that a file stores as start and target.
+    """Return the column and row, from the top, of the cells stored as start and target.
 
     The last part is a sentence for each of them that is not the centre of its cell.
     """

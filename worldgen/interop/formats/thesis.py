@@ -333,7 +333,7 @@ def _check_shape(world: World) -> None:
 
 
 def _target_cell(world: World) -> tuple[int, int]:
-    """Return column and row, from the top, of the cell that contains the target's centre."""
+    """Return the column and row, from the top, of the cell with the target's centre."""
     ix, iy = (
         math.floor(in_cells(value, world.cell_size)) for value in (world.target.x, world.target.y)
     )

@@ -208,7 +208,7 @@ def _cut_into_rows(
 
 
 def _row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> npt.NDArray[np.int64]:
-    """Yield row, first and end column of each piece of a row, without slivers."""
+    """Yield the row, the first and the end column of each piece of a row, without slivers."""
     import shapely
 
     pieces, index = shapely.get_parts(parts, return_index=True)

@@ -156,7 +156,7 @@ def read_gazebo_world(
     if own is None:
         notes.append("everything beyond these cells is solid here, but open ground in Gazebo")
     params: dict[str, Value] = {"raster": raster}
-    # Find start, target and robot.
+    # Find the start, the target and the robot.
     start, target = _ends(scene, frame, barn=barn and own is None, ours=own is not None)
     radius = None
     speed = _number(world, f"{OURS}robot_speed")
@@ -424,7 +424,7 @@ def _cells(
 def _ends(
     scene: _GazeboScene, frame: _Frame, *, barn: bool, ours: bool
 ) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
-    """Return start and target: the challenge's, or the models of these names."""
+    """Return the start and the target: the challenge's, or the models of these names."""
     if barn:
         x, y, heading = map(Fraction, _START)
         goal = (

@@ -53,7 +53,7 @@ class Crowd:
         self.add(world.robots[0])
 
     def add(self, robot: Robot) -> bool:
-        """Add a robot if it finds a path without changing those of the others."""
+        """Add a robot if it finds a path without changing the others' paths."""
         # Find out how it gets onto the nodes.
         question = self._question
         if question is None:

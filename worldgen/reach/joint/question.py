@@ -200,7 +200,7 @@ def joint_question(
 
 @dataclass(frozen=True)
 class Approach:
-    """The ways of one robot onto the nodes and off again.
+    """How one robot gets onto the nodes and off them again.
 
     Args:
         start: Where it starts, lu.

@@ -10,7 +10,8 @@ import { Refused } from "#studio/shared/refusals.js";
 /**
  * Makes the form.
  * @param {Studio} studio
- * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Runs an action that the server may refuse, and shows the result
+ * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Runs an action that the
+ *   server may refuse, and shows the result
  * @param {() => void} wrote - Called after files have been written to the folder
  * @returns {{element: HTMLElement, refresh: () => void}}
  */

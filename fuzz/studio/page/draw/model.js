@@ -66,7 +66,8 @@ export function round(value) {
 }
 
 /**
- * Returns a world from the server ready for editing, with the name and digest of its file, if it has one.
+ * Returns a world from the server ready for editing, with the name and digest of its file, if it
+ * has one.
  * @param {WorldMessage} message
  * @param {string} [name]
  * @param {string | null} [file]

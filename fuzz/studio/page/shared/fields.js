@@ -69,8 +69,8 @@ export function number(value, change, { low = null, high = null, step = "any" } 
 }
 
 /**
- * Makes a field for a parameter as the server declares it: { name, default, kind, choices, low, high }, and `chosen`, a
- * single number that is allowed in addition to the range.
+ * Makes a field for a parameter as the server declares it: { name, default, kind, choices, low,
+ * high }, and `chosen`, a single number that is allowed in addition to the range.
  * @param {Parameter} parameter
  * @param {any} value
  * @param {(value: any) => void} change
@@ -140,7 +140,8 @@ export function rangeWords({ low, high, above, chosen, unit }) {
 }
 
 /**
- * Makes fields for the options of a format; the values that a user enters are stored in `given` by name.
+ * Makes fields for the options of a format; the values that a user enters are stored in `given` by
+ * name.
  * @param {Parameter[]} options
  * @param {Record<string, any>} given
  * @returns {HTMLElement[]}
@@ -215,7 +216,8 @@ export function isGood(input) {
 
 /**
  * Returns what is wrong with a field and what to enter instead; empty if nothing is.
- * @param {Pick<HTMLInputElement, "validity" | "min" | "max" | "step" | "title" | "validationMessage">} input
+ * @param {Pick<HTMLInputElement, "validity" | "min" | "max" | "step" | "title" |
+ *   "validationMessage">} input
  * @returns {string}
  */
 export function faultOf({ validity, min, max, step, title, validationMessage }) {
