@@ -182,7 +182,7 @@ def _units(scenario: Scenario, strategy: str, seconds: float, clock: Callable[[]
 
 
 def _share_of_user(scenario: Scenario) -> float:
-    """Return the share of screening time spent in the controller's code or waiting for its program."""
+    """Return the share of screening time spent in the controller's code or in waiting for it."""
     is_program = isinstance(CONTROLLERS.get(scenario.controller), ProcessController)
     began = Effort.so_far()
     _look(scenario, 20 if is_program else 400, None)

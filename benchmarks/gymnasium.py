@@ -96,7 +96,7 @@ def _many(
 
 
 def _one() -> float:
-    """Return steps per second of the single environment, with every wrapper of ``gymnasium.make``."""
+    """Return steps per second of the single environment, as ``gymnasium.make`` wraps it."""
     env = gymnasium.make(worldgen.gym.ENVIRONMENT, sensors=PLAIN, **MAZE)
     actions = np.random.default_rng(0).integers(0, 5, 512).tolist()
     env.reset(seed=1)

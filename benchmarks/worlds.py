@@ -129,7 +129,7 @@ def _asked(side: int) -> Iterator[tuple[str, World]]:
 
 
 def _widened(world: World) -> Any:
-    """Return the cells whose centre is at least the radius from every solid cell (usual inflation)."""
+    """Return cells whose centre is at least the radius from all solid cells (usual inflation)."""
     ndimage: Any = importlib.import_module("scipy.ndimage")
     distance = ndimage.distance_transform_edt(~np.pad(world.walls, 1, constant_values=True))[
         1:-1, 1:-1

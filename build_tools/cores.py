@@ -88,7 +88,7 @@ class Core:
 
     @property
     def includes(self) -> tuple[str, ...]:
-        """The compiler's include path: every folder of a header, so a name is enough to include it."""
+        """The include path: all folders of headers, so names are enough to include them."""
         own = {
             header.parent.relative_to(ROOT).as_posix()
             for folder in self.sources

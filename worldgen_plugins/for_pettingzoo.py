@@ -226,7 +226,7 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
         )
 
     def render(self) -> npt.NDArray[np.uint8] | str | None:
-        """Return the world, as a picture, (height, width, 3) uint8, or text; ``None`` without a mode."""
+        """Return the world as a picture, (height, width, 3) uint8, or text; None without a mode."""
         if self.render_mode is None:
             gymnasium.logger.warn('render() shows nothing; use render_mode="rgb_array"')
             return None

@@ -348,7 +348,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         return self._queue.jobs_for_lost_classes(self.state.best, busy)
 
     def _take_others(self) -> Iterator[Discovery]:
-        """Take finished results off the shrink list, and keep the smallest failure of each class."""
+        """Take finished results off the shrink list, and keep each class's smallest failure."""
         for job, submitted in [one for one in self._shrinks if one[1].is_done]:
             self._shrinks.remove((job, submitted))
             result = submitted.future.result()

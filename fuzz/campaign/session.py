@@ -186,7 +186,7 @@ class CampaignSession:
         )
 
     def _hazards(self) -> dict[str, Failure]:
-        """Return the classes, with counts, in which the controller could not have avoided the fire."""
+        """Return the classes, with counts, whose fire the controller could not have avoided."""
         failing = self._failing()
         return {
             bucket: one

@@ -1,4 +1,4 @@
-"""Quantities that a campaign varies in addition to the world: ``--vary sensor_noise=0,0.05,0.2``."""
+"""Quantities that a campaign varies besides the world: ``--vary sensor_noise=0,0.05,0.2``."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def _filters(command: F) -> F:
-    """Add the options ``--controller``, ``--class`` and ``--verdict``, which take shell patterns."""
+    """Add the options ``--controller``, ``--class`` and ``--verdict``, which take patterns."""
     for name, argument, what in (
         ("--verdict", "verdicts", "Select only this verdict: 'loop', or a pattern such as '*'."),
         ("--class", "buckets", "Select only this class: 'tunnel-*'."),

@@ -1,4 +1,4 @@
-"""The search: sample many layouts, climb from the best by small edits, and prove the results that are kept.
+"""Search: sample many layouts, climb from the best by small edits, and prove the kept results.
 
 It prints nothing.
 """
@@ -149,7 +149,7 @@ class _Unit:
         self._cheap_first = sorted(config.targets, key=lambda target: target.cost)
 
     def distance(self, world: World, most: float) -> float:
-        """Return the sum of the distances to the targets; more than ``most`` once that is certain."""
+        """Return the sum of the distances to the targets; or, once certain, more than ``most``."""
         self.tried += 1
         total = 0.0
         for target in self._cheap_first:

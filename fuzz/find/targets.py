@@ -217,7 +217,7 @@ class OutcomeTarget:
         return _OTHERWISE
 
     def _off(self, number: float) -> float:
-        """Return the distance of a number of steps from the range, as a fraction of its nearer end."""
+        """Return how far a number of steps is from the range, as a share of its nearer end."""
         if self.low is not None and number < self.low:
             return (self.low - number) / self.low
         if self.high is not None and number > self.high:

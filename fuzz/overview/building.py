@@ -205,7 +205,7 @@ def _with_worlds(
     is_explained: bool,
     is_over: Callable[[], bool] | None,
 ) -> CauseTotals:
-    """Return a cause with its clearest and its smallest world, and the clearest one's dependencies."""
+    """Return a cause with its clearest and its smallest world, and the former's dependencies."""
     # The smallest is preferably one that has a file anyway.
     existing = [one for one in own if one.exists]
     smallest = min(existing or own, key=lambda one: one.failure.order, default=None)
@@ -294,7 +294,7 @@ def _world_file(
 
 
 def with_own_files(causes: Iterable[CauseTotals]) -> Iterator[CauseTotals]:
-    """Yield causes; of several whose worlds would get the same file, all but the first get another."""
+    """Yield causes; if several worlds would get the same file, all but one get another."""
     taken: dict[str, str] = {}
     for cause in causes:
         shown = cause.failure

@@ -1,4 +1,4 @@
-"""Summarise a campaign in at most fifteen lines: does it work, how bad is it, why, and what to do."""
+"""Sum up a campaign in at most fifteen lines: does it work, how bad is it, why, and what to do."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Headline:
 
 
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
-    """Return the summary for the terminal, in colour; ``click.echo`` removes the colours if necessary."""
+    """Return the summary for the terminal, in colour; ``click.echo`` removes it if necessary."""
     # Say first whether it works and how often the robot arrives.
     lines = [_verdict_line(overview, headline)]
     if overview.natural is not None and overview.natural.worlds:

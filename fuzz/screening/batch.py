@@ -250,7 +250,7 @@ class Seat:
 
 @functools.cache
 def _discs(radii: tuple[float, ...]) -> tuple[list[tuple[int, int]], Ints]:
-    """Return squared clear distances, reaches and target radii of a scene's robots, lattice units."""
+    """Return a scene's squared clear distances, reaches and target radii, lattice units."""
     plain = bytes(layout_bytes.LAYOUT_BYTES)
     discs = [disc_numbers(decode_world(plain, robot_radius=radius)) for radius in radii]
     side = decode_world(plain).cell_size

@@ -183,7 +183,7 @@ class Screening:
 
     @property
     def mean_clearance(self) -> Floats:
-        """Mean distance to the nearest wall over the cells that the centre visited: 1, 2, or 3 for more."""
+        """Mean distance to the nearest wall over the visited cells: 1, 2, or 3 for more."""
         return self.raw["clearances"] / np.maximum(self.visited, 1)
 
     @property

@@ -248,7 +248,7 @@ def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
 
 
 def _with_time(world: NamedWorld, figures: Sequence[PublishedRow]) -> NamedWorld:
-    """Return the world with time to arrive in twice the published time, or to prove it never does."""
+    """Return the world with a budget of twice the published time, or enough to prove "never"."""
     own = [figure for figure in figures if figure.is_of(world)]
     times = [_TIME_FOR_NEVER if figure.never else 2.0 * (figure.time or 0.0) for figure in own]
     return replace(world, least_time=max(times, default=0.0))

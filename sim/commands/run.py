@@ -202,7 +202,7 @@ def _stored_budget(world: World, scenarios: list[Scenario]) -> int | None:
 
 
 def _why_uncertain(world: World, scenarios: list[Scenario]) -> str:
-    """Return why no controller is certain to arrive with these disturbances; empty if one can be."""
+    """Return why no controller is certain to arrive with these disturbances; else empty."""
     from sim.options.disturbances import why_arrival_is_not_certain
 
     doubts = (why_arrival_is_not_certain(world, one.run.robot) for one in scenarios)

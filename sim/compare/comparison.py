@@ -153,7 +153,7 @@ class Cell:
 
     @property
     def verdict(self) -> str:
-        """``reached`` or ``covered`` if the controller counts as arriving, else its main failure."""
+        """``reached`` or ``covered`` if this counts as arriving, otherwise the main failure."""
         if self.arrives:
             return self.arrivals[0].verdict if self.arrivals else Verdict.REACHED
         failures = {
@@ -173,7 +173,7 @@ class Cell:
 
     @property
     def detail(self) -> str:
-        """Detail of a single run's verdict, like ``period 104`` or ``1 of 3 arrive``; may be empty."""
+        """Detail of a single run's verdict, as ``period 104`` or ``1 of 3 arrive``, or empty."""
         match self.evidence:
             case JointLoopEvidence(waiting=waiting, parked=parked):
                 return f"{len(parked)} of {len(waiting) + len(parked)} arrive"

@@ -352,7 +352,7 @@ class FleetRun:
         return None if has_shared_state_changed(controller, state) else state
 
     def _reset(self) -> tuple[list[Any], dict[int, ControllerError]]:
-        """Return the memories of the controllers outside the core, and their faults in ``reset``."""
+        """Return the memories of controllers outside the core, and their faults in ``reset``."""
         memories: list[Any] = []
         faults: dict[int, ControllerError] = {}
         # Robots that share a controller still do if it is renewed.
@@ -475,7 +475,7 @@ def robot_seed(world: World, number: int, seed: int) -> int:
 
 
 def _robots_overlap(one: int, other: int) -> InvalidWorld:
-    """Return the error for two robots, given by their indices, that have no clear lattice points."""
+    """Return the error for two robots, given by index, that have no clear lattice points."""
     return InvalidWorld(
         "robots-overlap",
         "robots {one} and {other} overlap at the start, where walls keep them from the nearest "
@@ -487,6 +487,6 @@ def _robots_overlap(one: int, other: int) -> InvalidWorld:
 
 
 def _written(recording: tuple[Ints, Ints], steps: int, has_failed: bool) -> tuple[Ints, Ints]:
-    """Return the part of a recording that was written; a step in which a controller fails is not."""
+    """Return the part of a recording that was written; a step in which a controller fails isn't."""
     rows, path = recording
     return rows[: max(steps - has_failed, 0) + 1], path[path[:, 0] > 0]

@@ -30,7 +30,7 @@ def opened_at(browser, address, *, until="#proof.good, #proof.bad", **how):
 
 
 def place(page, x, y):
-    """Return where a point of the world, in cells, is in the window, if the whole world is shown."""
+    """Return where a point of the world, in cells, is in the window, if all of it is shown."""
     box = page.locator("#board").bounding_box()
     columns, rows = (
         int(page.get_by_label(name).first.input_value()) for name in ("Columns", "Rows")

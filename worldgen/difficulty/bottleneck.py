@@ -197,7 +197,7 @@ def _by_gap(below: int) -> Iterator[tuple[int, list[tuple[int, int]]]]:
 
 
 def _below_ray(cells: Ints, pad: int, pose: Any) -> Ints:
-    """Return the indices of cells that one of their links can join across the ray up from a pose."""
+    """Return indices of cells that one of their links can join across the ray above a pose."""
     column = math.floor(Fraction(pose[0]) / UNIT) + pad
     return np.flatnonzero(np.abs(cells[:, 0] - column) <= pad + 1)
 

@@ -224,7 +224,7 @@ class StrataSearch:
         return InStratum(world, difficulty, (self._edges[at], self._edges[at + 1]))
 
     def _stratum_of(self, difficulty: float) -> int | None:
-        """Return the number of the stratum with this difficulty; the upper end belongs to the last."""
+        """Return the number of the stratum with this difficulty; the upper end is in the last."""
         if not self._edges[0] <= difficulty <= self._edges[-1]:
             return None
         return min(bisect_right(self._edges, difficulty), len(self._strata)) - 1
@@ -248,7 +248,7 @@ class StrataSearch:
         return seed, dict(varied(self._free, parent, rng))
 
     def _give_up(self, number: int) -> None:
-        """Close a stratum that was tried without success, and give its worlds to the nearest open ones."""
+        """Close a stratum without success, and give its worlds to the nearest open ones."""
         stratum = self._strata[number]
         if stratum.tried < self._tries and stratum.asked < _REFUSED * self._tries:
             return

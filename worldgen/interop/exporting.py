@@ -120,7 +120,7 @@ def export_world(
 
 
 def _check_robots(world: World, known: Format) -> None:
-    """Refuse several robots if the file has room for one; a map without robots can come from any world."""
+    """Refuse several robots if a file holds one; any world can become a map without robots."""
     if not world.others or known.robots or "start" not in known.holds:
         return
     able = [other.name for other in map(FORMATS.get, FORMATS) if other.write and other.robots]
@@ -135,7 +135,7 @@ def _check_robots(world: World, known: Format) -> None:
 
 
 def _missing(world: World, known: Format, destination: Destination) -> Iterator[tuple[str, str]]:
-    """Yield the values that the format cannot store and that ``import`` would not choose by itself."""
+    """Yield the values that the format cannot store and ``import`` would not choose by itself."""
     cell_size = world.cell_size
     robots = world.robots if known.robots else world.robots[:1]
     usual_radius = known.usual_robot.radius(cell_size)

@@ -231,7 +231,7 @@ def read_map_alone(
 
 
 def _digest_of(path: Path, found: ForeignMap) -> dict[str, Value]:
-    """Return the file's digest, unless its reader knows it; a plug-in's reader may take a folder."""
+    """Return the file's digest, unless its reader knows it; a plug-in may read a folder."""
     if "sha256" in found.params or not path.is_file():
         return {}
     # A plug-in may read files of any size.

@@ -205,7 +205,7 @@ class Trail:
 
     @property
     def approach(self) -> npt.NDArray[np.float64]:
-        """The path until the cycle begins, (k, 2) float64, m; the whole path if there is no cycle."""
+        """The path until the cycle begins, (k, 2) float64, m; all of it if there is no cycle."""
         return self.points if self.loop_from is None else self.points[: self.loop_from + 1]
 
     @property

@@ -170,7 +170,7 @@ def _draw_scale(pen: ImageDraw.ImageDraw, frame: Frame, width: int, bottom: int)
 
 
 def _way(trail: Trail | None, frame: Frame, shift: float, colour: str) -> list[Primitive]:
-    """Return a robot's path, shifted slightly from the others', so that equal paths stay visible."""
+    """Return a robot's path, shifted slightly from the others', so that equal ones stay visible."""
     if trail is None:
         return []
     points = simplified(frame.points(np.column_stack((trail.x, trail.y))), 0.3)

@@ -341,7 +341,7 @@ def _line(value: Mapping[str, Any]) -> bytes:
 
 
 def _differing(params: Mapping[str, Value], header: ManifestHeader) -> dict[str, Value]:
-    """Return parameters that differ from the first line's; 1 differs from 1.0, and 0.0 from -0.0."""
+    """Return parameters that differ from the first line; 1 differs from 1.0, and 0.0 from -0.0."""
     rest = header.params
     return {
         name: value

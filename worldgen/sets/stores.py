@@ -122,7 +122,7 @@ class SetFolder:
         return found
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
-        """Create the folder and the manifest's first line, after removing the files of an old set."""
+        """Create the folder and the manifest's first line, after removing an old set's files."""
         with refused_writes(self._folder):
             self._folder.mkdir(parents=True, exist_ok=True)
             for entry in over.entries if over else ():

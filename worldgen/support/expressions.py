@@ -1,4 +1,4 @@
-"""Expressions over named numbers, such as ``size // 2 - 3`` or ``detour > 3 and bottleneck < 1.2r``.
+"""Expressions over named numbers, as in ``size // 2 - 3`` or ``detour > 3 and bottleneck < 1.2r``.
 
 Python's own parser reads the text, which is never run as code. Grammar, loosest first: ``or``,
 ``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``, ``* / // %``,

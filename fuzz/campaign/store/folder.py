@@ -287,7 +287,7 @@ class FolderStore(CampaignStore):
         self._save(f"shrunk/{failure.id}-{kept}-{_content_name(data)}.grid", data)
 
     def written(self) -> dict[str, str]:
-        """Return a digest of each failure that this campaign wrote into its folder, by file name."""
+        """Return a digest of each failure that this campaign wrote to its folder, by file name."""
         try:
             said = msgspec.json.decode(read_text(self._path / _WRITTEN), type=dict[str, str])
         except (RecursionError, ValueError):

@@ -122,7 +122,7 @@ class _SharedMemory(CoreMemory):
 
     @property
     def chunks(self) -> int:
-        """How many times it has grown; a process only knows the chunks that existed when it was forked."""
+        """How many times it has grown; a process only knows chunks from before it was forked."""
         return len(self._chunks)
 
     def new(self, kind: str, value: Any = None, ffi: Any = ffi) -> Any:

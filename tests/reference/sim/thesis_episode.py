@@ -367,7 +367,7 @@ def _complete_state(run: Progress) -> bytes:
 
 
 def _period(setup: Setup, run: Progress, step: int, quiet: int) -> int:
-    """Returns the steps since the state last occurred, if a recurrence is searched for and ends the run here.
+    """Returns the steps since the state last occurred, if a recurrence ends the run here.
 
     Else 0. The last state of the budget is looked up, and some earlier ones, each twice as far
     along as the previous one.

@@ -1,4 +1,4 @@
-"""Passages that lead from a place, in plain Python, as counted by worldgen/core/making/openings.c."""
+"""Passages that lead from a place, as counted by worldgen/core/making/openings.c."""
 
 import math
 

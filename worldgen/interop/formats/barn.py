@@ -90,7 +90,7 @@ def write_barn(world: World, destination: Destination) -> Exported:
 
 
 def _posts(world: World) -> Iterator[tuple[int, int]]:
-    """Yield the columns and rows of solid cells, and of a ring around a world with an open border."""
+    """Yield the columns and rows of solid cells, and of the ring around an open border."""
     yield from ((int(ix), int(iy)) for iy, ix in np.argwhere(world.walls))
     for left, low, right, high in closing_boxes(world).tolist():
         yield from ((ix, iy) for iy in range(low, high) for ix in range(left, right))

@@ -147,7 +147,7 @@ def write_sdf(
 
 
 def _head(world: World, destination: Destination, timestep: float) -> Iterator[str]:
-    """Yield physics, gravity and the grid's frame, and our own elements for facts SDFormat lacks."""
+    """Yield physics, gravity and the grid's frame, and our elements for facts SDFormat lacks."""
     rate = text(Fraction(round(1 / exact(timestep))))
     x, y = (decimal(value) for value in destination.origin)
     yield from (

@@ -169,7 +169,7 @@ def _place(
 
 
 def write_text_map(world: World, destination: Destination) -> Exported:
-    """Write a drawing, top row first: ``#`` solid, ``.`` free, ``S`` the start, ``G`` the target."""
+    """Write a drawing, top row first: ``#`` solid, ``.`` free, ``S`` start, ``G`` target."""
     # Draw the marks on free cells.
     start, target, altered = end_cells(world)
     cells = np.where(flip_rows(world.walls), np.uint8(_SOLID[0]), np.uint8(_FREE[0]))

@@ -349,7 +349,7 @@ def _target_cell(world: World) -> tuple[int, int]:
 
 
 def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
-    """Yield a note for each fact that the file lacks and that its program would assume differently."""
+    """Yield a note for each fact that the file lacks and its program would assume differently."""
     # The file stores only the target's cell.
     centre = (2 * column + 1, 2 * (world.height - row) - 1)
     x, y = (2 * in_cells(value, world.cell_size) for value in (world.target.x, world.target.y))

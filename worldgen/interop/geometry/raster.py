@@ -94,7 +94,7 @@ class Raster:
         self.full[inner] = True
 
     def picture(self, solid: npt.NDArray[np.bool_], across: Fraction, along: Fraction) -> None:
-        """Paint a picture's solid pixels, lowest row first, at a size in m from the grid's corner."""
+        """Paint a picture's solid pixels, bottom up, at a size in m, from the grid's corner."""
         if across == along == self._cell_size and solid.shape == self.solid.shape:
             self.solid |= solid
             self.full |= solid

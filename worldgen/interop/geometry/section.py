@@ -253,7 +253,7 @@ def _passed(segments: Floats, width: int, height: int, touch: float) -> npt.NDAr
 
 
 def _rows(first: Floats, end: Floats, height: int) -> Iterator[tuple[Ints, Ints]]:
-    """Yield pairs of segment and row for the grid's rows ``first`` to ``end``, millions at a time."""
+    """Yield pairs of a segment and a row for rows ``first`` to ``end``, millions at a time."""
     # Keep the rows that are in the grid, and limit their number.
     begin = np.clip(first, 0, height).astype(np.int64)
     counts = np.maximum(np.clip(end, 0, height).astype(np.int64) - begin, 0)

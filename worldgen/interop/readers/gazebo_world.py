@@ -324,7 +324,7 @@ def _add_plane(scene: _GazeboScene, plane: XmlElement, pose: _BodyPose, *, uprig
 
 
 def _is_barn(scene: _GazeboScene) -> bool:
-    """Return True if the world contains only BARN's posts, each in its own cell of BARN's lattice."""
+    """Return True if the world contains only BARN's posts, each in its own cell of its lattice."""
     return (
         bool(scene.posts)
         and not (scene.shapes.boxes or scene.shapes.polygons)

@@ -300,7 +300,7 @@ def _frame(
 
 
 def _slack(furthest: float) -> float:
-    """Return the possible rounding error, in cells, of coordinates this far from the file's origin."""
+    """Return the largest rounding error, cells, of coordinates this far from the file's origin."""
     return min(_TOUCH + _ROUNDED * furthest, 0.01)
 
 

@@ -66,7 +66,7 @@ class Entity:
         return key in self.properties
 
     def place(self, key: str) -> _Value | Entity:
-        """Return what errors about a property refer to: its value, or the entity if it is missing."""
+        """Return what a property's errors refer to: its value, or the entity if it is missing."""
         return self.properties.get(key, self)
 
     def text(self, key: str, default: str = "") -> str:

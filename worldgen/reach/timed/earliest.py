@@ -242,7 +242,7 @@ def search_costs(graph: TimedGraph, begun: Ints) -> Any:
 def _search(
     graph: TimedGraph, begun: Ints, goal: Any, lean: tuple[int, int, int]
 ) -> tuple[int, Any, Any, Any, Any]:
-    """Run the search; return its final state, and all states' node, cost, predecessor, departure."""
+    """Search; return the final state, and all states' nodes, costs, predecessors, departures."""
     # Describe the search to C.
     nodes = graph.nodes
     middles = graph.middles

@@ -97,7 +97,7 @@ def head_for_target(observation: Floats, memory: Floats, command: Floats) -> Non
 
 
 def is_stopped(observation: Floats, memory: Floats, far: float) -> bool:
-    """Return whether a wall stopped the last step to the target, of at most a stride, rather than deflecting it.
+    """Return whether a wall stopped, not deflected, the last step to the target, at most a stride.
 
     A wall that is no longer ahead has only deflected it, however far that step went: the disc has
     slid around it.

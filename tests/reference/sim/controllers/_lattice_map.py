@@ -1,4 +1,4 @@
-"""A small map: a square window of the plane in nodes of a grid, with a bit for each edge that was found blocked.
+"""A small map: a square window of the plane in nodes of a grid, with a bit per blocked edge.
 
 A node has eight neighbours, and four bits: its edges to the east, north-east, north and north-west;
 the others are its neighbours'. Twelve nodes are packed into one number of a controller's memory.
@@ -49,7 +49,7 @@ def memory_size(side: int) -> int:
 
 
 def neighbour(x: int, y: int, move: int) -> tuple[int, int]:
-    """The node that a move leads to: 0 is east, continuing counter-clockwise by eighths of a turn."""
+    """The node that a move leads to: 0 is east, then counter-clockwise by eighths of a turn."""
     dx = 1 if move in (0, 1, 7) else (-1 if move in (3, 4, 5) else 0)
     dy = 1 if move in (1, 2, 3) else (-1 if move in (5, 6, 7) else 0)
     return x + dx, y + dy
@@ -197,7 +197,7 @@ def _at_least(memory: Floats, x: int, y: int) -> int:
 
 
 def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap: Ints) -> int:
-    """A* from a node; returns the number in the window of the plan's last node, -1 if there is no path.
+    """A* from a node; returns the window's number of the plan's last node, -1 without a path.
 
     A plan ends next to the target, or where it leaves the window, at the cost of the remaining path
     plus a penalty that makes it the last resort.

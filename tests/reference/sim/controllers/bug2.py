@@ -1,4 +1,4 @@
-"""Bug2 goes around an obstacle until it is back on the straight line to the target, at a nearer point.
+"""Bug2 goes around an obstacle until it is back on the straight line to the target, nearer to it.
 
 It drives straight to the target. If a wall stops it, at the hit point, it follows the wall with its
 left hand until it crosses the line from the hit point to the target at a place nearer to the target

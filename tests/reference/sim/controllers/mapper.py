@@ -1,4 +1,4 @@
-"""Mapping: keeps a small coarse map of where it could not pass, and drives the shortest path that the map leaves open.
+"""Mapping: keeps a coarse map of where it could not pass, and drives the shortest open path.
 
 The map is a grid of nodes around the start. The robot drives from node to node. If a wall stops it,
 it marks that edge as blocked and feels where the wall is, which blocks all edges on which it would
