@@ -70,7 +70,7 @@ class Sorted:
 
     @property
     def main(self) -> str:
-        """The most frequent cause; empty without failures."""
+        """The most frequent cause; empty if there are no failures."""
         return next(iter(self.causes), "")
 
     @property
@@ -95,7 +95,7 @@ def sort_failures(fault: str, units: int = _UNITS, seed: int = _SEED) -> Sorted:
 
     Args:
         fault: Name of the fault.
-        units: Most units of the campaign that are run.
+        units: Maximum number of units of the campaign to run.
         seed: Seed of the campaign.
     """
     planted = FAULTS[fault]

@@ -6,9 +6,9 @@ second of one core's processor time, without compilation. For a program they are
 time, because most of its time is spent in another process.
 
 ``short``: screening runs of at most 60 steps. ``looks``: screening runs with their own budgets.
-    ``strategy``: whole units of the strategy ``native``, including the proofs of their failures.
-    ``features``: the strategy in which Hypothesis draws worlds, formerly the only one for such
-    controllers. ``user``: the share of the time of ``looks`` spent in the controller's own code.
+``strategy``: whole units of the strategy ``native``, including the proofs of their failures.
+``features``: the strategy in which Hypothesis draws worlds, formerly the only one for such
+controllers. ``user``: the share of the time of ``looks`` spent in the controller's own code.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def _units(scenario: Scenario, strategy: str, seconds: float, clock: Callable[[]
 
 
 def _share_of_user(scenario: Scenario) -> float:
-    """Return the share of screening time spent in the controller's code or waiting for its program."""
+    """Return the share of screening time spent in the controller's code or in waiting for it."""
     is_program = isinstance(CONTROLLERS.get(scenario.controller), ProcessController)
     began = Effort.so_far()
     _look(scenario, 20 if is_program else 400, None)

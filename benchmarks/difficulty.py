@@ -241,7 +241,7 @@ def scored(campaign: Campaign, weights: Mapping[str, tuple[float, float]], offse
 
 
 def barn_worlds(folder: Path) -> Iterator[tuple[int, World, float]]:
-    """Yield number, world and share of failed runs of the BARN worlds given to the DWA planner."""
+    """Yield the number, world and share of failed runs of BARN's worlds for the DWA planner."""
     outcomes: dict[int, list[bool]] = {}
     for line in (folder / "res" / "dwa_out.txt").read_text().splitlines():
         number, success = line.split()[:2]

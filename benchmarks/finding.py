@@ -348,7 +348,7 @@ def floors() -> dict[str, float]:
 def _once(
     file: Path | None, key: dict[str, Any], work: Callable[[], dict[str, Any]]
 ) -> dict[str, Any]:
-    """Return the work's result from its file if the key matches; otherwise do the work and keep it."""
+    """Return the work's result from its file if the key matches; otherwise do and keep the work."""
     if file is not None and file.exists():
         known: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
         if known["key"] == key:

@@ -149,7 +149,7 @@ def _peer(name: str, python: str) -> dict[str, dict[int, float]]:
 def measure(rounds: int = 5, pythons: dict[str, str] | None = None) -> dict[str, dict[str, float]]:
     """Return steps per second and robot, by case and by number of robots.
 
-    ``ratio`` is the cost per robot of 100 robots, as a multiple of that of 10.
+    ``ratio`` is the cost per robot of 100 robots, as a multiple of the cost per robot of 10.
 
     Args:
         rounds: The best of all counts.

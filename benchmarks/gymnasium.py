@@ -17,7 +17,7 @@ begin.
   step of twenty.
 
 Peers do different things: MiniGrid, NAVIX and FrozenLake move on grids, CartPole is a formula;
-    envpool's PointMaze moves a ball among walls with MuJoCo.
+envpool's PointMaze moves a ball among walls with MuJoCo.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def _many(
 
 
 def _one() -> float:
-    """Return steps per second of the single environment, with every wrapper of ``gymnasium.make``."""
+    """Return steps per second of the single environment, as ``gymnasium.make`` wraps it."""
     env = gymnasium.make(worldgen.gym.ENVIRONMENT, sensors=PLAIN, **MAZE)
     actions = np.random.default_rng(0).integers(0, 5, 512).tolist()
     env.reset(seed=1)

@@ -163,7 +163,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()
     if given.worlds < 1:
-        parser.error(f"--worlds {given.worlds} is below 1; give a number of worlds")
+        parser.error(f"--worlds {given.worlds} is below 1; use a number of worlds")
     # Run every table, and print each as soon as it is done.
     names = given.controller or controllers()
     all_rows = dict[str, list[Row]]()

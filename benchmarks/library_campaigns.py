@@ -83,7 +83,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()
     if given.units < 1:
-        parser.error(f"--units {given.units} is below 1; give a number of units")
+        parser.error(f"--units {given.units} is below 1; use a number of units")
     # Search with every controller and strategy.
     strategies = [FEATURES, *FAMILIES.names()]
     found = []

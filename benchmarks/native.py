@@ -6,12 +6,11 @@ docs/explanation/search.md`` also writes it to that page. All rates are per seco
 processor time, without compilation.
 
 ``strategy``: units of the strategy ``native`` as a campaign does them: scenes are drawn, simulated
-    and screened; failures are proved, judged by its oracle and classified. ``looks``: the same
-    without the proofs. ``bare``: the simulator's step in the worlds of the same scenes, with
-    everything prepared before the clock starts: an upper bound for the strategy. ``alone``: one
-    long run in the maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of the same
-    scenes through the library. ``features``: the strategy in which Hypothesis draws feature
-    layouts, one example a world.
+and screened; failures are proved, judged by its oracle and classified. ``looks``: the same without
+the proofs. ``bare``: the simulator's step in the worlds of the same scenes, with everything
+prepared before the clock starts: an upper bound for the strategy. ``alone``: one long run in the
+maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of the same scenes through the
+library. ``features``: the strategy in which Hypothesis draws feature layouts, one example a world.
 """
 
 from __future__ import annotations

@@ -92,7 +92,7 @@ def referee(moves: int, seed: int) -> Report:
     """Try random moves and return the findings.
 
     Args:
-        moves: Least number of moves.
+        moves: Minimum number of moves.
         seed: Seed of all randomness.
     """
     stream = RandomStream(seed)

@@ -143,7 +143,7 @@ def _two(stream: RandomStream) -> tuple[int, int]:
 def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStream) -> float:
     """Run a reachable world and return its fitness.
 
-    It is the robot's time divided by that of the straight path, 0 if the robot does not arrive.
+    It is the robot's time divided by the straight path's, 0 if the robot does not arrive.
     """
     scenario = config.scenario.with_run(seed=stream.below(1 << 32))
     budget = step_budget(world, scenario.run)

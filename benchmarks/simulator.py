@@ -212,7 +212,7 @@ CASES: dict[str, Callable[[], Callable[[], Rate]]] = {
 
 
 def _turns(stream: RandomStream) -> Iterator[tuple[float, bool]]:
-    """Yield heading and whether to drive, the controller for peers; it is sent each collision."""
+    """Yield the heading and whether to drive: the peers' controller, told of collisions."""
     heading = 0.0
     rest = 0
     bumped = yield heading, True

@@ -73,7 +73,7 @@ def strategies_at(way: str, config: CampaignConfig) -> Callable[[int], tuple[str
 
 
 def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) -> Row:
-    """Return a campaign without shrinking, for some CPU seconds after every strategy is compiled."""
+    """Return a campaign without shrinking, for some CPU time after all strategies are compiled."""
     config = CampaignConfig(
         Scenario.parse(controller, motion=motion), seed=seed, examples=_EXAMPLES
     )

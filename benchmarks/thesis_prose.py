@@ -93,7 +93,7 @@ class Drawing(NamedTuple):
         return [Box(left, low, left + wide, low + tall) for left, low, wide, tall in rows]
 
     def world(self, first: int = 0) -> World | None:
-        """Return the hall with the obstacles from this one on; ``None`` if they do not fit."""
+        """Return the hall with this obstacle and all later ones; ``None`` if they do not fit."""
         # Draw the border and the obstacles, which keep clear of it and of each other.
         walls = np.zeros((SIDE, SIDE), np.bool_)
         for box in self.boxes[first:]:
@@ -129,7 +129,7 @@ class DrivenPath:
         x: Position after each step, cells.
         y: The same.
         touched: By obstacle and step, whether the robot touches it.
-        period: Period of its loop; 0 without one.
+        period: Period of its loop; 0 if there is none.
     """
 
     x: Floats
@@ -226,7 +226,7 @@ class Configuration(NamedTuple):
         chance: Ticks in which the median of rule 3's runs must arrive, so that it ranks as
             published.
         lacks: Returns how much a world lacks of the prose.
-        lows: Least value of each of a drawing's numbers.
+        lows: Smallest value of each of a drawing's numbers.
         highs: Greatest value of each.
     """
 

@@ -15,10 +15,10 @@ without compilation.
 - ``start``: seconds from the command line.
 
 Peers of the proof look at whole cells: walls are inflated by the radius (scipy's exact distance
-    transform, from cell to cell), and the rest is labelled (scipy) or searched (tcod). That is
-    faster, but a different question: the robot is in the middle of a cell, so a passage of two
-    cells stops a disc of 1.4. ``agrees`` says whether the peer's answer was the true one. A peer
-    that is not installed is named.
+transform, from cell to cell), and the rest is labelled (scipy) or searched (tcod). That is faster,
+but a different question: the robot is in the middle of a cell, so a passage of two cells stops a
+disc of 1.4. ``agrees`` says whether the peer's answer was the true one. A peer that is not
+installed is named.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def _asked(side: int) -> Iterator[tuple[str, World]]:
 
 
 def _widened(world: World) -> Any:
-    """Return the cells whose centre is at least the radius from every solid cell (usual inflation)."""
+    """Return cells whose centre is at least the radius from all solid cells (usual inflation)."""
     ndimage: Any = importlib.import_module("scipy.ndimage")
     distance = ndimage.distance_transform_edt(~np.pad(world.walls, 1, constant_values=True))[
         1:-1, 1:-1

@@ -1,8 +1,8 @@
 """Compile the C cores of the packages into extension modules.
 
 Each package has its own C: ``worldgen/core`` is the prover and the generators, ``sim/core`` the
-    simulator, ``fuzz/core`` the search. Prover and simulator share only
-    ``worldgen/include/wg_types.h``.
+simulator, ``fuzz/core`` the search. Prover and simulator share only
+``worldgen/include/wg_types.h``.
 
 The declarations that Python sees are read from the headers themselves, so that they exist only
 once. cffi writes the binding, against Python's stable ABI: one build serves every Python from 3.11
@@ -86,7 +86,7 @@ class Core:
 
     @property
     def includes(self) -> tuple[str, ...]:
-        """The compiler's include path: every folder of a header, so a name is enough to include it."""
+        """The include path: all folders of headers, so names are enough to include them."""
         own = {
             header.parent.relative_to(ROOT).as_posix()
             for folder in self.sources

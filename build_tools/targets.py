@@ -33,7 +33,7 @@ class Target:
 
     @property
     def is_macos(self) -> bool:
-        """Return True if the linker must be told that loading the module resolves Python's symbols."""
+        """Return True if the linker must be told that loading resolves Python's symbols."""
         return "macos" in self.triple
 
 

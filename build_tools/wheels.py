@@ -22,7 +22,7 @@ def build_wheel(target: Target, out: Path) -> Path:
     """Build the wheel of one system.
 
     setuptools builds in the source tree, so a copy is built: files left by one system are not
-        packed for another.
+    packed for another.
 
     Args:
         target: The system.

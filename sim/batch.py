@@ -191,7 +191,7 @@ def simulate_many(
         raise InvalidParameter(
             "nothing-given",
             "nothing to run",
-            "give at least one world, one controller, one start and one seed",
+            "use at least one world, one controller, one start and one seed",
         )
     if "seed" in settings or (isinstance(options, RunOptions) and options.seed):
         raise InvalidParameter(

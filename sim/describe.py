@@ -141,7 +141,7 @@ def _frame(frame: Mapping[str, Value]) -> str:
 
 
 def _multiple(budget: BudgetEvidence) -> str:
-    """Return the budget as a multiple of the witness's time, after a comma; empty without one."""
+    """Return the budget as a multiple of the witness's time, after a comma; may be empty."""
     times = budget.witness_multiple
     return "" if times is None else f", {times} times the witness's time"
 

@@ -191,7 +191,7 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
 
 
 def _with_own(name: str, options: dict[str, str | None]) -> tuple[str, dict[str, str | None]]:
-    """Move a controller's own options, such as ``places=16``, from those of the run into its name."""
+    """Move a controller's own options, such as ``places=16``, from the run's into its name."""
     of_runs = {*_OF_EVERY_RUN, *RobotOptions.words(), *ThesisOptions.words()}
     if of_runs.issuperset(options):
         return name, options

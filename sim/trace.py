@@ -18,7 +18,7 @@ BEHAVIOURS = ("collide", "seek", "drive")
 """Behaviours of the thesis's robot, in the order of their numbers."""
 
 Recall: TypeAlias = Callable[[Ints, Callable[[int, Floats], None]], None]
-"""Runs again, and shows the memory after each of some steps, given in rising order."""
+"""Runs again, and shows the memory after each of the given steps, which are in rising order."""
 
 _HASH_START = 1469598103934665603
 _HASH_PRIME = 1099511628211

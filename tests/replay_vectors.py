@@ -236,7 +236,7 @@ def replay(name: str) -> tuple[int, int, int]:
         sys.stderr.write(f"{name}: cannot be read: {error}\n")
         return matched, total, unreadable + 1
     if total == 0:
-        sys.stderr.write(f"{name}: holds no recording; give a file with one JSON object a line\n")
+        sys.stderr.write(f"{name}: holds no recording; use a file with one JSON object a line\n")
     return matched, total, unreadable + (total == 0)
 
 

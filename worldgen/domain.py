@@ -16,10 +16,10 @@ MASK64: Final = (1 << 64) - 1
 """All bits of a 64-bit word, and the largest seed."""
 
 MAX_SIDE: Final = 20_000
-"""Most cells in a row or a column."""
+"""Limit on the cells in a row or a column."""
 
 MAX_ROBOTS: Final = 1000
-"""Most robots of a world; each is compared with every other."""
+"""Limit on the robots of a world; each is compared with every other."""
 
 CELL_SIZES: Final = (1e-6, 1e6)
 """Side of a cell, m."""
@@ -65,7 +65,7 @@ def number_fault(name: str, value: float, limits: tuple[float, float], unit: str
     return Message(
         "out-of-range",
         "{name}={value!n}{unit!u} is outside {low!n} to {high!n}{unit!u}",
-        "give one between",
+        "use one between",
         name=name,
         value=value,
         low=low,

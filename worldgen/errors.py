@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 
-# Most characters of a fact; messages quote far fewer.
+# Limit on the characters of a fact; messages quote far fewer.
 _MOST_BYTES = 1000
 
 
@@ -138,7 +138,7 @@ class Message:
         return self._copy(self._problem + words, "", more)
 
     def with_remedy(self, remedy: str, /, **facts: Any) -> Message:
-        """Return the message with another remedy, such as that of an outer caller."""
+        """Return the message with another remedy, such as an outer caller's."""
         return self._copy(self._problem, remedy, facts)
 
     def replaced(self, facts: Mapping[str, Any]) -> Message:

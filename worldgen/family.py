@@ -53,7 +53,7 @@ __all__ = [
 Build = Callable[..., World]
 
 MAX_ATTEMPTS = 64  # layouts tried per seed before the parameters are called unsolvable
-MAX_PLACEMENTS = 4  # of the robots, tried in each layout
+MAX_PLACEMENTS = 4  # placements of the robots to try in each layout
 # Layouts tried for several robots. In the first ones passages are as narrow as for one robot, so
 # that robots have to make way for each other; in those after that, two robots can pass.
 MAX_NARROW_ATTEMPTS = 3
@@ -341,8 +341,8 @@ class Family:
 
         Raises:
             InvalidParameter: If a name is unknown, or a value has a different type than the
-                default, or is out of bounds; or if they are those of a world whose robots were
-                placed by another version.
+                default, or is out of bounds; or if they belong to a world whose robots were placed
+                by another version.
         """
         if PLANNER in params:
             complete = self.complete({name: params[name] for name in params if name != PLANNER})
@@ -390,12 +390,12 @@ def _is_of_crowd(error: InvalidParameter) -> bool:
 
 
 def _how_full(error: InvalidParameter) -> tuple[int, int]:
-    """Return a key that orders errors of crowded layouts; the highest one says the most."""
+    """Return a sort key for errors of crowded layouts; the highest is the most informative."""
     return _CROWDED.index(error.code), int(error.facts["placed"])
 
 
 def _attempts(robots: int) -> int:
-    """Return the number of layouts that are tried for so many robots."""
+    """Return the number of layouts that are tried for this many robots."""
     if robots == 1:
         return MAX_ATTEMPTS
     return MAX_FLEET_ATTEMPTS if robots <= MOST_TOGETHER else MAX_CROWD_ATTEMPTS
@@ -404,7 +404,7 @@ def _attempts(robots: int) -> int:
 def _decided(world: World, margin: float) -> Decision:
     """Return whether the robots of a world can arrive.
 
-    A witness that the world brings along counts only if it holds: a family can change a world that
+    A witness that comes with the world counts only if it holds: a family can change a world that
     another one has proved.
     """
     if isinstance(world.certificate, Witness | JointWitness):
@@ -519,7 +519,7 @@ class FamilyRegistry(Registry[Family]):
             raise InvalidParameter(
                 "other-recipe",
                 "{name}: its recipe belongs to {other}",
-                "name that family, or give the other recipe",
+                "name that family, or use the other recipe",
                 name=name,
                 other=other,
             )

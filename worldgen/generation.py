@@ -63,7 +63,7 @@ def stream(
         raise InvalidParameter(
             "below-minimum",
             "count={count} is below 0",
-            "give the number of worlds, or omit it for an unlimited number",
+            "pass the number of worlds, or omit it for an unlimited number",
             count=count,
         )
     numbers = rising() if count is None else range(count)

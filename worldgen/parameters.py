@@ -184,7 +184,7 @@ class Parameter:
             raise InvalidParameter(
                 "too-large",
                 "{owner}: {name} is a number of more than 64 bits",
-                "give a smaller one",
+                "use a smaller one",
                 owner=owner,
                 name=self.name,
             )
@@ -270,7 +270,7 @@ class Parameter:
         return InvalidParameter(
             "wrong-type",
             "{owner}: {name}={value!r} is a {kind}",
-            "give a {expected}",
+            "use a {expected}",
             owner=owner,
             name=self.name,
             value=value,
@@ -287,7 +287,7 @@ class Parameter:
         return InvalidParameter(
             "not-finite",
             "{owner}: {name}={value} is not finite",
-            "give a finite number",
+            "use a finite number",
             owner=owner,
             name=self.name,
             value=value,

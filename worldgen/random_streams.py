@@ -56,7 +56,7 @@ def seed_of(seed: Seed) -> int:
         raise InvalidParameter(
             "wrong-type",
             "seed={seed!r} is a {kind}",
-            "give a whole number, or a NumPy generator: numpy.random.default_rng(7)",
+            "use a whole number, or a NumPy generator: numpy.random.default_rng(7)",
             seed=seed,
             kind=type(seed).__name__,
         )

@@ -227,7 +227,7 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
         )
 
     def render(self) -> Bytes | str | None:
-        """Return the world, as a picture, (height, width, 3) uint8, or text; ``None`` without a mode."""
+        """Return the world as a picture, (height, width, 3) uint8, or text; None without a mode."""
         if self.render_mode is None:
             gymnasium.logger.warn('render() shows nothing; use render_mode="rgb_array"')
             return None
@@ -248,7 +248,7 @@ class FleetEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo 
             raise InvalidParameter(
                 "wrong-number-of-robots",
                 "a world has {count} robots, and the environment began with {expected}",
-                "give worlds with the same number of robots",
+                "use worlds with the same number of robots",
                 count=count,
                 expected=len(self.possible_agents),
             )

@@ -113,7 +113,7 @@ def pytest_configure(config: pytest.Config) -> None:
     for folder in corpora:
         if not folder.is_dir():
             raise pytest.UsageError(
-                f"the corpus {folder} is not a folder; create it, or give another --worldgen-corpus"
+                f"the corpus {folder} is not a folder; create it, or use another --worldgen-corpus"
             )
     controller = options.worldgen_controller or config.getini("worldgen_controller") or None
     config.stash[_SETTINGS] = _Settings(corpora, expect, controller)
@@ -263,7 +263,7 @@ def _cases(mark: pytest.Mark, usual: str | None) -> list[_Case]:
         )
     for name, value, least in (("count", count, 1), ("seed", seed, 0)):
         if not isinstance(value, int) or isinstance(value, bool) or value < least:
-            raise ValueError(f"{name}={value!r} is not a whole number from {least}; give one")
+            raise ValueError(f"{name}={value!r} is not a whole number from {least}; use one")
     # Each family gets the same seeds, so its test names don't depend on the other families.
     return [
         _Case(str(name), seed + k, controller, given) for name in families for k in range(count)

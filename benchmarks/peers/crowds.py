@@ -24,7 +24,7 @@ PER_METRE = 5
 
 
 def _pyrvo(hall: dict[str, Any]) -> Step:
-    """RVO2: no walls. The velocities that the robots prefer stay those of the start."""
+    """RVO2: no walls. The robots prefer the same velocities throughout, the ones at the start."""
     library: Any = importlib.import_module("pyrvo")
     simulator = library.RVOSimulator(hall["step"], 2.0, 8, 2.0, 2.0, hall["radius"], hall["speed"])
     for start, target in zip(hall["starts"], hall["targets"], strict=True):

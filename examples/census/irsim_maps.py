@@ -13,7 +13,7 @@ from irsim.world.map.perlin_map_generator import PerlinGridGenerator
 def maps(
     seed: int, *, side: int = 100, fill: float = 0.38, complexity: float = 0.142857
 ) -> Iterator[tuple[Any, ...]]:
-    """Yield maps of ``side`` x ``side`` cells; as in the simulator, values above 50 are obstacles."""
+    """Yield maps of ``side`` x ``side`` cells; values above 50 are obstacles, as in IR-SIM."""
     for number in count():
         made = PerlinGridGenerator(
             side, side, complexity=complexity, fill=fill, seed=(seed + number) % 2**31

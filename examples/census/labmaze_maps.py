@@ -1,7 +1,7 @@
 """Rooms and mazes of labmaze (Apache licence 2.0; 1.0.6): ``pip install labmaze==1.0.6``.
 
 The first spawn point is the start, the first object the target: the task of an agent in such a
-    maze.
+maze.
 """
 
 from collections.abc import Iterator

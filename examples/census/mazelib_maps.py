@@ -14,7 +14,7 @@ from mazelib import Maze
 
 
 def maps(seed: int, *, generator: str = "Prims", side: int = 20) -> Iterator[tuple[Any, ...]]:
-    """Yield mazes of ``side`` x ``side`` chambers; ``generator`` is a module of mazelib.generate."""
+    """Yield mazes of ``side`` x ``side`` chambers; ``generator``: a module of mazelib.generate."""
     kind = getattr(importlib.import_module(f"mazelib.generate.{generator}"), generator)
     for number in count():
         Maze.set_seed((seed + number) % 2**32)

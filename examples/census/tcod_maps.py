@@ -1,7 +1,7 @@
 """Caves of python-tcod's noise (BSD licence, 2 clauses; 21.2.2): ``pip install tcod==21.2.2``.
 
 Cells are solid where the noise is above a level, the usual short recipe for a cave. It has no start
-    or target.
+or target.
 """
 
 from collections.abc import Iterator

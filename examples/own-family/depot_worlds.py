@@ -57,7 +57,7 @@ def depot(
         raise InvalidParameter(
             "below-minimum",
             "aisle={aisle} cells of {cell_size:g} m are narrower than the robot, {width:g} m wide",
-            "give at least {least}",
+            "use at least {least}",
             aisle=aisle,
             cell_size=cell_size,
             width=2 * robot_radius,

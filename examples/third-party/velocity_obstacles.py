@@ -1,7 +1,7 @@
 """ORCA, HRVO and human-like navigation of ``navground`` (C++ with Python bindings, MIT licence).
 
 Its author is Jérôme Guzzi, IDSIA. ``pip install navground``; README.md next to this file has the
-    details.
+details.
 """
 
 import math

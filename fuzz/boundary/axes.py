@@ -113,7 +113,7 @@ def _depth(subject: Subject) -> int | None:
 
 
 def _with_depth(subject: Subject, value: float) -> Subject:
-    """Return the trap of the same seed with arms of another length and everything else unchanged."""
+    """Return the trap of the same seed with arms of another length and all else unchanged."""
     made = subject.world.provenance
     params = {} if made is None else dict(made.params)
     seed = 0 if made is None else made.seed

@@ -1,4 +1,4 @@
-"""Search an axis for neighbouring values, one at which the robot arrives and one at which it fails."""
+"""Search an axis for two neighbouring values: the robot arrives at one and fails at the other."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome 
 
 
 def _proved(world: World, spare: float) -> World | None:
-    """Return the world with a witness for a robot wider by ``spare``, or its own if that is enough."""
+    """Return a world with a witness for a robot wider by ``spare``, or the old one."""
     needed = world.robot_radius * (1.0 + spare)
     witness = world.certificate
     if isinstance(witness, Witness) and not world.is_dynamic and witness.clearance >= needed:

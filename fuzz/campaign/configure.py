@@ -70,7 +70,7 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         raise InvalidParameter(
             "twice",
             "{option} {name} is given twice",
-            "give all of its values in one option, separated by commas",
+            "use all of its values in one option, separated by commas",
             option=_VARY,
             name=min(twice),
         )
@@ -98,7 +98,7 @@ def _robots_on(fixed_map: World, options: CampaignOptions) -> int:
         raise InvalidParameter(
             "fewer-robots",
             "{path} has {own} robots, not {robots}",
-            "omit --robots, or give a higher number to add robots",
+            "omit --robots, or use a higher number to add robots",
             at_terminal=True,
             robots=options.robots,
             path=options.world,

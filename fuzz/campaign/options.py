@@ -58,7 +58,7 @@ class CampaignOptions(SearchOptions):
         shrink: Shrink failures.  [default: yes, but not with --world]
         robots: Number of robots in each world. Several robots are all driven by the same
             controller; the search then looks for deadlocks, livelocks and collisions.  [default: 1,
-            or those of --world]
+            or as many as --world has]
 
     Raises:
         InvalidParameter: If a value is out of range or of the wrong type.

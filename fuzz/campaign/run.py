@@ -328,7 +328,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         return jobs, kept
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
-        """Return a unit's result, or that of an earlier run if it got further with the unit."""
+        """Return a unit's result, or an earlier run's if that got further with the unit."""
         before = self._store.cut_unit(unit)
         if before is None or before.result.worlds <= result.worlds:
             return result
@@ -346,7 +346,7 @@ class Campaign(UnitSearch[UnitResult, Progress]):
         return self._queue.jobs_for_lost_classes(self.state.best, busy)
 
     def _take_others(self) -> Iterator[Discovery]:
-        """Take finished results off the shrink list, and keep the smallest failure of each class."""
+        """Take finished results off the shrink list, and keep each class's smallest failure."""
         for job, submitted in [one for one in self._shrinks if one[1].is_done]:
             self._shrinks.remove((job, submitted))
             result = submitted.future.result()

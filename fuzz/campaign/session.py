@@ -184,7 +184,7 @@ class CampaignSession:
         )
 
     def _hazards(self) -> dict[str, Failure]:
-        """Return the classes, with counts, in which the controller could not have avoided the fire."""
+        """Return the classes, with counts, whose fire the controller could not have avoided."""
         failing = self._failing()
         return {
             bucket: one
@@ -206,7 +206,7 @@ class CampaignSession:
                 "too-slow",
                 "no world was finished within {limit}: the controller, or this machine, is too "
                 "slow",
-                "give a larger --budget, or smaller worlds",
+                "use a larger --budget, or smaller worlds",
                 at_terminal=True,
                 limit=self._limit,
             )
@@ -218,7 +218,7 @@ class CampaignSession:
             else "no world was run in {units}: no world has space for {robots} robots",
             "give it a smaller radius, or other families"
             if robots == 1
-            else "give fewer robots, a smaller radius, or larger worlds",
+            else "use fewer robots, a smaller radius, or larger worlds",
             robots=robots,
             units=counted(state.units, "unit"),
         )

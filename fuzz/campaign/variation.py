@@ -1,4 +1,4 @@
-"""Quantities that a campaign varies in addition to the world: ``--vary sensor_noise=0,0.05,0.2``."""
+"""Quantities that a campaign varies besides the world: ``--vary sensor_noise=0,0.05,0.2``."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Variation:
                 unit = _OF_THE_ROBOT[self.name]
                 raise InvalidParameter(
                     "out-of-range",
-                    "{option} {name}={value}: give {unit} above 0 and below a million",
+                    "{option} {name}={value}: use {unit} above 0 and below a million",
                     option=_OPTION,
                     name=self.name,
                     value=value,

@@ -83,7 +83,7 @@ class Project:
             raise InvalidParameter(
                 "empty-name",
                 "the controller has no name",
-                "give one, such as --controller ./file.py:name",
+                "use one, such as --controller ./file.py:name",
                 at_terminal=True,
             )
         if "${{" in self.controller or not self.controller.isprintable():
@@ -99,7 +99,7 @@ class Project:
             raise OutputError(
                 "wrong-kind-of-file",
                 "{path} is not a folder",
-                "name the root of your project",
+                "use the root of your project",
                 path=self.folder,
             )
         written = [*self._ci_files(), (self.folder / CORPUS / "README.md", "")]
@@ -108,7 +108,7 @@ class Project:
             raise OutputError(
                 "file-exists",
                 "{path} already exists",
-                "give --force to replace it",
+                "use --force to replace it",
                 at_terminal=True,
                 path=taken[0],
             )

@@ -54,9 +54,9 @@ def boundary(
     """Find the radius, speed or heading at which failures begin.
 
     Runs the scenario at 65 values, from half to twice the original (headings: a full turn; depths:
-    1 to 65 cells), and narrows each change down to two neighbouring values. Two changes between
-    neighbouring values are not detected. Exits with 0 if the robot arrives at every value at which
-    the target can be reached, with 1 otherwise.
+    1 to 65 cells), and narrows each change down to two neighbouring values. It misses an outcome
+    that changes twice between two of the values. Exits with 0 if the robot arrives at every value
+    at which the target can be reached, with 1 otherwise.
     """
     from fuzz.boundary import AXES, BoundaryRuns, scan
     from worldgen.errors import InvalidParameter
@@ -79,7 +79,7 @@ def boundary(
             lambda: f"{len(seen)} runs, the last at {seen[-1].value:g} {axis.unit}" if seen else ""
         )
         stretches = scan(BoundaryRuns(subject, axis, seen.append), _scanned(axis, start))
-    # Print the stretches of equal outcome.
+    # Print the ranges of values that have the same outcome.
     if as_json:
         emit_json(
             {"axis": axis.name, "unit": axis.unit, "stretches": [_plain(one) for one in stretches]}
@@ -114,7 +114,7 @@ def _subject(
     failure = Failure.found_in(world)
     if failure is None:
         raise click.UsageError(
-            f"{path} does not hold a failure that names a controller; give --controller NAME"
+            f"{path} does not hold a failure that names a controller; use --controller NAME"
         )
     return Subject(failure.world, failure.scenario)
 

@@ -66,7 +66,7 @@ def chance(
     elif (failure := Failure.found_in(world)) is not None:
         scenario = failure.scenario
     else:
-        raise click.UsageError("give --controller; only the file of a failure names its own")
+        raise click.UsageError("use --controller; only the file of a failure names its own")
     # Explore all states, or fall back to counting seeds.
     with working(f"exploring every draw of {scenario.label()}") as work:
         found = chance_of(

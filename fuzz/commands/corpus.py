@@ -20,7 +20,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def _filters(command: F) -> F:
-    """Add the options ``--controller``, ``--class`` and ``--verdict``, which take shell patterns."""
+    """Add the options ``--controller``, ``--class`` and ``--verdict``, which take patterns."""
     for name, argument, what in (
         ("--verdict", "verdicts", "Select only this verdict: 'loop', or a pattern such as '*'."),
         ("--class", "buckets", "Select only this class: 'tunnel-*'."),
@@ -45,8 +45,8 @@ def corpus() -> None:
     """List, compare, merge and prune folders of failures.
 
     A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures
-    count as the same if controller, motion model and class are equal. docs/howto/keep-failures.md
-    describes it.
+    count as the same if their controller, motion model and class are the same.
+    docs/howto/keep-failures.md describes it.
     """
 
 
@@ -236,8 +236,8 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
 def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...]) -> None:
     """Delete failures that no longer replay, and all but the smallest of each class.
 
-    This does not ask for confirmation; nothing is deleted before all failures are judged. A failure
-    whose controller cannot be run here is kept, and the exit code is then 1. This runs the
+    This does not ask for confirmation; nothing is deleted until all failures have been judged. A
+    failure whose controller cannot be run here is kept, and the exit code is then 1. This runs the
     controllers that the files name.
     """
     from fuzz.corpus import judge_all, remove

@@ -38,7 +38,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
         raise OutputError(
             "file-exists",
             "{out} already exists",
-            "give --force to overwrite the folder's files, or choose another folder with --out",
+            "use --force to overwrite the folder's files, or choose another folder with --out",
             at_terminal=True,
             out=out,
         )

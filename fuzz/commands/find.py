@@ -128,14 +128,14 @@ def find(
     from worldgen.support.progress import working
 
     for contradiction, reason in (
-        (budget is not None and units is not None, "give --budget or --units, not both"),
-        (begin is not None and bool(families), "give --from or --family, not both"),
+        (budget is not None and units is not None, "use --budget or --units, not both"),
+        (begin is not None and bool(families), "use --from or --family, not both"),
         (
             no_edit and not families,
             "--no-edit uses worlds as a family makes them; name a family with --family",
         ),
-        (together and leash is None, "give --together with --leash, which bounds the edits"),
-        (no_edit and symmetric, "give --no-edit or --symmetric, not both: mirroring is an edit"),
+        (together and leash is None, "use --together with --leash, which bounds the edits"),
+        (no_edit and symmetric, "use --no-edit or --symmetric, not both: mirroring is an edit"),
     ):
         if contradiction:
             raise click.UsageError(reason)
@@ -267,7 +267,7 @@ def _report(
 
     best = search.best
     if best is None:
-        note("no world with a reachable target was found; give more time, or another --family")
+        note("no world with a reachable target was found; allow more time, or use another --family")
     if as_json:
         emit_json(
             {

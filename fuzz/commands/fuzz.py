@@ -134,10 +134,10 @@ def fuzz(
     # Refuse contradicting options before any work.
     loaded = Effort.so_far()
     if budget is not None and units is not None:
-        raise click.UsageError("give --budget or --units, not both")
+        raise click.UsageError("use --budget or --units, not both")
     if scheduler is not None and workers is not None:
         raise click.UsageError(
-            "give --scheduler or --workers, not both: a cluster has its own workers"
+            "use --scheduler or --workers, not both: a cluster has its own workers"
         )
     # Begin or continue the campaign.
     with store.errors_recorded(resume or begun["out"]):
@@ -195,10 +195,10 @@ def _begin(
 
     options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
     if not options.controller or out is None:
-        raise click.UsageError("give --controller NAME and --out FOLDER, or --resume FOLDER")
+        raise click.UsageError("use --controller NAME and --out FOLDER, or --resume FOLDER")
     if options.world is not None and (options.families or options.strategies):
         raise click.UsageError(
-            "give --world, or --family and --strategy, not both: on a fixed map only the poses vary"
+            "use --world, or --family and --strategy, not both: on a fixed map only the poses vary"
         )
     drawn = draw_seed(stored_seed(out) if seed is None and not force else seed)
     config = configure(options, drawn, run_budget.seconds)

@@ -53,7 +53,7 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     also="--seconds",
     type=Duration(),
     metavar="TIME",
-    help="Stop after this time, such as 30s or 5m, and keep the best so far.",
+    help="Stop after this time, such as 30s or 5m, and keep the smallest world so far.",
 )
 @click.option(
     "--keep",
@@ -86,8 +86,9 @@ def shrink(
 ) -> None:
     """Make the world of a failure as small as possible.
 
-    It frees cells, drops rows, columns and events, and simplifies start, robot and numbers, until
-    nothing more can be removed; the result is checked independently. Ctrl-C keeps the best so far.
+    It frees cells, drops rows, columns and events, and simplifies the start, the robot and the
+    numbers, until nothing more can be removed; the result is checked independently. Ctrl-C keeps
+    the smallest world so far.
     """
     from fuzz.describe import describe
     from fuzz.failure import Failure
@@ -96,7 +97,7 @@ def shrink(
     from worldgen.files.whole import check_output
 
     if as_snippet and as_json:
-        raise click.UsageError("--snippet and --json both choose what to print; give one of them")
+        raise click.UsageError("--snippet and --json both choose what to print; use one of them")
     target = out
     # With --snippet, the test contains the world, so write a file only if one is named.
     if target is None and not as_snippet:
@@ -129,7 +130,7 @@ def shrink(
     if changed:
         note(_describe_changed(changed))
     if result.interrupted:
-        note("interrupted; the best so far is kept")
+        note("interrupted; the smallest world so far is kept")
         raise SystemExit(130)
 
 

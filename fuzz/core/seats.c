@@ -70,7 +70,7 @@ static bool fits(const WgLooks *looks)
     return true;
 }
 
-// Makes a seat in a block of zeros, without its episode.
+// Sets up a seat in a block of zeros; its episode is created separately.
 static WgSeat *prepare(Block *block, WgLooks *looks)
 {
     WgSeat *seat = &block->seat;

@@ -42,7 +42,8 @@ typedef struct WgLook {
     int64_t solid;           // solid cells
     int64_t straight_sq;     // squared distance between start and target, cells
     int64_t visited;         // cells that the centre was in
-    int64_t clearances;      // sum of their chessboard distances to a solid cell, each at most WG_FAR
+    // sum of their chessboard distances to a solid cell, each at most WG_FAR
+    int64_t clearances;
     int64_t watched;         // further steps: one period of a loop
     int64_t bumps;           // number of contacts with a wall that began in these
     int64_t turned;          // net turn in these, heading units
@@ -57,7 +58,7 @@ typedef struct WgLook {
 
 // The budget of runs that don't set one, and the length of the watch after that.
 typedef struct WgPatience {
-    int64_t multiple; // of the time that the path takes at top speed
+    int64_t multiple; // multiple of the time that the path takes at top speed
     int64_t fewest;
     int64_t most;
     int64_t watched; // steps for a run that spent its budget
@@ -98,7 +99,7 @@ typedef struct WgSeat {
     int64_t run;    // -1 without a world
     int64_t watch;  // steps for which it is watched; -1 before its run has ended
     int64_t fresh;  // 1 until the controller has acted in this world
-    int64_t heading; // of a watched robot, before the next step
+    int64_t heading; // heading of a watched robot before the next step
     int64_t touched; // 1 if it touched a wall then
 } WgSeat;
 

@@ -151,7 +151,7 @@ class CorpusEntry:
 
 
 def name_of(facts: Facts, number: int = 1) -> str:
-    """Return the name of a failure's file, such as ``turn-right/swept/loop-1bump-end-turn-near-away``.
+    """Return a failure's file name, such as ``turn-right/swept/loop-1bump-end-turn-near-away``.
 
     It is a path without suffix, valid on every file system, and different for different classes.
     Further failures of the same class get ``~2`` and so on appended.

@@ -1,4 +1,4 @@
-"""Choose entries of several corpora, and merge these into one with the simplest of each class."""
+"""Choose entries from several corpora, and merge them, keeping the simplest of each class."""
 
 from __future__ import annotations
 
@@ -71,14 +71,14 @@ def merge(
 
 def _refuse_others(out: Path, texts: dict[Path, bytes]) -> None:
     if out.exists() and not out.is_dir():
-        raise OutputError("wrong-kind-of-file", "{out} is a file", "name a folder", out=out)
+        raise OutputError("wrong-kind-of-file", "{out} is a file", "choose a folder", out=out)
     others = [path for path in files_in(out) if texts.get(path) != path.read_bytes()]
     if others:
         more = f" and {len(others) - 1} more" if len(others) > 1 else ""
         raise OutputError(
             "folder-holds-worlds",
             "{out} holds other worlds: {first}{more}",
-            "give --force to replace files that have the same name and keep the others, or choose "
+            "use --force to replace files that have the same name and keep the others, or choose "
             "another folder",
             at_terminal=True,
             out=out,

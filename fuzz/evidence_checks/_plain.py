@@ -73,7 +73,7 @@ def first_new_cell_of_second_half(
 
 
 def check_budget(world: World, trace: Trace, evidence: BudgetEvidence) -> str:
-    """Check that the run took ``witness_multiple`` times as long as the witness, to three decimals."""
+    """Check that the run took ``witness_multiple`` times the witness's time, to three decimals."""
     if not isinstance(world.certificate, Witness) or world.certificate.duration <= 0:
         return ""
     if trace.task == "cover":  # its budget follows from the cells, not from the witness

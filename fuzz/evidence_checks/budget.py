@@ -67,7 +67,7 @@ def _check_drift(world: World, trace: Trace, entry: int, period: int) -> str:
 
 
 def _comes_back(world: World, trace: Trace, entry: int, period: int) -> bool:
-    """Return True if poses from ``entry`` on recur after ``period`` steps, except for rounding."""
+    """Return True if poses recur every ``period`` steps after ``entry``, except for rounding."""
     return bool(_near(world, trace, slice(entry, -period), slice(entry + period, None)).all())
 
 

@@ -250,7 +250,7 @@ def _check_apart(world: World, traces: Sequence[Trace]) -> str:
 
 
 def _least_apart(first: Trace, second: Trace, begin: int, end: int) -> float:
-    """Return the smallest distance, m, of two robots at the ends of steps, from one step to another."""
+    """Return the smallest distance, m, of two robots at the ends of a range of steps."""
     dx = _held(first.x, end)[begin : end + 1] - _held(second.x, end)[begin : end + 1]
     dy = _held(first.y, end)[begin : end + 1] - _held(second.y, end)[begin : end + 1]
     return float(np.hypot(dx, dy).min())

@@ -94,7 +94,7 @@ def check_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
             "the run"
         )
 
-    # The disc is clear before step `since`, and in a wall after each step from there on.
+    # The disc is clear before step `since`, and in a wall after each later step.
     states = np.arange(since - 1, step + 1)
     depths = _depths(
         world, trace.x[states], trace.y[states], trace.time_step * states.astype(np.float64)

@@ -207,7 +207,7 @@ class Layout:
 
 
 def _obstacles(boxes: tuple[Box, ...]) -> list[int]:
-    """Return the first box of the obstacle of each box; boxes that touch, also at corners, form one."""
+    """Return the first box of each box's obstacle; boxes that touch, even at corners, form one."""
     first = list(range(len(boxes)))
     for k, (x0, y0, x1, y1) in enumerate(boxes):
         for j, (left, low, right, high) in enumerate(boxes[:k]):

@@ -1,4 +1,4 @@
-"""The search: sample many layouts, climb from the best by small edits, and prove the results that are kept.
+"""Search: sample many layouts, climb from the best by small edits, and prove the kept results.
 
 It prints nothing.
 """
@@ -148,7 +148,7 @@ class _Unit:
         self._cheap_first = sorted(config.targets, key=lambda target: target.cost)
 
     def distance(self, world: World, most: float) -> float:
-        """Return the sum of the distances to the targets; more than ``most`` once that is certain."""
+        """Return the sum of the distances to the targets; or, once certain, more than ``most``."""
         self.tried += 1
         total = 0.0
         for target in self._cheap_first:
@@ -227,7 +227,7 @@ class _Unit:
                 layout = layout.edited(self.rng) if layout is not None else None
             if layout is None or layout == held.layout:
                 continue
-            # Compare it with a layout of some steps ago.
+            # Compare it with the layout some steps ago.
             bar = max(past[step % _MEMORY], held.distance)
             world = layout.world()
             distance = self.distance(world, bar)

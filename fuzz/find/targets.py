@@ -85,7 +85,7 @@ class OutcomeTarget:
         text: The outcome as it was written.
         verdicts: Accepted verdicts.
         low: Fewest steps (or shortest period), or ``None``.
-        high: Most steps (or longest period), or ``None``.
+        high: Maximum number of steps (or longest period), or ``None``.
     """
 
     scenario: Scenario
@@ -189,7 +189,7 @@ class OutcomeTarget:
         steps = statistics.median(
             run.steps if run.verdict == Verdict.REACHED else math.inf for run in runs
         )
-        # The distance is that of the median time, or of the share of fitting runs.
+        # The distance is computed from the median time, or from the share of fitting runs.
         if self._timed:
             distance = self._off(steps) if math.isfinite(steps) else _OTHERWISE - share
         else:
@@ -215,7 +215,7 @@ class OutcomeTarget:
         return _OTHERWISE
 
     def _off(self, number: float) -> float:
-        """Return the distance of a number of steps from the range, as a fraction of its nearer end."""
+        """Return how far a number of steps is from the range, as a share of its nearer end."""
         if self.low is not None and number < self.low:
             return (self.low - number) / self.low
         if self.high is not None and number > self.high:
@@ -307,7 +307,7 @@ def _parse_range(text: str, time_step: float) -> tuple[float | None, float | Non
         raise InvalidParameter(
             "no-steps-left",
             "no number of steps matches {steps!r}",
-            "give at least 1, and the smaller number first",
+            "use at least 1, with the smaller number first",
             steps=text[:40],
         )
     return low, high

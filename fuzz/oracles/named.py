@@ -95,7 +95,7 @@ class NamedOracle(Oracle):
             raise InvalidParameter(
                 "empty-name",
                 "an empty text does not name an oracle",
-                "give one of {oracles!l}",
+                "use one of {oracles!l}",
                 oracles=list(ORACLES),
             )
         name = parts["name"]

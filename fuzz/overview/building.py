@@ -57,8 +57,8 @@ _EFFORT = 0.15
 # cells gets ten changes, a shrunk world all of them.
 _MOST_CELLS = 2_000_000
 
-# Share of the time after which no more natural worlds are run, and that after which the ones that
-# only they show are no longer shrunk; the rest is for explanations.
+# Shares of the time after which no more natural worlds are run, and after which failures that only
+# they show are no longer shrunk; the rest is for explanations.
 _NATURAL_TIME = 0.6
 _SHRINKING_TIME = 0.75
 
@@ -116,7 +116,7 @@ def build_overview(
     # Group first, because that needs no runs.
     found = {**state.best, **state.memory.failures}
     causes = causes_of(found, {bucket: state.met[bucket] for bucket in found})
-    # Shrinking may change the cause but not the class. The files then show one that nothing met.
+    # Shrinking may change the cause but not the class. The files then show a cause that no run met.
     known = {one.cause for one in causes}
     changed = {
         bucket: failure for bucket, failure in state.best.items() if cause_of(failure) not in known
@@ -188,7 +188,7 @@ def with_worlds(
     Args:
         causes: The causes, the worst first.
         files_of: Returns the failures that have a cause.
-        is_over: Returns True once there is no more time; a fixed amount of work if omitted.
+        is_over: Returns True once there is no more time; if omitted, the amount of work is fixed.
     """
     return [
         _with_worlds(
@@ -205,7 +205,7 @@ def _with_worlds(
     is_explained: bool,
     is_over: Callable[[], bool] | None,
 ) -> CauseTotals:
-    """Return a cause with its clearest and its smallest world, and the clearest one's dependencies."""
+    """Return a cause with its clearest and its smallest world, and the former's dependencies."""
     # The smallest is preferably one that has a file anyway.
     existing = [one for one in own if one.exists]
     smallest = min(existing or own, key=lambda one: one.failure.order, default=None)
@@ -282,7 +282,7 @@ def _world_file(
 ) -> WorldFile:
     """Return a failure with its file in the campaign's folder.
 
-    It is the file of the failure's class unless this has another world, and then the cause's own.
+    It is the file of the failure's class, or the cause's own file if the class has another world.
     A known failure is not written; the campaign's store has it.
     """
     stored = best.get(failure.bucket)
@@ -294,7 +294,7 @@ def _world_file(
 
 
 def with_own_files(causes: Iterable[CauseTotals]) -> Iterator[CauseTotals]:
-    """Yield causes; of several whose worlds would get the same file, all but the first get another."""
+    """Yield causes; if several worlds would get the same file, all but one get another."""
     taken: dict[str, str] = {}
     for cause in causes:
         shown = cause.failure
@@ -314,7 +314,7 @@ def _fault_of(failure: Failure) -> str:
 
 
 def _repeats(failure: Failure, is_over: Callable[[], bool] | None) -> str:
-    """Return what the robot of a failure repeats; empty without time to run it."""
+    """Return what the robot of a failure repeats; empty if there is no time to run it."""
     if failure.verdict != Verdict.LOOP or failure.oracle is not None:
         return ""
     try:
@@ -331,7 +331,7 @@ def explained(
 
     Args:
         failure: The failure.
-        is_over: Returns True once there is no more time; a fixed amount of work if omitted.
+        is_over: Returns True once there is no more time; if omitted, the amount of work is fixed.
 
     Returns:
         The changes; ``None`` if nothing could be learned because there is no time, or no change can

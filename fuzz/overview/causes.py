@@ -56,7 +56,7 @@ class CauseTotals:
 
     @property
     def is_only_shrunk(self) -> bool:
-        """True if only shrinking led to it: no world of the search and no natural world shows it."""
+        """True if only shrinking found it: no world of the search and no natural one shows it."""
         return not self.met and not self.natural
 
     def table(self) -> CauseRow:

@@ -75,7 +75,7 @@ def clarity(failure: Failure, cause: Cause) -> Clarity:
     flaws = int(apart < robot + target + _APART)
     flaws += min(world.width, world.height) < _NARROWEST
     flaws += max(world.width, world.height) > _WIDEST
-    # Each robot more is one to understand, and only shrinking shows whether it matters.
+    # Each additional robot has to be understood, and only shrinking shows whether it matters.
     flaws += len(world.others)
 
     # Consider what only the run shows: a robot drawn over its target, and a tangled period.

@@ -268,12 +268,12 @@ def _changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
 def _memory_changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
     """Yield the first place of the loop from which a robot without memory arrives.
 
-    Then not the place but what the robot remembers keeps it in the loop.
+    Then the robot's memory, not its place, keeps it in the loop.
     """
     subject = search.subject
     loop = episode.evidence
     trace = episode.trace
-    # In a world that changes, the walls would be others after a new start.
+    # In a world that changes, the walls would be different after a new start.
     if not isinstance(loop, LoopEvidence) or trace is None or subject.world.is_dynamic:
         return
     # A robot without memory has none to lose, and pushes would happen again. The thesis's robot

@@ -1,4 +1,4 @@
-"""Run a controller in natural worlds, to find how often it arrives in worlds that nobody searched for.
+"""Run a controller in natural worlds, which nobody searched for, to find how often it arrives.
 
 A search looks for failures, so its counts do not show how good a controller is. Natural worlds come
 from families at default settings, with a seed that no search strategy uses. What happens in them
@@ -85,7 +85,7 @@ class NaturalRuns:
 
     @property
     def percent(self) -> int:
-        """Share of worlds in which the robot arrives, in whole percent; 100 only if it is all of them."""
+        """Share of worlds where the robot arrives, in whole percent; 100 only for all of them."""
         return min(round(100 * self.arrived / self.worlds), 99 + (self.arrived == self.worlds))
 
     def count(self, case: Case, family: str, episode: Episode, cause: Cause | None) -> None:

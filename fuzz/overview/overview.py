@@ -1,4 +1,4 @@
-"""The answer of a campaign, as data: written next to its summary, read by reports and the studio."""
+"""The answer of a campaign, as data: written next to its summary, for reports and the studio."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ class ChangesRow(msgspec.Struct, frozen=True):
 
 
 class ComparisonRow(msgspec.Struct, frozen=True, kw_only=True):
-    """What changed since an earlier campaign; see :class:`fuzz.overview.comparison.RegressionView`."""
+    """Changes since an earlier campaign; see :class:`fuzz.overview.comparison.RegressionView`."""
 
     against: str
     causes: ChangesRow

@@ -1,4 +1,4 @@
-"""Summarise a campaign in at most fifteen lines: does it work, how bad is it, why, and what to do."""
+"""Sum up a campaign in at most fifteen lines: does it work, how bad is it, why, and what to do."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Headline:
 
 
 def overview_lines(overview: Overview, headline: Headline) -> list[str]:
-    """Return the summary for the terminal, in colour; ``click.echo`` removes the colours if necessary."""
+    """Return the summary for the terminal, in colour; ``click.echo`` removes it if necessary."""
     # Say first whether it works and how often the robot arrives.
     lines = [_verdict_line(overview, headline)]
     if overview.natural is not None and overview.natural.worlds:
@@ -91,7 +91,7 @@ def overview_lines(overview: Overview, headline: Headline) -> list[str]:
     # Known classes have their own line, and the report lists what was tried.
     if overview.natural is not None and overview.natural.worlds and not headline.is_known:
         lines.append(describe_coverage(overview.natural))
-    # End with what to do next.
+    # Finally, suggest what to do next.
     folder = shown(shlex.quote(str(headline.folder)))
     if causes and headline.lasts:
         lines.append(f"look at it: worldgen report {folder} --out report.html")

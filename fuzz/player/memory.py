@@ -21,8 +21,11 @@ from worldgen.lattice import UNIT
 from worldgen.support.arrays import Floats, Ints
 
 BLOCKED, CELL, PLAN, PLACE, NODE, EDGE, DEGREE = range(7)
-"""Kinds of shapes: a blocked line, an occupied rectangle, part of the plan, a remembered point, a place
-of a graph, an edge between two of them, and a rectangle with a degree."""
+"""Numbers of the kinds of shapes.
+
+They are a blocked line, an occupied rectangle, part of the plan, a remembered point, a place of a
+graph, an edge between two such places, and a rectangle with a degree.
+"""
 
 KINDS = ("blocked", "cell", "plan", "place", "node", "edge")
 """Their names in the page; the numbers after them are degrees."""
@@ -80,7 +83,7 @@ def drawn_memory(
 
 
 class _Watched:
-    """A memory during a run: its named numbers, and its full contents at some changes of the map."""
+    """A memory during a run: its named numbers, and its full contents at some map changes."""
 
     def __init__(
         self, trace: Trace, controller: Controller, fields: Sequence[MemoryField], rows: int
@@ -123,7 +126,7 @@ class _Watched:
         self._changes += 1
 
     def _keep(self, step: int, memory: Floats) -> None:
-        """Keep a memory; when there are too many, keep only every second one, both past and future."""
+        """Keep a memory; if there are too many, keep only every second one, past and future."""
         self.at.append(step)
         self.memories.append(memory)
         if len(self.at) == _MOST_MAPS:

@@ -232,7 +232,7 @@ def _loop(episode: Episode) -> list[int] | None:
 
 
 def _marks(episode: Episode) -> list[dict[str, Any]]:
-    """Return the steps that the evidence names, each with name, description and perhaps a cell."""
+    """Return the steps in the evidence, each with a name, a description and perhaps a cell."""
     match episode.evidence:
         case LoopEvidence(entry=entry):
             return [_mark(entry, "entry", "Entry", "the loop is entered")]

@@ -49,7 +49,7 @@ def drawn_world(world: World) -> dict[str, Any] | None:
 
 
 def drawn_others(world: World) -> list[dict[str, Any]]:
-    """Return start, target, radius and witness of the robots after the first."""
+    """Return the start, target, radius and witness of each robot after the first."""
     side = world.cell_size
     proof = world.certificate
     found = []

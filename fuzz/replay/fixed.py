@@ -113,5 +113,5 @@ def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Orac
 
 
 def who_drives(scenario: Scenario) -> str:
-    """Return controller and motion model in words: ``turn-left under swept``."""
+    """Describe the controller and the motion model: ``turn-left under swept``."""
     return f"{scenario.label()} under {scenario.run.motion}"

@@ -68,7 +68,7 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
         raise InvalidParameter(
             "unknown-name",
             "expect={expect!r} is neither {fixed} nor {confirmed}",
-            "give only one of them",
+            "use only one of them",
             expect=expect,
             fixed=FIXED,
             confirmed=CONFIRMED,
@@ -96,7 +96,7 @@ def fixed(world: World, controller: str | None = None) -> Checked:
         raise InvalidParameter(
             "no-failure",
             "this world has no failure, so it does not name a controller",
-            "give --worldgen-controller",
+            "use --worldgen-controller",
             at_terminal=True,
         )
     return arrives(world, controller)

@@ -1,4 +1,4 @@
-"""Collect the contents of the report's first screen: does it work, how bad is it, why, what to do."""
+"""Collect the facts of the report's first screen: does it work, how bad is it, why, what to do."""
 
 from __future__ import annotations
 

@@ -117,7 +117,7 @@ def gather(paths: Sequence[Path]) -> ReportSubject:
         raise InvalidParameter(
             "no-failure",
             "{path} has no failure",
-            "name a folder, archive or file that worldgen fuzz or worldgen shrink wrote",
+            "choose a folder, archive or file that worldgen fuzz or worldgen shrink wrote",
             at_terminal=True,
             path=paths[0],
         )

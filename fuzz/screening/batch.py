@@ -37,7 +37,7 @@ _KINDS = {"int64_t": "<i8", "uint64_t": "<u8", "double": "<f8"}
 
 
 def _numbers_of(name: str) -> list[tuple[str, str, int]]:
-    """Yield name, type and offset of a struct's numbers, including those of nested structs."""
+    """Yield the name, type and offset of a struct's numbers, including those of nested structs."""
     found = []
     for field_name, field in ffi.typeof(name).fields:
         if field.type.kind == "struct":
@@ -235,7 +235,7 @@ class Seat:
 
 @functools.cache
 def _discs(radii: tuple[float, ...]) -> tuple[list[tuple[int, int]], Ints]:
-    """Return squared clear distances, reaches and target radii of a scene's robots, lattice units."""
+    """Return a scene's squared clear distances, reaches and target radii, lattice units."""
     plain = bytes(layout_bytes.LAYOUT_BYTES)
     discs = [disc_numbers(decode_world(plain, robot_radius=radius)) for radius in radii]
     side = decode_world(plain).cell_size

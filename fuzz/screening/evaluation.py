@@ -55,7 +55,7 @@ class Screening:
     """Screening runs in many worlds; every array is of shape (n,).
 
     If the flood found no path to the target, nothing was simulated: ``ran`` is False there, and
-        only ``layout`` has a meaning.
+    only ``layout`` has a meaning.
 
     Args:
         layouts: (n, LAYOUT_BYTES or SCENE_BYTES) uint8.
@@ -178,7 +178,7 @@ class Screening:
 
     @property
     def mean_clearance(self) -> Floats:
-        """Mean distance to the nearest wall over the cells that the centre visited: 1, 2, or 3 for more."""
+        """Mean distance to the nearest wall over the visited cells: 1, 2, or 3 for more."""
         return self.raw["clearances"] / np.maximum(self.visited, 1)
 
     @property
@@ -285,7 +285,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
         raise InvalidParameter(
             "wrong-shape",
             "the layouts have shape {shape} and type {dtype}",
-            "give uint8 with {narrow} or {wide} bytes per row",
+            "use uint8 with {narrow} or {wide} bytes per row",
             shape=layouts.shape,
             dtype=layouts.dtype,
             narrow=widths[0],
@@ -308,7 +308,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
         raise InvalidParameter(
             "out-of-range",
             "budget={budget!r} is outside 1 to {most} steps",
-            "give one between",
+            "use one between",
             budget=budget,
             most=MAX_STEPS,
         )
@@ -317,7 +317,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
             "robot-larger-than-cell",
             "robot_radius={robot_radius:g} m is more than a cell of {cell_size:g} m, and native "
             "search finds no paths for such robots",
-            "give a smaller one, or use another strategy",
+            "use a smaller one, or use another strategy",
             robot_radius=robot["robot_radius"],
             cell_size=DEFAULT_CELL_SIZE,
         )
@@ -333,7 +333,7 @@ def _spread(values: Any, count: int, name: str) -> Any:
         raise InvalidParameter(
             "wrong-shape",
             "{name} has shape {shape}, but there are {count} layouts",
-            "give one per layout, or one for all",
+            "use one per layout, or one for all",
             name=name,
             shape=values.shape,
             count=count,

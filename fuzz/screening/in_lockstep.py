@@ -120,7 +120,7 @@ def screen_in_batch(controller: ProcessController, batch: Batch) -> bool:
 
     Args:
         controller: The program.
-        batch: The runs from ``at`` on; their results are filled in.
+        batch: The runs, starting at ``at``; their results are filled in.
 
     Returns:
         False if the program does not support it, or does anything wrong; then it must be run alone

@@ -65,7 +65,7 @@ def search(task: Task) -> None:
 
 
 def _bring(task: Task, looks: BoundaryRuns, start: int, *, is_known: bool) -> None:
-    """Pass the failing side of the nearest boundary to triage, or a drawn scenario that has none."""
+    """Pass the failing side of the nearest boundary to triage, or a drawn scenario without one."""
     try:
         found = nearest_boundary(looks, start)
     except OutOfTime:

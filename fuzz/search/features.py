@@ -2,9 +2,8 @@
 
 A fuzzer that draws raw cells finds noise and shrinks badly. Here a short byte string of fixed
 length describes an arena, a start, a target, and up to eight features: boxes, U and L shapes, walls
-    with a gap,
-diagonals, combs. All-zero bytes are the simplest world, an empty arena, so Hypothesis shrinks
-towards it.
+with a gap, diagonals, combs. All-zero bytes are the simplest world, an empty arena, so Hypothesis
+shrinks towards it.
 """
 
 from __future__ import annotations
@@ -103,7 +102,7 @@ def decode_scene(data: bytes) -> World:
         raise InvalidParameter(
             "wrong-size",
             "a scene does not have {count} bytes",
-            "give {scene_bytes}, or {layout_bytes} for a layout",
+            "use {scene_bytes}, or {layout_bytes} for a layout",
             count=len(data),
             scene_bytes=SCENE_BYTES,
             layout_bytes=LAYOUT_BYTES,

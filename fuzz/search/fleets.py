@@ -100,7 +100,7 @@ def _drawn_place(
         draw: Draws from a strategy.
         free: (n, 2) int64, the free cells (iy, ix).
         side: Side of a cell, m.
-        reach: Distance to keep, m, added to that of each other robot.
+        reach: Distance to keep, m, added to each other robot's.
         others: Their places x and y, m, and distances to keep, m.
     """
     centres = (free[:, ::-1] + 0.5) * side

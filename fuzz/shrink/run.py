@@ -100,7 +100,7 @@ def shrink(
         raise InvalidParameter(
             "unknown-name",
             "keep={keep!r} is not one of {known!l}",
-            "give only one of them",
+            "use only one of them",
             keep=keep,
             known=list(KEEP),
         )
@@ -141,7 +141,7 @@ def shrink_class(
     waiting = sorted(failures, key=lambda one: one.order)
     if not waiting:
         raise InvalidParameter(
-            "nothing-given", "there is no failure to shrink", "give at least one"
+            "nothing-given", "there is no failure to shrink", "pass at least one"
         )
     deadline = None if seconds is None else time.monotonic() + seconds
     results: list[Shrunk] = []

@@ -31,7 +31,7 @@ _WANTED = {
 }
 
 _AT_ONCE = 256  # edits in one call of the core
-_MOST_CELLS = 1_000_000  # of a world that is screened: the flood takes 36 bytes per cell
+_MOST_CELLS = 1_000_000  # limit for screening a world: the flood takes 36 bytes per cell
 
 
 class Trying:
@@ -62,7 +62,7 @@ class Trying:
         self._on_lattice = run.task == TARGET and MOTIONS.get(run.motion).kernel != THESIS
 
     def first(self, case: Case, edits: Sequence[Edit], begin: int) -> tuple[int, Case] | None:
-        """Return the first edit from ``begin`` on that keeps the failure, and the edited case.
+        """Return the first edit from ``begin`` onwards that keeps the failure, and the edited case.
 
         The case has no certificate.
 

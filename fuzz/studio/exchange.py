@@ -108,7 +108,7 @@ class ExchangeAnswers(Opened):
 
 
 def _download(stem: str, files: Mapping[str, bytes]) -> tuple[str, bytes]:
-    """Return the only file, or an archive of several: a browser asks before it saves a second one."""
+    """Return the only file, or an archive of several: browsers ask before saving a second one."""
     if len(files) == 1:
         return next(iter(files.items()))
     packed = io.BytesIO()

@@ -34,7 +34,7 @@ from worldgen.files.grid.disk import unpack_world
 from worldgen.files.whole import refused_writes, write_bytes
 from worldgen.files.worlds import is_world_file
 
-_MOST_STEPS = 200_000  # of a run in a picture; the Play page shows longer ones
+_MOST_STEPS = 200_000  # longest run drawn in a picture; the Play page shows longer ones
 
 _TOLD = 500  # files between progress reports
 
@@ -233,7 +233,8 @@ class WallAnswers(Opened):
                     continue
                 if facts is not None:
                     found.append(CorpusEntry(place, facts))
-        except FormatError as error:  # of the archive; the entries read so far are sound
+        # the archive is damaged, but the entries read so far are sound
+        except FormatError as error:
             faults.append(self.folder.refusal(error))
         return found
 

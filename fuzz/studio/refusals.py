@@ -22,7 +22,7 @@ _ANOTHER_FOLDER = "choose another folder"
 REMEDIES: Mapping[str, str] = {
     "ambiguous-format": "choose it in Options of the import",
     "another-campaign": f"select it above and resume it, or {_ANOTHER_FOLDER}",
-    "campaign-is-further": f"give {{units}} units or more, or {_ANOTHER_FOLDER}",
+    "campaign-is-further": f"use {{units}} units or more, or {_ANOTHER_FOLDER}",
     "first-steps-too-slow": (
         "allow more seconds, or run it as a program, whose steps have a deadline"
     ),
@@ -36,8 +36,8 @@ REMEDIES: Mapping[str, str] = {
     "motion-is-the-thesis-robots": "choose the motion model swept or endpoint for other "
     "controllers",
     "no-campaign": "start one with Begin",
-    "ambiguous-layer": "name one in Options of the import, layer",
-    "layer-missing": "name one in Options of the import, layer",
+    "ambiguous-layer": "choose one in Options of the import, layer",
+    "layer-missing": "choose one in Options of the import, layer",
     "no-map-found": "add the .map file to this one",
     "no-scale": "set another Cell size, under World",
     "noise-filtered": "export as thesis filters the signal again",
@@ -47,16 +47,16 @@ REMEDIES: Mapping[str, str] = {
     "only-written": "open the file that it was made from, or choose another format in Options of "
     "the import",
     "option-without-effect": "choose the motion model {where}, or omit the option",
-    "run-too-long": "give fewer steps",
+    "run-too-long": "use fewer steps",
     "scenario-beside-used": "use Seed of places to get other places",
     "signal-unknown": "the walls and target are kept, and an export as thesis will write the "
     "plain map",
     "signal-everywhere": "run it without that signal, or with the motion model swept",
-    "step-too-long": "give a shorter time step",
-    "step-too-short": "give a longer time step",
+    "step-too-long": "use a shorter time step",
+    "step-too-short": "use a longer time step",
     "takes-no-number": "write {name}",
     "too-many-digits": "set the origin to 0,0 under Options of the format",
-    "too-slow": "give more seconds, or smaller worlds",
+    "too-slow": "use more seconds, or smaller worlds",
     "unknown-format": "choose one of the formats listed in Options of the import",
     "world-changes": "set the time to 0 under Options of the format for the cells at that time, or "
     "choose another format",

@@ -118,7 +118,7 @@ class Worker:
         """The user's files whose code the process has loaded, with the digest of each."""
 
     async def ask(self, kind: str, message: dict[str, Any]) -> AsyncGenerator[tuple[str, Any]]:
-        """Have one request answered.
+        """Pass one request to a worker, and return the answer.
 
         Yields:
             ``("turn", {})`` when it is this request's turn, ``("part", table)`` for each part, then

@@ -106,7 +106,7 @@ class Cause(StrEnum):
 
     @property
     def phrase(self) -> str:
-        """What the robot does, to follow its name: the severity's sentence, unless that is too general."""
+        """What the robot does, to follow its name: the severity's sentence, unless too general."""
         return _OWN_PHRASES.get(self, self.severity.phrase)
 
     @property

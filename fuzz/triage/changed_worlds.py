@@ -1,4 +1,4 @@
-"""Causes that only a second run shows: the same scenario, in a world that is changed in one respect.
+"""Causes that only a second run shows: the same scenario, in a world with a single change.
 
 A robot whose gap is too narrow often repeats the same moves as a robot behind a wall. A smaller
 robot distinguishes the two: it arrives in the first case.
@@ -101,7 +101,7 @@ def needs_a_wider_gap(world: World, place: tuple[float, float], arrives: Arrives
 
 
 def _has_little_room(world: World, place: tuple[float, float]) -> bool:
-    """Return True if every path from a place to the target leads through a gap or ends at a wall."""
+    """Return True if every path from a place to the target has a gap or ends at a wall."""
     solid = walls_at_the_end(world)
     x, y = place
     height, width = solid.shape

@@ -256,7 +256,7 @@ class _Solid:
         return Contact(kind, frozenset(cell for _, cell, _ in touched))
 
     def near(self, x: float, y: float) -> list[tuple[float, tuple[int, int], tuple[float, float]]]:
-        """Return distance, cell and normal of solid cells around a place, at least the nearest."""
+        """Return solid cells near a place, at least the nearest, with distances and normals."""
         reach = self._reach
         column = math.floor(x)
         row = math.floor(y)

@@ -86,7 +86,7 @@ def _of_last_line(evidence: FaultEvidence) -> list[str]:
 
 
 def _where_it_stood(evidence: FaultEvidence) -> list[str]:
-    """Return ``first`` if the run ended in its first step, and ``bump`` if it touched a wall then."""
+    """Return ``first`` if the run ended in step one, and ``bump`` if it then touched a wall."""
     first = ["first"] if evidence.step == 1 else []
     return first + (["bump"] if evidence.bump else [])
 

@@ -89,7 +89,7 @@ _BY_STANDOFF = {
 
 
 def cause_of(failure: Failure) -> Cause:
-    """Return a failure's cause: the recorded one, or else that of its run.
+    """Return a failure's cause: the recorded one, or else the run's.
 
     Returns:
         The cause; :attr:`Cause.UNKNOWN` if its controller cannot be run here, or not in time.

@@ -231,7 +231,7 @@ def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> st
 
 
 def _difference(record: FailureRecord, episode: Episode, evidence: Mapping[str, Value]) -> str:
-    """Return a difference of a run and its evidence from the record.
+    """Describe how a run and its evidence differ from the record.
 
     Empty if there is none.
     """

@@ -96,7 +96,7 @@ class Surroundings:
             )
 
     def span(self, row: int) -> tuple[float, float]:
-        """Return begin and end of a time span, s; -inf and inf if the cell is always solid."""
+        """Return the ends of a time span, s; -inf and inf if the cell is always solid."""
         return (
             (float(self.since[row]), float(self.until[row])) if row >= 0 else (-math.inf, math.inf)
         )

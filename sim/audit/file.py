@@ -148,7 +148,7 @@ def _samples(
         raise FormatError(
             "out-of-range",
             "robot {robot:g} is not in the world, which has {robots}",
-            "number the robots from 1, or give the world in which it was recorded",
+            "number the robots from 1, or use the world in which it was recorded",
             robot=float(owners[wrong[0]]),
             robots=robots,
             line=_line_of(body, int(wrong[0]), header_line),

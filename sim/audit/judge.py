@@ -83,7 +83,7 @@ class Trajectory:
             return -1, Message(
                 "too-few-samples",
                 "a trajectory needs at least two samples, not {count}",
-                "give more",
+                "use more",
                 count=len(times),
             )
         for name, values, most in (("t", times, _LATEST), ("x", x, _FURTHEST), ("y", y, _FURTHEST)):
@@ -122,17 +122,17 @@ class Finding:
         t: Time when it was worst, s; the earliest if there are several.
         x: Position of the centre at that time, m.
         y: The same, m.
-        depth: How far it went at worst, m. For a ``tunnel``, the distance from the centre to the
+        depth: Largest extent, m. For a ``tunnel``, the distance from the centre to the
             nearest face of the cell that it is in. For ``overlap`` and ``burned``, the radius minus
             the distance to the cell. For ``outside``, the distance from the centre to the grid. For
             a ``jump``, how much farther it went than possible. For ``start``, the distance from the
             first sample to the start.
-        cell: Cell (ix, iy) at worst; -1 or the grid's width or height mean the outside.
+        cell: Cell (ix, iy) at the worst place; -1 or the grid's width or height mean the outside.
             ``None`` for findings without a cell.
         begin: Time when it began, s.
         end: Time when it ended, s.
         sample: Number of the last sample at or before the worst place, from 0.
-        speed: Speed of a ``jump`` at worst, m/s; ``inf`` if it took no time.
+        speed: Largest speed of a ``jump``, m/s; ``inf`` if it took no time.
     """
 
     kind: str
@@ -236,7 +236,7 @@ def _check(name: str, value: float, least: float) -> None:
         raise InvalidParameter(
             "out-of-range",
             "{name}={value} m is out of range",
-            "give metres, at least {least:g}",
+            "use metres, at least {least:g}",
             name=name,
             value=value,
             least=least,
@@ -249,7 +249,7 @@ def _check_places(trajectory: Trajectory, size: float) -> None:
         raise InvalidParameter(
             "out-of-range",
             "sample {sample} is more than 1e9 cells of {cell_size:g} m away",
-            "give metres",
+            "use metres",
             sample=far[0],
             cell_size=size,
         )

@@ -67,7 +67,7 @@ class AuditPath:
         )
 
     def place(self, at: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return time, x and y (s, m, m) at places on the path.
+        """Return the times, x and y (s, m, m), at places on the path.
 
         The place 3.25 is a quarter of the way from sample 3 to sample 4.
         """

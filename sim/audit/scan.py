@@ -49,7 +49,7 @@ class Hits:
     Args:
         begin: Place on the path where it begins.
         end: Place where it ends.
-        depth: Depth at worst, cells.
+        depth: Largest depth, cells.
         worst: Place where it is worst.
         ix: Column of the cell there.
         iy: Row of the cell there.

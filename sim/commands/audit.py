@@ -100,7 +100,7 @@ def audit(
         raise InvalidParameter(
             "out-of-range",
             "robot {robot} is not in the world, which has {robots}",
-            "give a lower number",
+            "use a lower number",
             robot=robot,
             robots=len(world.robots),
         )

@@ -49,7 +49,7 @@ def behaviours(controller: str | None, chart: Path | None, as_json: bool, force:
     # Without a controller, list the library.
     if controller is None:
         if chart is not None:
-            raise click.UsageError("--chart draws a controller, so name one")
+            raise click.UsageError("--chart draws a controller, so choose one")
         _list_library(as_json)
         return
     # Check the chart's file before the work.

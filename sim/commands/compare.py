@@ -58,7 +58,7 @@ _TIME_FOR_NEVER = 300.0
 )
 @click.option(
     "--motion",
-    help="Motion model.  [default: swept, or that of published figures for these worlds]",
+    help="Motion model.  [default: swept, or the model of published figures for these worlds]",
 )
 @time_step_option
 @click.option(
@@ -108,7 +108,7 @@ def compare(
 
     PATH is a .grid file or a folder of them. After a controller's name, +option=value varies its
     run, so bug2,bug2+time_step=0.03 compares two time steps. A random controller runs with many
-    seeds. docs/howto/compare.md describes table, CSV and JSON.
+    seeds. docs/howto/compare.md describes the table, the CSV and the JSON.
     """
     from sim.compare.comparison import compare as compare_worlds
     from sim.compare.picture import MAX_CONTROLLERS, draw_comparison
@@ -121,7 +121,7 @@ def compare(
     check_out("--picture", picture, ".png", force=force)
     check_out("--csv", table, force=force)
     if table is not None and picture is not None and table.resolve() == picture.resolve():
-        raise click.UsageError(f"--csv and --picture both name {table}; give two names")
+        raise click.UsageError(f"--csv and --picture both name {table}; use two names")
     # Read the figures, the controllers and the worlds.
     figures = _figures(paths, against)
     scenarios = _scenarios(controllers, _motion(motion, figures), time_step, seed)
@@ -199,7 +199,7 @@ def _scenarios(
                 "assigned-robot",
                 "{text!r} assigns a controller to one robot, but compare drives all robots of a "
                 "world with the same controller",
-                "give {name}; worldgen run can assign controllers",
+                "use {name}; worldgen run can assign controllers",
                 at_terminal=True,
                 text=text,
                 name=name,
@@ -246,7 +246,7 @@ def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
 
 
 def _with_time(world: NamedWorld, figures: Sequence[PublishedRow]) -> NamedWorld:
-    """Return the world with time to arrive in twice the published time, or to prove it never does."""
+    """Return the world with a budget of twice the published time, or enough to prove "never"."""
     own = [figure for figure in figures if figure.is_of(world)]
     times = [_TIME_FOR_NEVER if figure.never else 2.0 * (figure.time or 0.0) for figure in own]
     return replace(world, least_time=max(times, default=0.0))

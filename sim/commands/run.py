@@ -200,7 +200,7 @@ def _stored_budget(world: World, scenarios: list[Scenario]) -> int | None:
 
 
 def _why_uncertain(world: World, scenarios: list[Scenario]) -> str:
-    """Return why no controller is certain to arrive with these disturbances; empty if one can be."""
+    """Return why no controller is certain to arrive with these disturbances; else empty."""
     from sim.options.disturbances import why_arrival_is_not_certain
 
     doubts = (why_arrival_is_not_certain(world, one.run.robot) for one in scenarios)
@@ -227,7 +227,7 @@ def _simulated(
 
 
 def _acted(arbitration: Arbitration | None, episode: Episode) -> list[str]:
-    """Return the behaviour that acted in each step; empty without behaviours or a recording."""
+    """Return the behaviour that acted in each step; empty if that was not recorded."""
     from sim.controllers.behaviours.arbitration import acting
 
     trace = episode.trace
@@ -249,7 +249,7 @@ def _at_fault(scenarios: list[Scenario], episode: Episode) -> str:
 
 
 def _csv(episode: Episode, acted: list[str]) -> str:
-    """Return the recorded states, with a first column ``robot`` for several; empty without any.
+    """Return the recorded states, or none; for several robots, the first column is ``robot``.
 
     Args:
         episode: The run.
@@ -271,7 +271,7 @@ def _csv(episode: Episode, acted: list[str]) -> str:
 def _is_reachable(world: World, episode: Episode) -> tuple[bool | None, str]:
     """Return True if the targets can be reached at all, None if that is undecided; and the proof.
 
-    The proof is a word: witness, cut, confinement or swap; empty without any. A file without a
+    The proof is a word: witness, cut, confinement or swap; empty if there is none. A file without a
     certificate is decided, as ``worldgen verify`` does, only if a robot did not arrive, because
     that can take as long as the run. A file keeps no confinement and no swap.
     """

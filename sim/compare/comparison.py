@@ -4,7 +4,7 @@ A random controller runs with many seeds, any other once. Its time in a world is
 seeds with which it arrives, and it counts as arriving if at least half of them do.
 
 In a world of several robots, a controller drives all of them. It arrives if every robot does, its
-time is that of the last one, and its area is the sum over the robots.
+time is the last robot's, and its area is the sum over the robots.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ class Cell:
 
     @property
     def verdict(self) -> str:
-        """``reached`` or ``covered`` if the controller counts as arriving, else its main failure."""
+        """``reached`` or ``covered`` if this counts as arriving, otherwise the main failure."""
         if self.arrives:
             return self.arrivals[0].verdict if self.arrivals else Verdict.REACHED
         failures = {
@@ -161,7 +161,7 @@ class Cell:
 
     @property
     def detail(self) -> str:
-        """Detail of a single run's verdict, like ``period 104`` or ``1 of 3 arrive``; may be empty."""
+        """Detail of a single run's verdict, as ``period 104`` or ``1 of 3 arrive``, or empty."""
         match self.evidence:
             case JointLoopEvidence(waiting=waiting, parked=parked):
                 return f"{len(parked)} of {len(waiting) + len(parked)} arrive"
@@ -215,7 +215,8 @@ class Total:
         failures: Number of the other runs, by verdict.
         wins: Worlds in which it alone was best.
         shared_wins: Worlds in which it tied for best.
-        mean_time: Mean time over the worlds that all controllers reach, s; ``None`` without any.
+        mean_time: Mean time over the worlds that all controllers reach, s; ``None`` if there are
+        none.
         median_time: Median time over the same worlds, s.
         mean_area: Mean area of the cells that its centre was in, m2, over all runs.
     """
@@ -326,7 +327,7 @@ def compare(
     """
     if not worlds or not scenarios:
         raise InvalidParameter(
-            "nothing-given", "nothing to compare", "give at least one world and one controller"
+            "nothing-given", "nothing to compare", "use at least one world and one controller"
         )
     if not 1 <= seeds <= MAX_SEEDS:
         raise InvalidParameter(

@@ -152,7 +152,7 @@ def _figure(
         raise FormatError(
             "wrong-count",
             "{count} fields, but the header has {wanted}",
-            "give as many",
+            "use as many",
             count=len(row),
             wanted=len(header),
             line=line,
@@ -185,7 +185,7 @@ def _figure(
         raise FormatError(
             "time-missing",
             "the verdict is reached, but there is no time",
-            "give seconds, or the verdict never",
+            "use seconds, or the verdict never",
             line=line,
             source=source,
         )
@@ -211,7 +211,7 @@ def _figure(
 
 
 def _scenario(text: str, motion: str) -> tuple[str, str, float | None]:
-    """Return controller, motion model and time step, however the table writes them."""
+    """Return a controller, motion model and time step, in whichever form the table writes them."""
     try:
         controller, settings = read_settings(text, motion)
         found = Scenario(controller, RunOptions(**({"motion": motion} | settings)))

@@ -70,7 +70,7 @@ def describe_outcome(cell: Cell, unit: str = "") -> str:
 
 
 def describe_detail(cell: Cell) -> str:
-    """Return what is known beyond the verdict: ``period 104``, or ``loop 3, stalled 2`` by chance."""
+    """Return what is known beyond the verdict: ``period 104``, or ``loop 3, stalled 2``."""
     if not cell.random:
         return cell.detail
     return ", ".join(f"{verdict} {count}" for verdict, count in cell.verdicts.items())

@@ -41,7 +41,7 @@ class Neighbour(NamedTuple):
         heading: rad, the neighbour's heading relative to the robot's.
         speed: m/s, of the neighbour along its heading.
         radius: m, of the neighbour.
-        message: Numbers that the neighbour sent in the step before; empty without a channel.
+        message: Numbers that the neighbour sent in the step before; empty if there is no channel.
     """
 
     x: float
@@ -243,7 +243,7 @@ class CompiledController:
             raise InvalidParameter(
                 "out-of-range",
                 "controller {name!r} has start_speed={speed!r}",
-                "give m/s, 0 or more, or inf for the top speed",
+                "use m/s, 0 or more, or inf for the top speed",
                 name=self.name,
                 speed=speed,
             )

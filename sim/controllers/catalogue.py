@@ -91,7 +91,7 @@ class ControllerRegistry(Registry[Controller]):
         return super().get(name)
 
     def option_names(self, name: str) -> tuple[str, ...]:
-        """Return the options of its own that a controller's name can carry.
+        """Return the controller's own options, which its name may contain.
 
         This runs no user code: such a controller can only be given what it learned.
         """
@@ -141,7 +141,7 @@ class ControllerRegistry(Registry[Controller]):
             raise InvalidParameter(
                 "other-controller",
                 "{path} holds what {other!r} learned, not {controller!r}",
-                "name a file that `worldgen train` wrote for it",
+                "choose a file that `worldgen train` wrote for it",
                 at_terminal=True,
                 path=path,
                 other=learned.controller,

@@ -180,7 +180,7 @@ def _not_learned(path: Path, reason: str) -> InvalidParameter:
     return InvalidParameter(
         "not-learned",
         "{path} is not a file of learned numbers: {reason}",
-        "name a file that `worldgen train` wrote",
+        "choose a file that `worldgen train` wrote",
         at_terminal=True,
         path=str(path),
         reason=reason,

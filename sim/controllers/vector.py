@@ -86,7 +86,7 @@ class Asker:
                     f"{name.replace('_', '-')}-is-of-shape-for-robots",
                     f"{name} has shape {np.shape(value)}, but there are {count} robots",
                     value,
-                    "give one number, or one for each robot",
+                    "use one number, or one for each robot",
                 )
         if np.shape(kept) != after.shape:
             error = (

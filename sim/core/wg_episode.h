@@ -55,7 +55,7 @@ typedef struct WgRobot {
     WgOdometry odometry;
     WgCorner *chain;     // corners of the path of the last step
     int64_t corners;     // number of corners
-    WgNormal contact;    // of the last step
+    WgNormal contact;    // contact in the last step
     int64_t touched;     // 1 if the step before touched a wall
     int64_t next_event;  // index of the next event
     int64_t next_push;   // the same, of the pushes at times
@@ -74,7 +74,8 @@ typedef struct WgWorkspace {
     double *flat;    // (17 + beams,) copy of the observation, for controllers that take flat arrays
     double *answer;  // (4 + memory,)
     WgNeighbour *neighbours;  // (neighbour_room,) what observation.neighbours points to
-    int64_t neighbour_room;   // rows of neighbours that follow the beams in `flat`; 0 for a single robot
+    // rows of neighbours that follow the beams in `flat`; 0 for a single robot
+    int64_t neighbour_room;
 } WgWorkspace;
 
 // Data of the search for a recurrence: see recurrence.h.
@@ -83,7 +84,7 @@ typedef struct WgSearch {
     int64_t log_size;
     uint64_t *prints;  // fingerprint of each block of the state; then their sum
     uint64_t *known;   // (words,) last state taken into prints; in the proof, the loop's first
-    int64_t words;     // of a complete state
+    int64_t words;     // words of a complete state
     int64_t next;      // the step whose state is looked up next
 } WgSearch;
 

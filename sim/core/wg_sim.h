@@ -31,9 +31,10 @@ enum {
     WG_TUNNEL = 3,
     WG_BURNED = 4,
     WG_INVALID_COMMAND = 5,
-    WG_CRASH = 6,  // the controller set WgCommand.error; that step ends there, neither recorded nor hashed
+    // the controller set WgCommand.error; that step ends there, neither recorded nor hashed
+    WG_CRASH = 6,
     WG_COVERED = 7,  // the robot's centre has been in every cell of WgArena.wanted
-    WG_COLLISION = 8,  // of a fleet under WG_ENDPOINT: two robots' paths crossed
+    WG_COLLISION = 8,  // fleets under WG_ENDPOINT only: two robots' paths crossed
 };
 
 // Motion models on the lattice.
@@ -46,7 +47,8 @@ enum { WG_SIGNAL_OPEN = 0, WG_SIGNAL_WEAKENED = 1, WG_SIGNAL_BLOCKED = 2 };
 enum {
     WG_NO_LOOP = 0,     // it is not searched
     WG_SEEK_LOOP = 1,   // when it is found, in the last step of the budget at the latest
-    WG_PROVE_LOOP = 2,  // in the last step of the budget, if its state is that of step WgSettings.loop_entry
+    // in the last step of the budget, if its state is that of step WgSettings.loop_entry
+    WG_PROVE_LOOP = 2,
 };
 
 // A change of one cell. As rows of (n, 5) int64 in Python.
@@ -61,7 +63,8 @@ typedef struct WgEvent {
 // A push: the robot is displaced, only along a clear path, and turned. As rows of (n,
 // 6) int64 in Python.
 typedef struct WgPush {
-    int64_t step;  // the step at whose end it happens; 0: each step that ends with the centre in a cell
+    // the step at whose end it happens; 0: each step that ends with the centre in a cell
+    int64_t step;
     int64_t ix;    // that cell; -1 for a push at a time
     int64_t iy;
     int64_t dx;    // lattice units
@@ -99,7 +102,7 @@ typedef struct WgPathPoint {
 
 // A direction in the first eighth of a turn.
 typedef struct WgRay {
-    double share[2];  // of a length: along the x axis, and across it
+    double share[2];  // share of a length along the x axis, and across it
     int64_t slope;    // the first divided by the second, 2^-32, rounded down; 0 on the axis
 } WgRay;
 
@@ -124,13 +127,15 @@ typedef struct WgArena {
     int64_t height;
     uint8_t *cells;            // (height, width) WG_FREE, WG_SOLID or WG_BURNING
     int32_t *near;             // (height, width) masks of the neighbourhood: wg_near_masks
-    int32_t *clearance;        // (height, width) chessboard distance to cells that are ever not free; NULL where the
-                               // masks reach as far as any step
+    // (height, width) chessboard distance to cells that are ever not free; NULL where the masks
+    // reach as far as any step
+    int32_t *clearance;
     const WgEvent *events;     // sorted by step and time
     int64_t event_count;
     const int64_t *headings;   // (131072,) cosines and sines, 2^-30: sim/motion's heading table
     uint8_t *visited;          // (height, width) 1 where the centre has been
-    const uint8_t *wanted;     // (height, width) 1: a coverage task wants the centre to be there; NULL for other tasks
+    // (height, width) 1: a coverage task wants the centre to be there; NULL for other tasks
+    const uint8_t *wanted;
 
     // Tables for range beams in a world that does not change; with them a run takes a third of the
     // time. Otherwise all three are NULL.
@@ -161,7 +166,7 @@ typedef struct WgSettings {
     int64_t steps;       // budget
     int64_t find_loop;   // WG_NO_LOOP, WG_SEEK_LOOP or WG_PROVE_LOOP
     int64_t loop_entry;  // for WG_PROVE_LOOP
-    uint64_t seed;       // of the draws
+    uint64_t seed;       // seed of the draws
     int64_t digest;      // 1: compute the digest of the trace
     int64_t senses;      // WG_SENSE_ bits: what the controller senses
 
@@ -213,7 +218,8 @@ typedef struct WgSettings {
     double smoke;         // share of the signal that a cell in smoke absorbs
     double neighbour_range;  // lattice units, from centre to centre; 0: no other robot is sensed
     double beam_range;    // lattice units
-    double beam_field;    // angle between the first and the last beam, heading units; a whole turn: evenly all round
+    // angle between the first and the last beam, heading units; a whole turn: evenly all around
+    double beam_field;
     double beam_noise;    // largest share by which a distance is wrong
     double beam_dropout;  // probability that a beam returns nothing
 } WgSettings;
@@ -223,7 +229,7 @@ typedef struct WgState {
     int64_t x;        // lattice units
     int64_t y;
     int64_t heading;  // heading units, in [0, WG_TURN)
-    int64_t speed;    // of the wheels, WG_SPEED_UNIT per lattice unit and step
+    int64_t speed;    // speed of the wheels, WG_SPEED_UNIT per lattice unit and step
     int64_t draws;    // random numbers that the controller has used so far
 } WgState;
 
@@ -234,18 +240,20 @@ typedef struct WgReport {
     int64_t period;
     int64_t collisions;
     int64_t last_new_cell;  // the last step that entered a cell for the first time
-    int64_t points;         // of the path after the start
+    int64_t points;         // points of the path after the start
     int64_t cells_visited;  // cells that the centre has been in, including the start's
     int64_t cells_left;     // cells that a coverage task still requires
     uint64_t digest;        // rolling FNV-1a hash of every state
-    int64_t hit_step;       // of WG_TUNNEL and WG_BURNED; -1
+    int64_t hit_step;       // step of a WG_TUNNEL or WG_BURNED; otherwise -1
     int64_t hit_ix;
     int64_t hit_iy;
-    int64_t hit_state;      // WG_SOLID (debris) or WG_BURNING of the cell that ended the run as WG_BURNED
+    // WG_SOLID (debris) or WG_BURNING of the cell that ended the run as WG_BURNED
+    int64_t hit_state;
     int64_t overlap_step;   // first cut that is deeper than the tolerance; -1
     int64_t overlap_ix;
     int64_t overlap_iy;
-    const char *error;      // of WG_CRASH: the controller's WgCommand.error, if it set one; NULL
+    // for WG_CRASH: the controller's WgCommand.error if it set one, else NULL
+    const char *error;
     double path_length;     // lattice units
     double overlap;         // deepest cut, lattice units
 } WgReport;

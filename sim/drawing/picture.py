@@ -30,7 +30,7 @@ _MOST_BUMPS = 400
 # Strength of the tint of a cell that the robot considers occupied.
 _OCCUPIED = 0.6
 
-# Most marks of pushes.
+# Limit on the marks of pushes.
 _MOST_PUSHES = 100
 
 

@@ -33,7 +33,8 @@ class Loops:
         periods: Each waiting robot's period, steps, by its index. Robots that come near each other
             have the same period.
         are_shown: Whether the recording shows that, so that the loops are proved. If not, robots
-            with different periods come near each other, and only driving the joint period decides.
+            with different periods come near each other, and only simulating the joint period can
+            decide.
     """
 
     entry: int

@@ -219,7 +219,7 @@ class _One:
         self.member = fleet.members[number]
         self._workspace = Workspace(self.member)
         self._memory = memory
-        # A program's time is measured where its answer is waited for.
+        # For a program, the code that waits for its answer measures the time.
         is_program = isinstance(controller, ProcessController)
         self._act = controller.act if is_program else timed(controller.act)
 
@@ -292,14 +292,14 @@ class _Many:
         try:
             message = np.asarray(self._asker.message, np.float64)
         except (TypeError, ValueError):
-            raise _not_numbers(self._asker.message, "give an array of numbers") from None
+            raise _not_numbers(self._asker.message, "use an array of numbers") from None
         sends = message.size > 0
         if sends and (message.ndim != 2 or len(message) != len(waiting)):
             raise ContractBroken(
                 "message-is-of-shape-for-robots",
                 f"message has shape {message.shape}, but there are {len(waiting)} robots",
                 message,
-                "give a row of numbers for each robot",
+                "use a row of numbers for each robot",
             )
         self._channel.check(message.shape[1] if sends else 0, message)
         for row, number in enumerate(waiting):

@@ -116,7 +116,7 @@ class FleetRun:
             )
             for number, (controller, one) in enumerate(zip(self.controllers, options, strict=True))
         ]
-        self._words = 0  # of all robots' states, once a run has shown how large they are
+        self._words = 0  # words of all robots' states; known after a run
         self._place_robots()
 
     def _place_robots(self) -> None:
@@ -348,7 +348,7 @@ class FleetRun:
         return None if has_shared_state_changed(controller, state) else state
 
     def _reset(self) -> tuple[list[Any], dict[int, ControllerError]]:
-        """Return the memories of the controllers outside the core, and their faults in ``reset``."""
+        """Return the memories of controllers outside the core, and their faults in ``reset``."""
         memories: list[Any] = []
         faults: dict[int, ControllerError] = {}
         # Robots that share a controller still do if it is renewed.
@@ -444,7 +444,7 @@ class FleetRun:
 
 
 def _proof_of(outcome: FleetOutcome, fleet: CoreFleet, entry: int) -> JointProof:
-    """Return the proof of a recurrence, from the run that noted who did what since its entry."""
+    """Return the proof of a recurrence, from the run that recorded the acts since its entry."""
     moved = fleet.moved()
     waiting = tuple(number for number, one in enumerate(outcome.members) if one.ending == LIMIT)
     return JointProof(
@@ -471,7 +471,7 @@ def robot_seed(world: World, number: int, seed: int) -> int:
 
 
 def _robots_overlap(one: int, other: int) -> InvalidWorld:
-    """Return the error for two robots, given by their indices, that have no clear lattice points."""
+    """Return the error for two robots, given by index, that have no clear lattice points."""
     return InvalidWorld(
         "robots-overlap",
         "robots {one} and {other} overlap at the start, where walls keep them from the nearest "
@@ -483,6 +483,6 @@ def _robots_overlap(one: int, other: int) -> InvalidWorld:
 
 
 def _written(recording: tuple[Ints, Ints], steps: int, has_failed: bool) -> tuple[Ints, Ints]:
-    """Return the part of a recording that was written; a step in which a controller fails is not."""
+    """Return the part of a recording that was written; a step in which a controller fails isn't."""
     rows, path = recording
     return rows[: max(steps - has_failed, 0) + 1], path[path[:, 0] > 0]

@@ -47,7 +47,7 @@ typedef struct WgShared {
 // The arguments of a behaviour.
 typedef struct WgSituation {
     const WgObservation *seen;
-    const double *options;  // of the part
+    const double *options;  // the part's options
     WgShared *shared;
     double *state;       // numbers of the part's own; all zero at reset
     WgCommand *command;  // all zero before the action
@@ -57,16 +57,19 @@ typedef struct WgBehaviour {
     const char *name;
     int64_t (*trigger)(const WgSituation *now);  // 1 if it applies; must not change anything
     int64_t (*action)(const WgSituation *now);   // commands one step; 1 if the behaviour is done
-    void (*watch)(const WgSituation *now);       // called in each step before the triggers; may be NULL
+    // called in each step before the triggers; may be NULL
+    void (*watch)(const WgSituation *now);
     void (*begin)(const WgSituation *now);       // called when it takes control; may be NULL
-    int64_t keeps_time;  // 1: its action counts `counter` down itself, such as one that turns before it drives
+    // 1: its action counts `counter` down itself, such as one that turns before it drives
+    int64_t keeps_time;
     int64_t restarts;    // 1: if it can be interrupted, a new trigger restarts it
     int64_t state_size;  // size of its own memory, in numbers
 } WgBehaviour;
 
 typedef struct WgPart {
     const WgBehaviour *does;
-    double priority;       // of the parts that apply, the highest acts; ties go to the first
+    // the applicable part with the highest priority acts; ties go to the first
+    double priority;
     double duration;       // steps; without keeps_time a part acts for this many, at least one
     double interruptible;  // 0: it keeps control until it is done
     const double *options;

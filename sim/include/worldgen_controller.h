@@ -48,21 +48,25 @@ typedef struct WgNeighbour {
     double heading;                   // rad: the neighbour's heading, relative to the robot's
     double speed;                     // m/s: of the neighbour along its heading
     double radius;                    // m: of the neighbour
-    double message[WG_MOST_MESSAGE];  // sent by the neighbour in the step before; zeros without a channel
+    // sent by the neighbour in the step before; zeros without a channel
+    double message[WG_MOST_MESSAGE];
 } WgNeighbour;
 
 // What a controller observes after each step. A sense that it does not declare may be NaN.
 typedef struct WgObservation {
     double bump;              // 1 if a wall or a robot stopped or bent the last move, else 0
     double bump_bearing;      // rad: direction of that contact, relative to the robot's heading
-    double signal;            // strength of the target's signal: 1 / (1 + squared distance in cells)
-    double signal_heading;    // rad: world heading towards the neighbouring cell with the strongest signal
+    // strength of the target's signal: 1 / (1 + squared distance in cells)
+    double signal;
+    // rad: world heading towards the neighbouring cell with the strongest signal
+    double signal_heading;
     double heading;           // rad: the robot's world heading
     double x;                 // m: the robot's centre
     double y;                 // m
     double target_heading;    // rad: world heading towards the target
     double target_distance;   // m: distance to the target's centre
-    double random;            // the next random number in [0, 1); set WgCommand.used_random to use it up
+    // the next random number in [0, 1); set WgCommand.used_random to use it up
+    double random;
     double time_step;         // s: duration of a step
     double top_speed;         // m/s: the robot's speed limit
     double radius;            // m: the robot's radius
@@ -70,9 +74,11 @@ typedef struct WgObservation {
     double odometry_x;        // m: the robot's position as its wheels measure it
     double odometry_y;        // m
     double odometry_heading;  // rad: its heading as its wheels measure it
-    const double *beams;      // m: distance to the first wall or robot along each range beam, counter-clockwise
+    // m: distance to the first wall or robot along each range beam, counter-clockwise
+    const double *beams;
     int64_t beam_count;       // length of `beams`
-    const WgNeighbour *neighbours;  // other robots within range, the nearest first; NULL if there can be none
+    // other robots within range, the nearest first; NULL if there can be none
+    const WgNeighbour *neighbours;
     int64_t neighbour_count;        // length of `neighbours`
     int64_t message_size;           // numbers that a message has; 0 without a channel
 } WgObservation;
@@ -82,8 +88,11 @@ typedef struct WgCommand {
     double speed;        // m/s along the heading, negative for backwards; clamped to the top speed
     double turn_rate;    // rad/s, counter-clockwise; takes effect before the next move
     double used_random;  // 1 if WgObservation.random was used, so that the next one must be new
-    const char *error;   // NULL, or "Name: sentence" that outlives the run, which then ends as a crash of that name
-    double *message;     // (WgObservation.message_size,) zeros, to be sent to the neighbours, finite; NULL without a channel
+    // NULL, or "Name: sentence" that outlives the run, which then ends as a crash of that name
+    const char *error;
+    // (WgObservation.message_size,) zeros, to be sent to the neighbours, finite; NULL without a
+    // channel
+    double *message;
 } WgCommand;
 
 // Acts for one step. All of the controller's state is in `memory`, whose size it declares;
@@ -102,9 +111,11 @@ typedef struct WgControllerInfo {
     WgAct act;            // called once per step
     WgReset reset;        // NULL: the memory begins as zeros
     int64_t memory_size;  // length of the memory, in doubles
-    int64_t senses;       // WG_SENSE_ bits of the fields that it reads; 0: all but the time. The loops of a controller
-                          // that reads the time cannot be proved
-    int64_t beams;        // number of range beams that it needs, at most WG_MOST_BEAMS; a run can override it
+    // WG_SENSE_ bits of the fields that it reads; 0: all but the time. The loops of a controller
+    // that reads the time cannot be proved
+    int64_t senses;
+    // number of range beams that it needs, at most WG_MOST_BEAMS; a run can override it
+    int64_t beams;
     double beam_range;    // m: range of beams that it needs; 0: the simulator's default
     double start_speed;   // m/s: speed in the first step, before it has observed anything
     double neighbour_range;  // m: range within which it needs to sense other robots; 0: not at all

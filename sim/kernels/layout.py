@@ -44,7 +44,7 @@ CMD_MESSAGE = CMD_SIZE
 """Index of the first number of a message to the neighbours; the run's options set its length."""
 
 MESSAGE_SIZE = int(lib.WG_MOST_MESSAGE)
-"""The most numbers that a message has."""
+"""Maximum length of a message."""
 
 NEIGHBOUR_X = place("WgNeighbour", "x")
 NEIGHBOUR_Y = place("WgNeighbour", "y")
@@ -52,7 +52,7 @@ NEIGHBOUR_HEADING = place("WgNeighbour", "heading")
 NEIGHBOUR_SPEED = place("WgNeighbour", "speed")
 NEIGHBOUR_RADIUS = place("WgNeighbour", "radius")
 NEIGHBOUR_MESSAGE = place("WgNeighbour", "message")
-"""Where a neighbour's message begins in its row. A row has so many numbers and the message's.
+"""Where a neighbour's message begins in its row. A row has this many numbers, plus the message's.
 
 Rows follow the beams, the nearest neighbour first; rows without a neighbour are nan.
 """

@@ -18,7 +18,7 @@ class OptionSet:
     """Base of option sets: dataclasses whose fields declare bounds, choices, heading and help.
 
     A field is ``slip: Annotated[float, Bounds(0, 1), Group("Forces")] = 0.0``, and its help is its
-        entry in the docstring's ``Args``. Nothing else is needed for a new option.
+    entry in the docstring's ``Args``. Nothing else is needed for a new option.
     """
 
     OWNER: ClassVar[str] = "options"

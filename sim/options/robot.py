@@ -1,7 +1,7 @@
 """Options of the robot under the motion models on the pose lattice: its dynamics and its sensors.
 
 All are off by default: the robot then turns and changes its speed instantly, and senses without
-    error.
+error.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ class RobotOptions(OptionSet):
             raise InvalidParameter(
                 "not-a-power-of-two",
                 "lattice={lattice} does not divide 1024",
-                "give a power of 2 from 2 to 1024",
+                "use a power of 2 from 2 to 1024",
                 lattice=self.lattice,
             )
         for name, size, each in _LISTS:
@@ -133,7 +133,7 @@ class RobotOptions(OptionSet):
             raise InvalidParameter(
                 "below-minimum",
                 "{name}: time {value:g} s is below {low:g} s",
-                "give the time after the start",
+                "use the time after the start",
                 name="pushes",
                 value=min(self.pushes[::4]),
                 low=0,
@@ -142,7 +142,7 @@ class RobotOptions(OptionSet):
             raise InvalidParameter(
                 "below-minimum",
                 "{name}: strength {value:g} is below {low:g}",
-                "give its strength as a multiple of the target's signal",
+                "express its strength as a multiple of the target's signal",
                 name="decoys",
                 value=min(self.decoys[2::3]),
                 low=0,

@@ -32,7 +32,7 @@ TARGET: Task = "target"
 COVER: Task = "cover"
 # Seconds: the thesis's time step.
 DEFAULT_TIME_STEP = 0.015
-# Least and largest time step, s.
+# Smallest and largest time step, s.
 TIME_STEPS = (0.001, 10.0)
 MAX_STEPS = 100_000_000
 # Maximum number of steps; a recorded one takes about 300 bytes.
@@ -49,7 +49,7 @@ _MOST_OF_A_DRIFT = 10
 _ROUNDING = 1e-6
 # Cells: larger steps would come near the limits of 64-bit lattice arithmetic.
 _LONGEST_STEP = 1_000
-# Least budget, steps, however short the witness.
+# Smallest budget, steps, however short the witness.
 FEWEST_STEPS = 4_000
 _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
@@ -87,7 +87,7 @@ class RunOptions:
                 raise InvalidParameter(
                     "wrong-type",
                     "{name}={value} is not {wanted}",
-                    "give one",
+                    "use one",
                     name=name,
                     value=quote(getattr(self, name)),
                     wanted=wanted,
@@ -190,7 +190,7 @@ def check_recordable(steps: int) -> None:
             "run-too-long",
             "this run takes {steps} steps, and at most {most} can be recorded to show or prove "
             "them",
-            "give a smaller --steps",
+            "use a smaller --steps",
             at_terminal=True,
             steps=steps,
             most=MAX_RECORDED,
@@ -203,7 +203,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
     Args:
         world: World of the robot.
         time_step: Time step, s.
-        shortest: Least length of a step at top speed, cells.
+        shortest: Minimum length of a step at top speed, cells.
 
     Raises:
         InvalidParameter: If a step is longer than 1,000 cells, or shorter than ``shortest``.
@@ -215,7 +215,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         raise InvalidParameter(
             "step-too-long",
             f"{moves}, and at most {{most}} can be simulated",
-            "give a shorter --time-step",
+            "use a shorter --time-step",
             at_terminal=True,
             **facts,
             most=_LONGEST_STEP,
@@ -224,7 +224,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         raise InvalidParameter(
             "step-too-short",
             f"{moves}, less than the smallest step of {{least}} cell",
-            "give a longer --time-step",
+            "use a longer --time-step",
             at_terminal=True,
             **facts,
             least=str(shortest),
@@ -245,7 +245,7 @@ def step_budget(world: World, run: RunOptions) -> int:
     Raises:
         InvalidWorld: If a world that changes is to be covered.
     """
-    # The time to cover an area is that of driving through every cell, not the witness's.
+    # The time to cover an area is the time to drive through every cell, not the witness's.
     if run.task == COVER:
         cells = int(np.count_nonzero(reachable_cells(world)))
         duration = 2 * cells * exact(world.cell_size) / exact(world.robot_speed)
@@ -295,12 +295,12 @@ def options_from(
         raise InvalidParameter(
             "wrong-type",
             "{options!r} is not RunOptions",
-            "give this object, or single settings: steps=3000, seed=3",
+            "use this object, or single settings: steps=3000, seed=3",
             options=options,
         )
     if settings:
         raise InvalidParameter(
-            "options-given-twice", "give options or {settings!l}, not both", settings=list(settings)
+            "options-given-twice", "use options or {settings!l}, not both", settings=list(settings)
         )
     return options
 
@@ -314,7 +314,7 @@ def check_world(world: object) -> World:
     if isinstance(world, World):
         return world
     is_path = isinstance(world, str | Path)
-    way = "read it: worldgen.read_world({path!r})" if is_path else "give a World"
+    way = "read it: worldgen.read_world({path!r})" if is_path else "use a World"
     raise InvalidParameter(
         "wrong-type", "{world} is not a world", way, world=quote(world), path=str(world)
     )
@@ -342,7 +342,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
         raise InvalidParameter(
             "wrong-type",
             "starts={starts} is not a list",
-            "give a list of poses",
+            "use a list of poses",
             starts=quote(starts),
         )
     poses = tuple(starts)
@@ -354,7 +354,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
             raise InvalidParameter(
                 "not-a-pose",
                 "start {pose} is not a pose of finite numbers",
-                "give one such as Pose(0.35, 0.35, 0.0)",
+                "use one such as Pose(0.35, 0.35, 0.0)",
                 pose=quote(pose),
             )
     return poses
@@ -381,7 +381,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
         raise InvalidParameter(
             "not-a-whole-number",
             "{name}={value} is not a whole number",
-            "give one from {low} to {high}",
+            "use one from {low} to {high}",
             name=name,
             value=quote(value),
             low=low,
@@ -391,7 +391,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
         raise InvalidParameter(
             "out-of-range",
             "{name}={value!q} is outside {low} to {high}",
-            "give one between",
+            "use one between",
             name=name,
             value=value,
             low=low,

@@ -122,7 +122,7 @@ def coarse_forces(scenario: Scenario) -> list[str]:
 
 
 def missing_beams(scenario: Scenario) -> list[str]:
-    """Return a sentence if the code of a Python controller reads beams that its robot does not have.
+    """Return a sentence if the code of a Python controller reads beams that its robot lacks.
 
     It is empty otherwise.
     """

@@ -78,7 +78,7 @@ class Effort:
 
 
 def count_survivors(names: Iterable[str]) -> None:
-    """Note that runs have left these parts of a controller changed, and ``reset`` did not clear them."""
+    """Note that runs changed these parts of a controller and ``reset`` did not clear them."""
     _survivors.update(names)
 
 

@@ -177,7 +177,7 @@ class LatticeRun:
 
     @property
     def last_event_step(self) -> int:
-        """Last step in which the world changes or something pushes the robot; 0 if there is none."""
+        """Last step in which the world changes or something pushes the robot; 0 if none."""
         changed = int(self.events[-1, 0]) if len(self.events) else 0
         return max(changed, self._disturbances.last_step)
 

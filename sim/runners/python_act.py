@@ -1,4 +1,4 @@
-"""Let a controller that is a Python object act in the core's loop (``sim/core/runs/python_act.c``)."""
+"""Let a Python controller act in the core's loop (``sim/core/runs/python_act.c``)."""
 
 from __future__ import annotations
 

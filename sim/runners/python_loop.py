@@ -183,7 +183,7 @@ def driver_of(controller: PythonController | VectorController) -> Callable[[Stop
     """
     if isinstance(controller, VectorController):
         return functools.partial(_act_as_one_of_many, controller)
-    # A program's time is measured where its answer is waited for.
+    # For a program, the code that waits for its answer measures the time.
     is_program = isinstance(controller, ProcessController)
     return functools.partial(act_in_core, controller.act, is_measured=not is_program)
 

@@ -1,4 +1,4 @@
-"""Fill in the core's settings of a run: world, controller, options, and what moves the robot besides."""
+"""Fill in the core's settings of a run: world, controller, options, and outside forces."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from worldgen.support.arrays import Ints
 from worldgen.support.ccall import pointer
 from worldgen.world import World
 
-_PUSH_FIELDS = 6  # of a WgPush
-_SCALE_BITS = 30  # of the table of headings
-_LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
+_PUSH_FIELDS = 6  # fields of a WgPush
+_SCALE_BITS = 30  # scale of the table of headings
+_LONGEST_PUSH = 1_000  # cells: beyond that, lattice arithmetic comes near the limit of 64 bits
 
 
 def fill_settings(settings: Any, world: World, controller: Controller, options: RunOptions) -> None:
@@ -164,7 +164,7 @@ def _drift_of(world: World, robot: RobotOptions, time_step: float) -> tuple[int,
             "out-of-range",
             "drift={drift:g} m/s moves the robot {cells:.3g} cells in a step, and at most {most} "
             "can be simulated",
-            "give a smaller drift or a shorter --time-step",
+            "use a smaller drift or a shorter --time-step",
             at_terminal=True,
             drift=robot.drift,
             cells=float(cells),
@@ -176,7 +176,7 @@ def _drift_of(world: World, robot: RobotOptions, time_step: float) -> tuple[int,
             "drift-too-slow",
             "drift={drift:g} m/s moves the robot less than half of 1/1024 of a cell in a step of "
             "{time_step:g} s, which rounds to nothing",
-            "give a faster drift or a longer --time-step",
+            "use a faster drift or a longer --time-step",
             at_terminal=True,
             drift=robot.drift,
             time_step=time_step,
@@ -219,7 +219,7 @@ def _shove(dx: float, dy: float, turn: float, side: float, name: str) -> tuple[i
         raise InvalidParameter(
             "out-of-range",
             "{name}: a displacement of {cells:.4g} cells is more than {most}",
-            "give a shorter one",
+            "use a shorter one",
             name=name,
             cells=float(longest),
             most=_LONGEST_PUSH,

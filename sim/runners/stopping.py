@@ -33,7 +33,7 @@ _SLOW = 0.1
 # Seconds between two checks of the clock in the middle of a step.
 _TICK = 0.2
 
-# Late checks before a step is interrupted. Most steps end by themselves before that.
+# Number of late checks before a step is interrupted. Most steps end by themselves before that.
 _PATIENT = 2
 
 

@@ -39,7 +39,7 @@ class TrainingOptions:
 
     Args:
         episodes: Runs to learn from.
-        steps: Budget of each of them; a test has that of any run in the world.
+        steps: Budget of each episode, steps; a test has the usual budget of a run in the world.
         explore: Thousandths of the decisions that are random at first; they fall to zero.
         seed: Seed of the worlds' order and of the random decisions.
 

@@ -67,7 +67,7 @@ def try_out(
             raise InvalidParameter(
                 "first-steps-too-slow",
                 "{controller} did not finish two steps within {seconds:g} s",
-                "give a larger --budget, or run it as a program, whose steps have a deadline "
+                "use a larger --budget, or run it as a program, whose steps have a deadline "
                 "(docs/reference/controllers.md)",
                 at_terminal=True,
                 controller=scenario.controller,

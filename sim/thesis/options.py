@@ -93,7 +93,7 @@ class ThesisOptions(OptionSet):
             raise InvalidParameter(
                 "out-of-range",
                 "draws contain a number outside [0, 1)",
-                "give numbers from 0 up to, but not including, 1",
+                "use numbers from 0 up to, but not including, 1",
             )
 
     @property

@@ -361,7 +361,7 @@ def signal_in(world: World, *, noise: bool = False) -> npt.NDArray[np.int32]:
 
 
 def _drift(poses: Floats) -> tuple[int, int]:
-    """Return the shortest period in which poses recur until the end, and from where on they do.
+    """Return the shortest period in which poses recur until the end, and the first such step.
 
     Poses recur if they are equal except for rounding. Without a period, return zeros.
     """

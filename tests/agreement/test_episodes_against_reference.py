@@ -1,4 +1,4 @@
-"""Whole runs of the core have the bits of the reference in plain Python."""
+"""Whole runs of the core match the plain-Python reference bit for bit."""
 
 import numpy as np
 import pytest

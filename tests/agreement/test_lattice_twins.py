@@ -1,4 +1,4 @@
-"""The core's geometry, moves and senses agree to the last bit with their reference in plain Python."""
+"""The core's geometry, moves and senses agree to the last bit with the plain-Python reference."""
 
 import math
 

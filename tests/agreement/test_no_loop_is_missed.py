@@ -24,7 +24,7 @@ ALIASES = ("thesis-1", "thesis-2", "thesis-3")
 
 
 def first_repetition(world, controller, options):
-    """Return entry and period of the first state that recurs after the last event, using a dictionary.
+    """Find the entry and period of the first state that recurs after the last event, by dictionary.
 
     None if no state does.
     """

@@ -196,7 +196,7 @@ def test_a_run_with_every_kind_of_switch_has_the_bits_of_the_specification(chang
 
 @st.composite
 def scenarios(draw):
-    """A small world with walls and changes, a robot with any options, and the arguments of a run."""
+    """A small world with walls and changes, a robot with any options, and a run's arguments."""
     width = draw(st.integers(5, 12))
     height = draw(st.integers(5, 12))
     columns = st.integers(0, width - 1)

@@ -94,7 +94,7 @@ def test_the_whole_world_lies_beside_the_rulers(tablet):
         }""",
         left,
     )
-    assert column[0] == column[1] < 128  # of the wall, as dark next to the ruler as farther in
+    assert column[0] == column[1] < 128  # the wall is as dark next to the ruler as farther in
 
 
 @pytest.mark.parametrize(

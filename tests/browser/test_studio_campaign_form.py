@@ -53,8 +53,8 @@ def test_the_form_says_at_the_field_what_is_wrong_and_gives_the_line_for_a_termi
     page.wait_for_function("() => document.activeElement.id === 'campaign-amount'")
     faults = page.locator(".campaign-form small.fault:visible").all_inner_texts()
     assert faults == [
-        "Give a whole number from 1 to 604,800.",
-        "Give a whole number of at least 0.",
+        "Enter a whole number from 1 to 604,800.",
+        "Enter a whole number of at least 0.",
     ]
     page.locator("#campaign-amount").fill("20")
     seed.fill("7")

@@ -45,7 +45,7 @@ def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like
     more = page.locator("#import-more")
     more.get_by_label("Row of the scenario").fill("4")
     more.get_by_role("button", name="Import again").click()
-    more.get_by_text("Give a whole number from 1 to 3.").wait_for()
+    more.get_by_text("Enter a whole number from 1 to 3.").wait_for()
     more.get_by_label("Row of the scenario").fill("3")
     more.get_by_label("Cell size").fill("0.5")
     more.get_by_label("Cell size").press("Enter")

@@ -171,10 +171,11 @@ def test_a_number_out_of_its_bounds_is_told_and_changes_nothing(page, label, wro
     before = field.input_value()
     field.fill(wrong)
     field.press("Tab")
-    page.locator(".fault", has_text="Give a number from").wait_for()
+    page.locator(".fault", has_text="Enter a number from").wait_for()
     page.locator("#proof.good").wait_for()
     assert field.input_value() == wrong
-    page.reload()  # the drawing is unchanged, because a world with such a number could not be stored
+    # the drawing is unchanged, because a world with such a number could not be stored
+    page.reload()
     page.wait_for_selector("#proof.good")
     page.keyboard.press("Control+z")
     page.locator("#name", has_text="not saved yet").wait_for()

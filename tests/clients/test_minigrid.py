@@ -17,7 +17,7 @@ HEADINGS = (
     -np.pi / 2,
     np.pi,
     np.pi / 2,
-)  # of its directions: right, down, left, up; its y goes down
+)  # its directions are right, down, left, up; its y axis points down
 SOLID = {"wall", "lava", "key", "ball", "box"}
 
 

@@ -1,4 +1,4 @@
-"""POGEMA checks the output of ``export --to pogema``, and pogema-toolbox that of ``--to movingai``."""
+"""POGEMA checks the output of ``export --to pogema``, and pogema-toolbox ``--to movingai``."""
 
 import json
 from collections import deque

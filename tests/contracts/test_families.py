@@ -98,7 +98,7 @@ STILL = [name for name in FAMILIES if not FAMILIES.get(name).changes]
 
 
 def _shapes():
-    """Every family with every choice of its first parameter that has choices, such as algorithm or shape.
+    """Every family with every choice of its first enumerated parameter, such as algorithm or shape.
 
     Or on every ground.
     """

@@ -302,7 +302,7 @@ def test_an_existing_file_is_not_overwritten(failures, tmp_path):
         ),
         (
             ("fuzz", "--controller", "turn-right", "--units", "1", "--budget", "1s"),
-            "give --budget or --units",
+            "use --budget or --units",
         ),
         (("fuzz", "--controller", "./absent.py:Robot"), "no such file"),
         (("fuzz", "--controller", "turn-right", "--world", "absent.grid"), "absent.grid"),

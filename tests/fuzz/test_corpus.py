@@ -314,7 +314,7 @@ def test_prune_of_a_corpus_in_order_changes_nothing_and_ends_with_0(tmp_path):
 
 def test_where_the_smallest_no_longer_replays_the_next_one_stays(tmp_path):
     failure(tmp_path, "next")
-    other = read_world(FAULTS / "thesis-1-confined.grid")  # of fewer cells
+    other = read_world(FAULTS / "thesis-1-confined.grid")  # it has fewer cells
     record = replace(other.failure, details={"class": "loop-a"}, trace_digest="0" * 16)
     write_world(replace(other, failure=record), tmp_path / "small.grid")
     judged = [

@@ -1,4 +1,4 @@
-"""Counterfactuals: what they report makes the robot arrive, and what they cannot explain is refused."""
+"""Counterfactuals: reported changes make the robot arrive; what cannot be explained is refused."""
 
 import json
 import math

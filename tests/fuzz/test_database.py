@@ -1,4 +1,4 @@
-"""A campaign's Hypothesis database keeps failing examples and tries them first, under our own key."""
+"""A campaign's Hypothesis database keeps failing examples and tries them first, under our key."""
 
 from dataclasses import replace
 

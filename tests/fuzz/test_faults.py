@@ -1,4 +1,4 @@
-"""Seeded faults: each has a small world in which it fails as expected and the controller without it arrives."""
+"""Seeded faults: each has a small world in which it fails, and the faultless controller arrives."""
 
 from dataclasses import asdict, replace
 from pathlib import Path

@@ -182,7 +182,7 @@ def test_a_budget_ends_the_run_of_a_slow_controller_that_is_under_way(mine, tmp_
     )  # fmt: skip
     assert (
         result.code == 1
-        and "no world with a reachable target was found; give more time" in result.err
+        and "no world with a reachable target was found; allow more time" in result.err
     )
 
 
@@ -235,7 +235,7 @@ def test_a_leash_keeps_walls_and_target_near_where_they_were(tmp_path):
 
 
 def grown(walls, cells):
-    """Return walls and every cell at most this many columns and rows away."""
+    """Return the walls and every cell at most this many columns and rows away."""
     padded = np.pad(walls, cells)
     height, width = walls.shape
     shifts = range(2 * cells + 1)
@@ -346,10 +346,10 @@ def test_force_overwrites(tmp_path):
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        (("--budget", "1s", "--units", 1), "give --budget or --units"),
-        (("--from", SKETCH, "--family", "trap"), "give --from or --family"),
+        (("--budget", "1s", "--units", 1), "use --budget or --units"),
+        (("--from", SKETCH, "--family", "trap"), "use --from or --family"),
         (("--no-edit",), "name a family with --family"),
-        (("--no-edit", "--family", "trap", "--symmetric"), "give --no-edit or --symmetric"),
+        (("--no-edit", "--family", "trap", "--symmetric"), "use --no-edit or --symmetric"),
         (("--family", "mace"), "did you mean 'maze'?"),
         (("--family", "trap", "--set", "deep=3"), "--family trap has no option 'deep'"),
         (("--family", "trap", "--set", "depth=deep"), "depth='deep' is not a whole number"),

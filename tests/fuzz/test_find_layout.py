@@ -20,7 +20,7 @@ SEEDS = st.integers(0, 2**32)
 
 @st.composite
 def worlds(draw):
-    """Square worlds with a border, a few boxes, a start below and a target above on the diagonal."""
+    """Square worlds with a border, a few boxes, start below and target above on the diagonal."""
     walls = np.zeros((SIDE, SIDE), bool)
     corner, length = st.integers(0, SIDE - 1), st.integers(1, 6)
     for x, y, width, height in draw(

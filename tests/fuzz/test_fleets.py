@@ -382,7 +382,7 @@ def test_fewer_robots_than_the_map_has_are_refused(robots, tmp_path) -> None:
 def test_a_map_without_space_for_the_robots_asks_for_fewer(tmp_path) -> None:
     command = ["fuzz", "--world", fleet_map(tmp_path), "--controller", "naive", "--robots", "90"]
     result = worldgen(*command, "--units", "1", "--examples", "2", "--out", tmp_path / "out")
-    assert result.code == 2 and "give fewer robots" in result.err
+    assert result.code == 2 and "use fewer robots" in result.err
 
 
 def test_more_robots_on_a_map_than_a_campaign_can_have_are_refused(tmp_path) -> None:

@@ -32,7 +32,7 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="nothing is contained
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
-    """The library of faulty controllers, by its whole path."""
+    """The library of faulty controllers, by its full path."""
     return compile_faulty(tmp_path_factory.mktemp("library"))
 
 

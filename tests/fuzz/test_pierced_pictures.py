@@ -42,7 +42,7 @@ def decoded(picture):
 
 
 def red(pixels):
-    """Return row and column of the pixels that have the colour of entered walls."""
+    """Return the row and column of the pixels that have the colour of entered walls."""
     return np.argwhere(np.abs(pixels - rgb(PIERCED)).max(axis=2) < 12)
 
 

@@ -1,4 +1,4 @@
-"""``worldgen init`` writes files that CI services and pytest read, and loses nothing of the user's."""
+"""``worldgen init`` writes files that CI services and pytest read, and loses no user data."""
 
 import shlex
 import tomllib

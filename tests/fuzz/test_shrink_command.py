@@ -76,13 +76,13 @@ def test_ctrl_c_keeps_the_best_so_far(big, tmp_path, monkeypatch):
     monkeypatch.setattr(trying.Trying, "first", stop_at_the_third)
     result = worldgen("shrink", big, "--out", tmp_path / "small.grid")
     small = read_world(tmp_path / "small.grid")
-    assert result.code == 130 and "the best so far is kept" in result.err
+    assert result.code == 130 and "the smallest world so far is kept" in result.err
     assert small.walls.size < read_world(big).walls.size and replay(Failure.of(small)).confirmed
 
 
 def test_snippet_and_json_do_not_go_together(big):
     result = worldgen("shrink", big, "--snippet", "--json")
-    assert result.code == 2 and "give one of them" in result.err
+    assert result.code == 2 and "use one of them" in result.err
 
 
 @pytest.mark.parametrize(

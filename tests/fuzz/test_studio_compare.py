@@ -1,4 +1,4 @@
-"""The comparison's table, as the server answers: the cells of ``worldgen compare``, one after another."""
+"""The comparison's table, as served: the cells of ``worldgen compare``, one after another."""
 
 import shutil
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The server's answers for a robot driven by hand: exact, repeatable, and refused where necessary."""
+"""Server answers for a robot driven by hand: exact, repeatable, and refused if necessary."""
 
 import math
 

@@ -40,7 +40,7 @@ def answers(folder):
 
 
 def exported(answers, folder, world, name, **asked):
-    """Return what the page gets for an export, by name: one file, or the contents of one archive."""
+    """Return what the page gets for an export, by name: one file, or an archive's contents."""
     usual = {
         "name": "out" + FORMATS.get(name).suffixes[0],
         "world": message_of(read_world(folder / world)),

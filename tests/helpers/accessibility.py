@@ -1,6 +1,4 @@
-"""What a page of the studio lacks for people who use no mouse, see little, or see colours
-differently.
-"""
+"""Find barriers in the studio for people without a mouse, with low vision or colour blindness."""
 
 from pathlib import Path
 

@@ -37,7 +37,7 @@ def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y
 def segment_first_not_clear(
     cells: Cells, state: int, clear_sq: int, reach: int, ends: tuple[int, int, int, int]
 ) -> tuple[bool, int, int]:
-    """Return the first cell in ``state``, in order of rows, that the disc swept along a segment cuts.
+    """Return the first cell in ``state``, in row order, that the disc swept along a segment cuts.
 
     Args:
         cells: (height, width) cell states.

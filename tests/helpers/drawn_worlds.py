@@ -89,7 +89,7 @@ def tight_worlds(draw):
 
 @st.composite
 def changing_worlds(draw):
-    """Worlds of up to 6 x 6 cells of 0.1 m, some of which burn, close or open within two seconds."""
+    """Worlds of up to 6 x 6 cells of 0.1 m, some of which burn, close or open within 2 s."""
     width, height = draw(st.integers(3, 6)), draw(st.integers(3, 6))
     cells = st.tuples(st.integers(0, width - 1), st.integers(0, height - 1))
     walls = np.zeros((height, width), bool)

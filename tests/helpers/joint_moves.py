@@ -41,7 +41,7 @@ class JointMoves:
         return [(int(state.x), int(state.y)) for state in states]
 
     def collision(self):
-        """Return the robots that drove through each other in the last move; ``None`` if none did."""
+        """Return the robots that drove through each other in the last move; ``None`` if none."""
         report = self.fleet.report
         return (int(report.robot), int(report.other)) if report.ending == lib.WG_COLLISION else None
 

@@ -31,7 +31,7 @@ class NotARecordingError(ValueError):
 
 
 def read_lines(path: Path) -> Iterator[tuple[int, str]]:
-    """Return numbers and texts of the lines that are not blank, even in a gzipped file.
+    """Return the numbers and texts of the lines that are not blank, even in a gzipped file.
 
     Raises:
         OSError: If the file can't be read.

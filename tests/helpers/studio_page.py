@@ -30,7 +30,7 @@ def opened_at(browser, address, *, until="#proof.good, #proof.bad", **how):
 
 
 def place(page, x, y):
-    """Return where a point of the world, in cells, is in the window, if the whole world is shown."""
+    """Return where a point of the world, in cells, is in the window, if all of it is shown."""
     box = page.locator("#board").bounding_box()
     columns, rows = (
         int(page.get_by_label(name).first.input_value()) for name in ("Columns", "Rows")
@@ -43,7 +43,7 @@ def place(page, x, y):
 
 
 def drag(page, first, last, *, button="left"):
-    """Drags from the middle of one cell to that of another."""
+    """Drags from the middle of one cell to the middle of another."""
     page.mouse.move(*place(page, first[0] + 0.5, first[1] + 0.5))
     page.mouse.down(button=button)
     page.mouse.move(*place(page, last[0] + 0.5, last[1] + 0.5), steps=5)

@@ -45,7 +45,7 @@ class Walker:
         named = [self.page.get_by_role(one, name=_named(name)) for one in roles]
         either = self.page.locator("summary").get_by_text(
             name, exact=True
-        )  # of the part that opens; it has no role
+        )  # the part that opens; it has no role
         for one in named:
             either = either.or_(one)
         either.click()  # more than one is an error

@@ -12,7 +12,8 @@ import { blank } from "./samples.mjs";
 
 const BORDER = 156; // solid cells of an empty world of 40 x 40
 
-/* A board of 508 x 468 pixels, which shows the whole world of 40 x 40 cells at 10 pixels per cell. */
+/* A board of 508 x 468 pixels, which shows the whole world of 40 x 40 cells at 10 pixels per
+   cell. */
 function drawing(tool = "brush") {
   element("stage").replaceChildren();
   const canvas = document.createElement("canvas");

@@ -113,7 +113,8 @@ test("the strategy whose counts grow is marked as the current one", () => {
   made.show(RUNNING);
   const [native, trap] = RUNNING.strategies;
   made.show({ ...RUNNING, strategies: [native, { ...trap, worlds: 160 }] });
-  assert.deepEqual(rows(1).map(([name]) => name), ["trap now", "native"]); // the one with more classes comes first
+  // the one with more classes comes first
+  assert.deepEqual(rows(1).map(([name]) => name), ["trap now", "native"]);
 });
 
 test("a running campaign can be stopped, a stopped one resumed, and a finished one continued", () => {

@@ -68,7 +68,8 @@ test("the board draws one moment of the world, and editing does not change the t
   model.lift("brush");
   board.draw();
   assert.equal(board.time, 2.5);
-  assert.equal(model.world.cells[2 * 9 + 4], 1); // the cell opens later, and is still drawn as a wall
+  // the cell opens later, and is still drawn as a wall
+  assert.equal(model.world.cells[2 * 9 + 4], 1);
 });
 
 test("with Shift, brush and line are horizontal, vertical or at 45 degrees", () => {

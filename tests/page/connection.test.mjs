@@ -53,7 +53,8 @@ async function connected(limits = LIMITS) {
 const later = globalThis.setTimeout;
 beforeEach(() => {
   sockets.length = waits.length = 0;
-  globalThis.setTimeout = (act, ms) => (ms > 100 ? waits.push([act, ms]) : later(act, ms)); // tests decide when it reconnects
+  // tests decide when it reconnects
+  globalThis.setTimeout = (act, ms) => (ms > 100 ? waits.push([act, ms]) : later(act, ms));
 });
 
 test("each answer is matched to its request, whatever the order", async () => {

@@ -143,8 +143,10 @@ test("a world grows away from the corner that stays", () => {
   const { model } = drawing();
   stroke(model, "brush", box(5, 5, 5, 1));
   const grown = resized(model.world, 44, 30, [1, 1]); // the upper right stays
-  assert.equal(grown.cells.reduce((sum, cell) => sum + cell), 161 - 40 - 2 * 9 - 5); // below, border and stroke are gone
-  assert.deepEqual(grown.start.slice(0, 2), [0.65, 0.05]); // it moved with its cells, and was kept inside
+  // below, border and stroke are gone
+  assert.equal(grown.cells.reduce((sum, cell) => sum + cell), 161 - 40 - 2 * 9 - 5);
+  // it moved with its cells, and was kept inside
+  assert.deepEqual(grown.start.slice(0, 2), [0.65, 0.05]);
   assert.equal(grown.cells[29 * 44 + 43], 1);
 });
 

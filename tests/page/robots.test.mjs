@@ -73,7 +73,8 @@ test("Run can be pressed whenever a robot is chosen", () => {
   const { box, part, robots } = panel();
   tick(box("thesis-2"), false);
   assert.ok(part("#run").disabled);
-  type(robots.element.querySelector(".motion select"), "swept"); // one of this model's robots is chosen
+  // one of this model's robots is chosen
+  type(robots.element.querySelector(".motion select"), "swept");
   assert.ok(!part("#run").disabled);
   assert.equal(robots.message().controllers.length, 1);
 });

@@ -8,7 +8,8 @@ import { withSelection } from "#studio/draw/selection.js";
 import { KEEP, STAMPS, brushBox, flipped, floodCells, lineCells, mirrored, patternIn, rectangleBoxes, rectangleOf, turned } from "#studio/draw/shapes.js";
 import { blank } from "./samples.mjs";
 
-const L = { width: 2, height: 3, cells: Uint8Array.from([1, 1, 1, 0, 1, 0]) }; // the letter L; rows go up
+// the letter L; rows go up
+const L = { width: 2, height: 3, cells: Uint8Array.from([1, 1, 1, 0, 1, 0]) };
 
 function kitOf(selection) {
   const said = [];
@@ -51,9 +52,11 @@ test("a brush is centred on its cell", () => {
 
 test("a fill spreads across sides, but not across corners", () => {
   const { cells, width, height } = blank(8, 8);
-  for (let k = 1; k < 7; k += 1) cells[k * 8 + k] = 1; // a diagonal: the halves touch by corners only
+  // a diagonal: the halves touch by corners only
+  for (let k = 1; k < 7; k += 1) cells[k * 8 + k] = 1;
   assert.equal(floodCells({ cells, width, height }, [5, 1]).length, 15);
-  assert.equal(floodCells({ cells, width, height }, [0, 0]).length, 30); // the border, and only the two ends of the diagonal
+  // the border, and only the two ends of the diagonal
+  assert.equal(floodCells({ cells, width, height }, [0, 0]).length, 30);
 });
 
 test("a fill does not spread from the end of a row to the beginning of the next", () => {

@@ -247,7 +247,8 @@ function isOne(element, compound) {
     if (name && !element.classList.contains(name)) return false;
     if (attribute && (value === undefined ? !element.hasAttribute(attribute) : element.getAttribute(attribute) !== value)) return false;
     if (other && element.matches(other)) return false;
-    if (state && !(state === "focus-visible" ? element.byKeys : element[state])) return false; // byKeys: set by a test
+    // byKeys: set by a test
+    if (state && !(state === "focus-visible" ? element.byKeys : element[state])) return false;
   }
   return true;
 }
@@ -418,7 +419,8 @@ Object.assign(globalThis, {
   innerWidth: 1280,
   innerHeight: 900,
   location: { host: "studio.test", search: "", hash: "", pathname: "/" },
-  getComputedStyle: () => ({ getPropertyValue: (name) => name.slice(2) }), // a colour is its own name
+  // a colour is its own name
+  getComputedStyle: () => ({ getPropertyValue: (name) => name.slice(2) }),
   IntersectionObserver: class {
     observe() {}
     unobserve() {}

@@ -1,4 +1,4 @@
-"""The table of planted faults matches the sources; ``python -m tests.planted_faults`` tries them."""
+"""The table of planted faults fits the sources; ``python -m tests.planted_faults`` runs it."""
 
 import ast
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The Gymnasium environments: the checker's requirements, the effect of seeds, refused arguments."""
+"""Gymnasium environments: the checker's requirements, the effect of seeds, refused arguments."""
 
 import copy
 import pickle

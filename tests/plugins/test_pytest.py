@@ -133,7 +133,7 @@ def test_wrong_settings_are_usage_errors(project):
     done = pytest_run(project, "--worldgen-corpus", "nowhere")
     assert done.ret == pytest.ExitCode.USAGE_ERROR
     done.stderr.fnmatch_lines(
-        ["ERROR: the corpus *nowhere is not a folder; create it, or give another --worldgen-corpus"]
+        ["ERROR: the corpus *nowhere is not a folder; create it, or use another --worldgen-corpus"]
     )
     project.makeini("[pytest]\nworldgen_expect = maybe")
     assert "'maybe' is not valid; write fixed or confirmed" in pytest_run(project).stderr.str()

@@ -1,10 +1,9 @@
 """Run the commands in README.md and in the pages of docs/, and compare their output with the page.
 
 Every fenced block of kind ``console`` is run: a line that begins with ``$ `` is a command, the
-    lines below it are its
-output, on stdout and stderr together. The blocks of a page share one temporary folder and run in
-order. The folder holds ``corpora`` and ``examples``, and every fenced block of the page whose first
-line names a file (``# mine.py``).
+lines below it are its output, on stdout and stderr together. The blocks of a page share one
+temporary folder and run in order. The folder holds ``corpora`` and ``examples``, and every fenced
+block of the page whose first line names a file (``# mine.py``).
 
 - A command without output on the page only has to work.
 - ``...`` stands for any text within a line and, alone on a line, for any number of lines. More dots

@@ -1,4 +1,4 @@
-"""Every command that README.md and the pages in docs/ show works, and prints what the page shows."""
+"""Every command that README.md and docs/ show works, and prints what the page shows."""
 
 import pytest
 

@@ -37,7 +37,7 @@ def _nodes() -> list[tuple[Path, ast.ClassDef | ast.Call]]:
 
 
 def _messages() -> list[tuple[str, ast.Call]]:
-    """Return every call that makes an error or a message of a code and templates, and where it is."""
+    """Return the calls that make errors or messages of codes and templates, and their places."""
     nodes = _nodes()
     bases = {
         node.name: {ast.unparse(base) for base in node.bases}

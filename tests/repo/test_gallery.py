@@ -25,7 +25,7 @@ def script():
     spec = importlib.util.spec_from_file_location("draw_gallery", DOCS / "draw_gallery.py")
     module = sys.modules[spec.name] = importlib.util.module_from_spec(
         spec
-    )  # dataclasses look there
+    )  # dataclasses look the module up there
     spec.loader.exec_module(module)
     return module
 

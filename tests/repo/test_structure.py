@@ -39,7 +39,7 @@ def _names(node: ast.AST) -> set[str]:
 
 
 def packed_assignments(tree: ast.AST) -> list[int]:
-    """Return the lines of tuple assignments such as ``a, b = 1, 2``, which do two things in one line.
+    """Return the lines of tuple assignments such as ``a, b = 1, 2``, which do two things at once.
 
     One that reads what it assigns, such as ``a, b = b, a``, needs to be one statement.
     """

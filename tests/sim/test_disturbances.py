@@ -1,4 +1,4 @@
-"""Pushes, drift and decoys work as documented, keep the robot out of walls, and keep proofs sound."""
+"""Pushes, drift and decoys work as documented, keep the robot out of walls and proofs sound."""
 
 import math
 from dataclasses import replace

@@ -71,7 +71,7 @@ def test_arc_tangent_of_infinity_is_a_quarter_turn_and_of_nan_is_nan():
 
 
 def taylor(x, first):
-    """Sum x**k/k! with alternating signs, in exact fractions, until far below a double's last bit."""
+    """Sum x**k/k! with alternating signs, in exact fractions, far below a double's last bit."""
     exact, term, total, k = Fraction(x), Fraction(1), Fraction(0), 0
     while k < 90:
         if k % 2 == first:

@@ -195,7 +195,7 @@ class Shuttle:
 
 
 def shuttles(gap):
-    """Return a hall with two robots that go back and forth with different periods, ``gap`` m apart."""
+    """Return a hall where two robots go back and forth with different periods, ``gap`` m apart."""
     return fleet_world(
         hall(40, 20),
         Robot(Pose(0.5, 0.6, EAST), Target(3.0, 0.3, 0.05), speed=1.01),

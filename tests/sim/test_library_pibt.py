@@ -1,4 +1,4 @@
-"""PIBT as a controller: robots that back out, that never touch, and that provably block each other."""
+"""PIBT as a controller: robots that back out, never touch, and provably block each other."""
 
 from __future__ import annotations
 

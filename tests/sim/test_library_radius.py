@@ -1,4 +1,4 @@
-"""Robots of other sizes: a controller gets its radius, and the library's controllers adapt to it."""
+"""Robots of other sizes: a controller gets its radius, and library controllers adapt to it."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""``worldgen new-controller`` writes controllers that run immediately, and all kinds drive alike."""
+"""``worldgen new-controller`` writes controllers that run immediately, and all drive alike."""
 
 import json
 import shlex

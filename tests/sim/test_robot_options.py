@@ -292,7 +292,7 @@ def front(world, **switches):
 
 
 def test_debris_stops_the_robot_only_if_it_falls_before_the_robot_is_there():
-    arrival = (1.0 - 0.07 - 0.55) / 1.0 + STEP  # the first step stands still
+    arrival = (1.0 - 0.07 - 0.55) / 1.0 + STEP  # the robot stands still in the first step
     early, late = falling(arrival - 0.004, (10, 29)), falling(arrival + 0.004, (10, 29))
     assert front(early)[0].verdict != "burned" and front(early)[1] == pytest.approx(1.0, abs=1e-3)
     episode, _ = front(late)

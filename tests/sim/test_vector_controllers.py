@@ -42,7 +42,7 @@ class TurnsAway:
 
 @dataclass(frozen=True)
 class AlwaysTheSame(TurnsAway):
-    """Turns left by a right angle after a bump, then pauses; without randomness, so that it loops."""
+    """Turns left by a right angle after a bump, then pauses; without randomness, so it loops."""
 
     senses = ("bump",)
 

@@ -85,11 +85,11 @@ def test_a_compiled_controller_declares_nothing_wrong(declared, expected):
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ({"steps": "5"}, "steps='5' is not a whole number; give one from 1 to"),
+        ({"steps": "5"}, "steps='5' is not a whole number; use one from 1 to"),
         ({"steps": 5.5}, r"steps=5\.5 is not a whole number"),
         ({"steps": True}, "steps=True is not a whole number"),
         ({"steps": 10**5000}, "steps=<too many digits to show> is outside 1 to"),
-        ({"time_step": "a"}, "time_step='a' is a str; give a float"),
+        ({"time_step": "a"}, "time_step='a' is a str; use a float"),
         ({"time_step": 0}, "time_step=0 s is outside"),
         ({"time_step": math.nan}, "time_step=nan is not finite"),
         ({"time_step": 10**400}, "time_step is a number of more than 64 bits"),

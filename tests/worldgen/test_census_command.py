@@ -295,8 +295,8 @@ WRONG = [
     (["GEN:leaves"], "ends Python (SystemExit: 3)"),
     (["./none.py:maps"], "no such file"),
     (["EMPTY", "--option", "side=3"], "an option is for a generator, but none is named"),
-    (["GEN:few", "--out", "EMPTY/words.md"], "is a file; name a folder"),
-    (["GEN:few", "--out", "EMPTY"], "is not empty; give --force"),
+    (["GEN:few", "--out", "EMPTY/words.md"], "is a file; choose a folder"),
+    (["GEN:few", "--out", "EMPTY"], "is not empty; use --force"),
     (["GEN:few", "--csv", "EMPTY/words.md"], "already exists"),
 ]
 

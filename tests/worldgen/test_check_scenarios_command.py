@@ -88,9 +88,9 @@ def test_rows_are_drawn_by_seed(check):
     [
         (problems((0, 0, 5, 0, 5)), "are not in the map"),
         (problems((0, 0, 1, 0, 1), name="other.map"), "no map other.map"),
-        (problems((0, 0, 1, 0, 1)) + problems((0, 0, 1, 0, 1), name="b.map")[10:], "give a file "
+        (problems((0, 0, 1, 0, 1)) + problems((0, 0, 1, 0, 1), name="b.map")[10:], "use a file "
                                                                                    "for each map"),
-        (problems((0, 0, 1, 0, 1)) + problems((0, 0, 1, 0, 1), size=(6, 6))[10:], "give a separate file for "
+        (problems((0, 0, 1, 0, 1)) + problems((0, 0, 1, 0, 1), size=(6, 6))[10:], "use a separate file for "
                                                                                   "each"),
         (problems((0, 0, 1, 0, 1), size=(99999, 99999)), "sides of 1 to"),
         (problems((0, 0, 1, 0, 1), size=(8000, 8000)), "the limit for solving"),

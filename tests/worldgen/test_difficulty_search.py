@@ -117,7 +117,7 @@ def test_a_constraint_with_a_fault_is_one_line_with_a_mark():
 
 
 def test_tries_without_a_constraint_are_refused():
-    assert "give --where or --difficulty" in run("maze", "--tries", 3).err
+    assert "use --where or --difficulty" in run("maze", "--tries", 3).err
 
 
 @pytest.mark.parametrize("name", INPUTS)

@@ -1,4 +1,4 @@
-"""Caves: the robot can reach all floor, halls are connected, shapes differ, and every seed works."""
+"""Caves: the robot can reach all floor, halls are connected, shapes differ, and all seeds work."""
 
 import subprocess
 import sys

@@ -211,14 +211,14 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
         (["--sise", 5], "No such option '--sise'"),
         (["--seed", -1], "Invalid value for '--seed'"),
         (["--count", 0], "Invalid value for '--count'"),
-        (["--count", 2], "--count 2 writes 2 files; name a folder for them with --out"),
+        (["--count", 2], "--count 2 writes 2 files; choose a folder for them with --out"),
         (["--out", "/no/such/folder/w.grid"], "the folder /no/such/folder does not exist"),
-        (["--count", 2, "--out", __file__], "is a file; name a folder for more than one world"),
+        (["--count", 2, "--out", __file__], "is a file; choose a folder for more than one world"),
         (
             ["--count", 2, "--out", "w.grid"],
-            "w.grid names the file of one world; for 2 worlds, name a folder or an archive",
+            "w.grid names the file of one world; for 2 worlds, choose a folder or an archive",
         ),
-        (["--out", "w.zip"], "w.zip names an archive; give the number of its worlds with --count"),
+        (["--out", "w.zip"], "w.zip names an archive; set the number of worlds with --count"),
     ],
     ids=lambda value: " ".join(map(str, value))[:30] if isinstance(value, list) else "",
 )

@@ -1,4 +1,4 @@
-"""Worlds with several robots on the command line: made, measured, shown, composed and regenerated."""
+"""Worlds of several robots on the command line: made, measured, shown, composed, regenerated."""
 
 import hashlib
 import json

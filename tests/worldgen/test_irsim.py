@@ -160,7 +160,7 @@ def test_cells_are_as_large_as_the_rectangles_let_them_be(found):
 
 @pytest.fixture
 def picture(tmp_path):
-    """Write an obstacle map of 4 x 2 pixels and return the lines of a world of 2 m x 1 m with it."""
+    """Write an obstacle map of 4 x 2 pixels and return the lines of a 2 m x 1 m world with it."""
     grey = np.array([[0, 127, 128, 255], [255, 255, 100, 255]], np.uint8)
     Image.fromarray(grey).save(tmp_path / "m.png")
     return "world:\n  width: 2\n  height: 1\n  obstacle_map: 'm.png'\n"

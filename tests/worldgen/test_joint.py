@@ -1,4 +1,4 @@
-"""Joint plans: found if there is one, checked by separate code, and never claimed if there is none."""
+"""Joint plans: found if there is one, checked by separate code, never claimed if there is none."""
 
 import itertools
 from dataclasses import replace
@@ -382,7 +382,7 @@ def _prioritised(question, robots):
 
 
 def _earliest(world, question, nodes):
-    """The earliest tick at which the next robot can park, around the robots whose nodes are given."""
+    """The earliest tick at which the next robot can park, around robots with given nodes."""
     robot = nodes.shape[1]
     distances = question.distances[robot]
     rasters = question.rasters

@@ -54,7 +54,7 @@ def test_csv_has_a_column_for_every_metric(folder):
 
 
 def test_csv_and_json_at_once_are_refused(folder):
-    assert "give one of them" in run("measure", folder, "--csv", "--json").err
+    assert "use one of them" in run("measure", folder, "--csv", "--json").err
 
 
 def test_what_is_measured_is_the_world_not_what_its_header_says(folder):

@@ -242,9 +242,7 @@ def test_a_map_turned_by_quarters_lies_where_its_yaw_says(yaw, corner, ros):
     )
     assert found.origin == pytest.approx(corner, abs=1e-12)
     turn = cmath.exp(1j * float(yaw))
-    solid = complex(0.025, 0.075) * turn - complex(
-        *found.origin
-    )  # of the picture's upper-left pixel
+    solid = complex(0.025, 0.075) * turn - complex(*found.origin)  # the picture's upper-left pixel
     expected = np.zeros_like(found.walls)
     expected[int(solid.imag / 0.05), int(solid.real / 0.05)] = True
     assert np.array_equal(found.walls, expected)

@@ -47,7 +47,7 @@ every_kind = pytest.mark.parametrize("out", ["set", "set.zip", "set.tar.gz", "se
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """A folder with the set of traps in each form, never interrupted; not to be changed."""
+    """A folder with the set of traps in each form, never interrupted; tests must not change it."""
     folder = tmp_path_factory.mktemp("whole")
     for out in ("set", "set.zip", "set.tar.gz", "set.tar.bz2"):
         assert run(*TRAPS, "--out", folder / out).code == 0

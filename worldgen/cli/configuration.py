@@ -223,7 +223,7 @@ def _project(folder: Path) -> _Project | None:
 
 
 def _has_same_owner(file: Path, folder: Path) -> bool:
-    """Return True if nobody else could have put this file here, because the code it names is run."""
+    """Return True if nobody else could have put this file here, because its code is run."""
     if not hasattr(os, "geteuid"):
         return True
     trusted = (0, os.geteuid(), folder.stat().st_uid)

@@ -20,7 +20,7 @@ def no_ctrl_c_lost() -> Iterator[None]:
     """Repeat, inside this block, a Ctrl-C whose ``KeyboardInterrupt`` would be lost.
 
     That happens in callbacks of ``gc`` (Hypothesis has one: in campaigns it swallowed every fourth
-    Ctrl-C), in those of weak references and in ``__del__``. If Ctrl-C is ignored, or handled
+    Ctrl-C), in callbacks of weak references and in ``__del__``. If Ctrl-C is ignored, or handled
     elsewhere, this does nothing.
     """
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:

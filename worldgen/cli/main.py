@@ -140,7 +140,7 @@ def _print_versions(ctx: click.Context, _: click.Parameter, wanted: bool) -> Non
     help="Print the include folder with worldgen_controller.h, for cc -I, and exit.",
 )
 def cli() -> None:
-    """Make worlds for mobile robots, run controllers in them, and find the worlds where they fail."""
+    """Make worlds for mobile robots, run controllers in them, and find worlds where they fail."""
 
 
 def _say_how_to_import(error: NotAGrid) -> None:

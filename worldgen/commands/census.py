@@ -46,7 +46,7 @@ _LONGEST = 50
     "radii",
     multiple=True,
     metavar="R",
-    help="0.3 is m, 0.7c cells.  [default: 0.45c 0.7c 1c]",
+    help="Radius of the robot: 0.3 in m, 0.7c in cells.  [default: 0.45c 0.7c 1c]",
 )
 @click.option(
     "--pairs",
@@ -117,7 +117,7 @@ def census(
 
     SOURCE is a map file, a folder of them, or a generator: ./file.py:function or
     package.module:function. Each answer is proved and the proof checked. docs/howto/census.md
-    describes table, CSV, JSON and generators.
+    describes generators and the three outputs: table, CSV and JSON.
     """
     from worldgen.files.whole import check_output
     from worldgen.interop import census as library
@@ -183,7 +183,7 @@ def _maps(
         raise InvalidParameter(
             "only-for-generators",
             "an option is for a generator, but none is named",
-            "name one, such as ./file.py:function",
+            "use one, such as ./file.py:function",
         )
     # Read the files and folders.
     found: list[FolderMaps | GeneratedMaps] = []
@@ -222,13 +222,16 @@ def _option(text: str) -> tuple[str, str]:
 def _check_folder(folder: Path, *, force: bool) -> None:
     if folder.exists() and not folder.is_dir():
         raise OutputError(
-            "is-a-file", "{folder} is a file", "name a folder for the worlds to keep", folder=folder
+            "is-a-file",
+            "{folder} is a file",
+            "choose a folder for the worlds to keep",
+            folder=folder,
         )
     if folder.is_dir() and any(folder.iterdir()) and not force:
         raise OutputError(
             "folder-not-empty",
             "{folder} is not empty",
-            "give --force to write into it, or choose another folder",
+            "use --force to write into it, or choose another folder",
             at_terminal=True,
             folder=folder,
         )

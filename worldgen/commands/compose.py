@@ -19,7 +19,7 @@ class _Recipes(click.Group):
             raise InvalidParameter(
                 "wrong-suffix",
                 "{file}: a recipe's name ends in .toml",
-                "rename it, or name another file",
+                "rename it, or choose another file",
                 file=cmd_name,
             )
         return family_command(cmd_name)

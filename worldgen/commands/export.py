@@ -104,7 +104,7 @@ def _origin(text: str) -> tuple[float, float]:
         raise InvalidParameter(
             "wrong-form",
             "origin={text!r} has three numbers",
-            "give only X,Y: worlds are not turned",
+            "use only X,Y: worlds are not turned",
             text=text[:60],
         )
     return point[0], point[1]

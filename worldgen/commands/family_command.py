@@ -75,7 +75,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
             make_wanted(made_by, name, seed, given_parameters(params), query, to)
         elif tries is not None:
             raise click.UsageError(
-                "--tries is for a search; give --where or --difficulty to say what to search for"
+                "--tries is for a search; use --where or --difficulty to say what to search for"
             )
         elif place is None:
             _make_one(made_by, draw_seed(seed), params, to)
@@ -110,18 +110,16 @@ def _set_place(count: int | None, out: Path | None) -> Path | None:
     from worldgen.files.worlds import is_world_file
 
     if count is None and out is not None and is_archive(out):
-        raise click.UsageError(
-            f"{out} names an archive; give the number of its worlds with --count"
-        )
+        raise click.UsageError(f"{out} names an archive; set the number of worlds with --count")
     if count is None or (count == 1 and (out is None or is_world_file(out.name))):
         return None
     if out is None:
         raise click.UsageError(
-            f"--count {count} writes {count} files; name a folder for them with --out"
+            f"--count {count} writes {count} files; choose a folder for them with --out"
         )
     if count > 1 and is_world_file(out.name):
         raise click.UsageError(
-            f"{out} names the file of one world; for {count} worlds, name a folder or an archive"
+            f"{out} names the file of one world; for {count} worlds, choose a folder or an archive"
         )
     return out
 

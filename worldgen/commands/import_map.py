@@ -139,8 +139,8 @@ def import_map(
     PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI,
     worlds of robot simulators, pictures, drawings, meshes, or a .grid, which keeps its own start
     and target unless you give others. A mesh is cut at the height --slice, where the lidar is. If
-    neither you nor the file gives start and target, they are placed far apart in the largest region
-    the robot can drive through, with room to turn.
+    neither you nor the file gives a start and a target, they are placed far apart in the largest
+    region the robot can drive through, with room to turn.
 
     Exits with 0 if the target can be reached, with 1 if it cannot, or if it is undecided. If a
     path was found but the file has obstacles that cannot be read, such as a mesh, nothing is

@@ -44,9 +44,7 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     from worldgen.files.worlds import read_worlds
 
     if as_csv and as_json:
-        raise click.UsageError(
-            "--csv and --json are two forms of the same output; give one of them"
-        )
+        raise click.UsageError("--csv and --json are two forms of the same output; use one of them")
     results: list[tuple[Path, dict[str, float]]] = []
     try:
         with working("measuring") as work:

@@ -150,7 +150,7 @@ def _make(
         raise OutputError(
             "is-a-file",
             "{path} is one file",
-            "give --out to make the set somewhere else, or --check to compare",
+            "use --out to make the set somewhere else, or --check to compare",
             at_terminal=True,
             path=known.path,
         )
@@ -173,6 +173,6 @@ def _make(
             changed = {"kind": "changed", "file": error.facts["file"]}
             known.emit(made=0, ok=False, differences=[changed])
         raise click.exceptions.Exit(1) from error
-    note(f"{place}: {count - done.resumed} worlds made, {done.resumed} were there already")
+    note(f"{place}: {count - done.resumed} worlds made, {done.resumed} already existed")
     if as_json:
         known.emit(made=count - done.resumed, ok=True, differences=[])

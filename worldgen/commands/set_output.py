@@ -52,8 +52,8 @@ def make_many(
 
     Args:
         plan: The set; its first seed may still change.
-        seed: Seed of the first world; if omitted, that of an unfinished set there, or else a random
-            one.
+        seed: Seed of the first world; if omitted, the seed of an unfinished set there, or else a
+        random one.
         out: Folder or archive.
         workers: Number of processes.
         force: True to replace what exists.

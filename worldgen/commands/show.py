@@ -34,7 +34,7 @@ EXAMPLES = "\b\n  worldgen show w.grid\n  worldgen show w.grid --png w.png"
     type=int,
     default=900,
     show_default=True,
-    help="Longer side of the map in a picture.",
+    help="Longer side of the map in a picture, px.",
 )
 @click.option("--signal/--no-signal", default=True, help="Tint the floor by the target's signal.")
 @click.option(

@@ -1,4 +1,4 @@
-"""``worldgen FAMILY --where ... --difficulty ...``: search for worlds instead of only drawing them."""
+"""``worldgen FAMILY --where ... --difficulty ...``: search for worlds instead of drawing them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Copy cells and their events between grids, and combine those of two pieces."""
+"""Copy cells and their events between grids, and combine two pieces."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ def mark_at(x: float, y: float, degrees: float | None = None, radius: float | No
             raise InvalidParameter(
                 "not-a-number",
                 "{value!r} is not a place in cells or degrees",
-                "give a number below 1e9",
+                "use a number below 1e9",
                 value=value,
             )
         numbers.append(exact(value))
@@ -75,7 +75,7 @@ def mark_at(x: float, y: float, degrees: float | None = None, radius: float | No
         raise InvalidParameter(
             "not-positive",
             "radius={radius!r} of a target must be above 0 cells",
-            "give 0.5 for half a cell",
+            "use 0.5 for half a cell",
             radius=radius,
         )
     heading = None if angle is None else math.floor(angle / 360 * TURN + HALF) % TURN

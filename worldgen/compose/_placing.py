@@ -48,7 +48,8 @@ def corner_of(
         piece: The piece to place.
         at: As in ``Piece.place``.
         anchor: As in ``Piece.place``.
-        margin: Least cells between the piece and the host's sides, for named and drawn places.
+        margin: Minimum number of cells between the piece and the host's sides, for named and drawn
+        places.
         seed: Seed of a drawn place.
 
     Raises:
@@ -80,7 +81,7 @@ def corner_of(
         raise InvalidParameter(
             "unknown-name",
             "at={at!r} is not a place in the host",
-            "give [x, y] in cells, or one of {known!l}",
+            "use [x, y] in cells, or one of {known!l}",
             at=at,
             known=[*NAMED, *DRAWN, *host.marks],
         )
@@ -113,7 +114,7 @@ def _anchored(piece: Piece, place: Mark, anchor: str) -> tuple[int, int]:
         raise InvalidParameter(
             "unknown-name",
             "anchor={anchor!r} is not a point of the piece",
-            "give one of {known!l}",
+            "use one of {known!l}",
             anchor=anchor,
             known=[*NAMED, *piece.marks],
         )
@@ -155,7 +156,7 @@ def put_down(
             "outside-grid",
             "a piece of {width} x {height} cells at ({x}, {y}) sticks out of {host_width} x "
             "{host_height} cells",
-            "put it elsewhere, or give outside='clip' or 'grow'",
+            "put it elsewhere, or use outside='clip' or 'grow'",
             width=piece.width,
             height=piece.height,
             x=x,

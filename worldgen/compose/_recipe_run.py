@@ -228,7 +228,7 @@ def _numbers(value: Any, count: int, name: str) -> list[int]:
         raise InvalidParameter(
             "wrong-form",
             "{name}={value!r} is not a list of {count} whole numbers",
-            "give one",
+            "write one",
             name=name,
             value=value,
             count=count,
@@ -241,7 +241,7 @@ def _point(value: Any, name: str) -> tuple[float, float]:
         raise InvalidParameter(
             "wrong-form",
             "{name}={value!r} is not a place",
-            "give [x, y] in cells",
+            "write [x, y] in cells",
             name=name,
             value=value,
         )
@@ -253,7 +253,7 @@ def _word(value: Any, name: str) -> str:
         raise InvalidParameter(
             "wrong-type",
             "{name}={value!r} is not a word",
-            "give one in quotes",
+            "write one in quotes",
             name=name,
             value=value,
         )
@@ -287,7 +287,7 @@ def _dig(piece: Piece, value: Any, options: Options) -> Piece:
 
 def _mark(piece: Piece, value: Any, options: Options) -> Piece:
     if "at" not in options:
-        raise InvalidParameter("missing-key", "a mark is somewhere", "give at = [x, y]")
+        raise InvalidParameter("missing-key", "a mark is somewhere", "write at = [x, y]")
     return piece.with_mark(
         _word(value, "mark"), *_point(options["at"], "at"), degrees=options.get("degrees")
     )

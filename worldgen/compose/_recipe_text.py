@@ -137,7 +137,7 @@ def words_of(value: Spec) -> tuple[str, ...]:
         raise InvalidParameter(
             "wrong-type",
             "names are words in quotes, or {{ any = [...] }} with such words",
-            "give one",
+            "write one",
         )
     return tuple(str(item) for item in items)
 
@@ -242,7 +242,7 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
     with reader.at("about", None, "about"):
         if not isinstance(about, str):
             raise InvalidParameter(
-                "wrong-type", "{about!q} is not text", "give a sentence in quotes", about=about
+                "wrong-type", "{about!q} is not text", "write a sentence in quotes", about=about
             )
 
     # Read parameters and parts, then the name of the part that becomes the world.
@@ -266,7 +266,7 @@ def _whole(value: object, least: int) -> int:
         raise InvalidParameter(
             "not-a-number",
             "{value!q} is not a whole number of at least {least}",
-            "give one",
+            "write one",
             value=value,
             least=least,
         )
@@ -313,7 +313,7 @@ def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
                     raise InvalidParameter(
                         "not-a-number",
                         "default={default!q} is not a number",
-                        "give one",
+                        "write one",
                         default=default,
                     )
                 note = (
@@ -337,12 +337,12 @@ def _declared(raw: Any) -> Declared:
         raise InvalidParameter(
             "wrong-type",
             "default={default!q} is not a number, a text, true or false",
-            "give one",
+            "write one",
             default=default,
         )
     if not isinstance(note, str):
         raise InvalidParameter(
-            "wrong-type", "help={help!q} is not text", "give a sentence in quotes", help=note
+            "wrong-type", "help={help!q} is not text", "write a sentence in quotes", help=note
         )
     if not isinstance(choices, list) or not all(isinstance(word, str) for word in choices):
         raise InvalidParameter(
@@ -352,7 +352,7 @@ def _declared(raw: Any) -> Declared:
         raise InvalidParameter(
             "unknown-name",
             "default={default!q} is not one of its choices",
-            "give one of them",
+            "write one of them",
             default=default,
         )
 
@@ -376,7 +376,7 @@ def _declared(raw: Any) -> Declared:
             raise InvalidParameter(
                 "out-of-range",
                 "default={default} is not between least and most",
-                "give one that is",
+                "write one that is",
                 default=default,
             )
     return Declared(
@@ -403,7 +403,10 @@ def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> 
                 )
             if name in parts:
                 raise InvalidParameter(
-                    "twice", "name={name!q} is already an earlier part's", "give another", name=name
+                    "twice",
+                    "name={name!q} is already an earlier part's",
+                    "choose another",
+                    name=name,
                 )
         part = _read_part(reader, number, name, table, names)
         steps += len(part.steps)
@@ -481,7 +484,7 @@ def _read_part(
             words_of(value)
         elif source != "box" and not isinstance(value, str):
             raise InvalidParameter(
-                "wrong-type", "{value!q} is not text", "give one in quotes", value=table[source]
+                "wrong-type", "{value!q} is not text", "write one in quotes", value=table[source]
             )
 
     # Parse options, family parameters and steps, each under its own place.

@@ -29,7 +29,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
         raise InvalidParameter(
             "not-a-number",
             "{name}={value!r} is not a whole number from {low} to {high}",
-            "give one",
+            "use one",
             name=name,
             value=value,
             low=low,

@@ -98,7 +98,7 @@ def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
     raise InvalidParameter(
         "wrong-type",
         "{value} is not a value",
-        'give a value, "= a formula", {{ from = 1, to = 3 }} or {{ any = [...] }}',
+        'write a value, "= a formula", {{ from = 1, to = 3 }} or {{ any = [...] }}',
         value=shown[:80],
     )
 
@@ -137,7 +137,7 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
         raise InvalidParameter(
             "too-large",
             "{text!r} grows beyond {most}",
-            "give smaller numbers",
+            "write smaller numbers",
             text=formula.text,
             most=_LARGEST,
         )
@@ -166,7 +166,7 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
                 raise InvalidParameter(
                     "not-a-number",
                     "from {low!r} to {high!r} is not a range of numbers",
-                    "give two",
+                    "write two",
                     low=low,
                     high=high,
                 )
@@ -174,7 +174,7 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
             raise InvalidParameter(
                 "empty-range",
                 "from {low} to {high} is empty",
-                "give the smaller number first",
+                "write the smaller number first",
                 low=low,
                 high=high,
             )
@@ -184,7 +184,7 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
                 raise InvalidParameter(
                     "too-large",
                     "from {low} to {high} has more than 63 bits",
-                    "give numbers nearer to each other",
+                    "write numbers nearer to each other",
                     low=low,
                     high=high,
                 )

@@ -65,7 +65,7 @@ def draw_corner(
         rng: The only source of randomness.
         host: Columns and rows of the host.
         piece: Columns and rows of the piece.
-        margin: Least cells between the piece and the host's sides.
+        margin: Minimum number of cells between the piece and the host's sides.
         keep_free: Discs that the piece must not touch, usually around start and target: centres,
             and radii in cells.
         way: (n, 2) points, in cells, of a path to centre the piece on, as closely as the sides
@@ -102,7 +102,7 @@ def draw_corner(
             "a piece of {width} x {height} cells fits nowhere {where} in {host_width} x "
             "{host_height} cells without covering start or target, with a margin of "
             "{margin}",
-            "give a smaller piece or margin, or a larger host",
+            "use a smaller piece or margin, or a larger host",
             width=piece[0],
             height=piece[1],
             where=where,

@@ -155,7 +155,7 @@ class Piece:
         raise InvalidParameter(
             "unknown-name",
             "mirror={axis!r} is neither 'x' (left and right) nor 'y' (up and down)",
-            "give one",
+            "use one",
             axis=axis,
         )
 
@@ -250,7 +250,7 @@ class Piece:
                 "outside-grid",
                 "crop of {width} x {height} cells from ({x}, {y}) on reaches beyond the "
                 "piece of {piece_width} x {piece_height} cells",
-                "give a box inside",
+                "use a box inside",
                 width=width,
                 height=height,
                 x=x,
@@ -295,7 +295,7 @@ class Piece:
             raise InvalidParameter(
                 "unknown-name",
                 "fill={fill!r} is not one of solid, free, nothing",
-                "give one of these",
+                "use one of these",
                 fill=fill,
             )
         width = self.width + left + right
@@ -373,7 +373,7 @@ class Piece:
             raise InvalidParameter(
                 "unknown-name",
                 "fill={fill!r} is neither solid nor free",
-                "give one of these",
+                "use one of these",
                 fill=fill,
             )
         return replace(
@@ -411,7 +411,7 @@ class Piece:
                 raise InvalidParameter(
                     "unknown-name",
                     "no mark is called {name!r}; the piece has {known!l:none}",
-                    "give [x, y]",
+                    "use [x, y]",
                     name=point,
                     known=list(self.marks),
                 )
@@ -455,7 +455,7 @@ class Piece:
             raise InvalidParameter(
                 "outside-grid",
                 "{name} at ({x:g}, {y:g}) is outside the piece of {width} x {height} cells",
-                "give a place in cells, from its lower left corner",
+                "use a place in cells, from its lower left corner",
                 name=name,
                 x=float(mark.x),
                 y=float(mark.y),

@@ -202,7 +202,7 @@ def row_size(pieces: Sequence[Piece], gap: int, *, upwards: bool) -> tuple[int, 
         InvalidParameter: If there is no piece, or the row has too many cells.
     """
     if not pieces:
-        raise InvalidParameter("empty", "there is no piece to put in a row", "give at least one")
+        raise InvalidParameter("empty", "there is no piece to put in a row", "use at least one")
     gaps = whole("gap", gap, 0, MAX_SIDE) * (len(pieces) - 1)
     widths = [piece.width for piece in pieces]
     heights = [piece.height for piece in pieces]

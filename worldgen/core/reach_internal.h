@@ -83,7 +83,8 @@ typedef struct WgPiece {
 typedef struct WgFinePose {
     int64_t x;               // rounded down
     int64_t y;               // rounded down
-    const uint32_t *rest_x;  // (limbs,) the remainder, as digits to the base 2^32, the highest first
+    // (limbs,) the remainder, as digits to the base 2^32, the highest first
+    const uint32_t *rest_x;
     const uint32_t *rest_y;  // (limbs,)
     int64_t limbs;
 } WgFinePose;
@@ -91,7 +92,8 @@ typedef struct WgFinePose {
 // The result of a scan of a piece.
 typedef struct WgScan {
     int64_t least;      // smallest integer square of a distance, lu^2
-    int64_t side;       // of the nearest corner next to the line, its distance times the length; 0 for none
+    // distance of the nearest corner next to the line, times the length; 0 for none
+    int64_t side;
     int64_t length_sq;  // squared length of the piece if side is of interest, else 0
     bool nearer;        // certainly nearer than requested
 } WgScan;

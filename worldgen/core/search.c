@@ -19,7 +19,8 @@
 enum {
     AXIS_COST = 70,
     DIAGONAL_COST = 99,
-    REACHED = 15,  // the bits of the step: 0 if not reached, 1 to 8 for a step, or one of the next two
+    // the bits of the step: 0 if not reached, 1 to 8 for a step, or one of the next two
+    REACHED = 15,
     BY_BRIDGE = 9,
     AT_SOURCE = 10,
     CLOSED = 16,  // finished, or not clear
@@ -43,7 +44,8 @@ struct WgSearch {
     int64_t corners[8];  // offset of the middle of a diagonal step
 
     uint8_t *state;      // (nodes,)
-    uint32_t *estimate;  // (nodes,) of reached nodes, modulo 2^32: the estimates of waiting nodes differ by less
+    // (nodes,) of reached nodes, modulo 2^32: the estimates of waiting nodes differ by less
+    uint32_t *estimate;
 
     // The ring, with a bit for each bucket that isn't empty.
     int32_t *first;
@@ -447,7 +449,7 @@ static int64_t walk_back(const WgSearch *search, int64_t *nodes, int64_t count)
 {
     int64_t found = 0;
     int64_t node = search->end;
-    int64_t shift = 0;  // of the step onward from the node; 0 at the end
+    int64_t shift = 0;  // shift of the next step from the node; 0 at the end
     while (node >= 0) {
         uint8_t how;
         int64_t before = node_before(search, node, &how);

@@ -28,7 +28,8 @@ enum {
 enum {
     WG_EAST = 1,    // open to the neighbour in +x
     WG_NORTH = 2,   // open to the neighbour in +y
-    WG_CORNER = 4,  // the pillar between this chamber and the three to its north and east was removed
+    // the pillar between this chamber and the three to its north and east was removed
+    WG_CORNER = 4,
     WG_ROCK = 8,    // not a chamber
 };
 
@@ -56,7 +57,8 @@ typedef struct WgMaze {
     int64_t oldest;    // growing tree: picks of 65536 that take the oldest
     int64_t left;      // chambers still to be joined; 0 when the maze is done
     int64_t at;        // position of the walk, or the beginning of the sidewinder's row
-    int64_t first;     // hunt: no free chamber comes before it. Wilson: where the current walk began
+    // hunt: no free chamber comes before it. Wilson: where the current walk began
+    int64_t first;
     int64_t lowest;    // hunt: no chamber of the maze comes before it
     int64_t column;    // sidewinder: chambers of its row that are done
     int64_t edge;      // Kruskal: edges examined
@@ -156,7 +158,7 @@ WgStatus wg_dig(uint8_t *waits, int64_t size, int64_t stride, int32_t *owner, in
 
 // Floods every region that has a place in first .. last - 1.
 typedef struct WgRegions {
-    int64_t root;      // of the largest region; -1 if there is none
+    int64_t root;      // root of the largest region; -1 if there is none
     int64_t largest;   // number of places in it
     int64_t regions;   // number of regions
     int64_t places;    // number of places in all regions

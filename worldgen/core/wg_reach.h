@@ -137,7 +137,7 @@ WgStatus wg_sweep_least(const WgWalls *walls, const int64_t *x, const int64_t *y
 // A robot, and the target's disc.
 typedef struct WgTarget {
     int64_t scale;   // the first four lengths are in 1/scale cell
-    int64_t x;       // of the disc's centre
+    int64_t x;       // x of the disc's centre
     int64_t y;
     int64_t reach;   // the robot's radius
     int64_t radius;  // the disc's; -1 if it is not a multiple of 1/scale
@@ -169,11 +169,11 @@ typedef enum WgPoseKind {
 // A pose, for callers that compute it to any precision.
 typedef struct WgPoseOf {
     int64_t kind;   // a WgPoseKind
-    int64_t x;      // of the corner, cells; for lines of the pose, 1/scale cell
+    int64_t x;      // x of the corner, cells; for lines of the pose, 1/scale cell
     int64_t y;
     int64_t dx;     // the other corner's x less this one's
     int64_t dy;
-    int64_t level;  // of the line with the circle, 1/scale cell
+    int64_t level;  // level at which the line meets the circle, 1/scale cell
     int64_t side;   // 1 or -1: which of two points
 } WgPoseOf;
 
@@ -200,7 +200,7 @@ typedef struct WgPace {
     int64_t metre_under;  // less than 2^53
     int64_t tick_over;    // squared ticks of a squared lu
     int64_t tick_under;
-    int64_t ticks;        // of a second, less than 2^53
+    int64_t ticks;        // ticks per second, less than 2^53
 } WgPace;
 
 // The outcome of a decision.
@@ -221,10 +221,13 @@ typedef struct WgStill {
     int64_t goal_y;
     int64_t toward_x;  // node over half cells that guides the search
     int64_t toward_y;
-    int64_t clear_from;  // smallest squared distance, in quarters of a cell, at which the disc is clear
-    int64_t limit;       // smallest squared gap, cells, that lets the disc through; 0 if lu are too coarse to tell
+    // smallest squared distance, in quarters of a cell, at which the disc is clear
+    int64_t clear_from;
+    // smallest squared gap, cells, that lets the disc through; 0 if lu are too coarse to tell
+    int64_t limit;
     WgDisc disc;
-    WgDisc start_disc;  // if clear at start_x, start_y, so is the robot's disc at the start and on the way
+    // if clear at start_x, start_y, so is the robot's disc at the start and on the way there
+    WgDisc start_disc;
     WgDisc start_core;  // if this disc is not clear, the robot's disc is not clear at the start
     WgDisc goal_disc;  // for the path to the goal: slightly smaller
     WgDisc both;       // as wide as robot and target together
@@ -235,9 +238,10 @@ typedef struct WgStill {
 
     int64_t outcome;     // a WgOutcome
     int64_t goal_clear;  // 1 if the robot may be at the goal
-    int64_t count;       // of the path's points
+    int64_t count;       // number of the path's points
     int64_t room;        // for each part of the following
-    int64_t *points;     // (4 room,) x, y in lu; then sides and squared lengths, as from wg_sweep_least
+    // (4 room,) x, y in lu; then sides and squared lengths, as from wg_sweep_least
+    int64_t *points;
     double *metres;      // (3 room,) x, y in m; then times in s
     int64_t least;       // smallest integer square of the distance to a solid cell, lu^2
     int64_t corners;     // number of sides
@@ -259,7 +263,8 @@ typedef struct WgBlocked {
     int64_t columns;
     int64_t k;                   // points in a cell's side
     const int64_t *class_first;  // (k^2 + 1,) where the steps of each point of a cell begin
-    const int64_t *steps;        // to cells that make the point unsafe, added to the number of its own
+    // to cells that make the point unsafe, added to the number of its own
+    const int64_t *steps;
     int64_t pad;                 // cells of padding around the grid
     int64_t stride;              // cells in a row, including the padding
     int64_t cells;
@@ -297,7 +302,8 @@ typedef struct WgTimed {
     int64_t slack;           // ticks by which an end may be nearer than that
     int64_t axis_ticks;      // that a step along an axis takes
     int64_t diagonal_ticks;  // and a diagonal one
-    int64_t *cost;           // (states,) later than everything at first; receives the earliest arrival
+    // (states,) later than everything at first; receives the earliest arrival
+    int64_t *cost;
     int32_t *came;           // (states,) receives the state before
     int64_t *depart;         // (states,) receives the departure from that state
 } WgTimed;
@@ -421,17 +427,21 @@ typedef struct WgJoint {
     const uint8_t *clear;      // (rasters, classes, nodes) as in WgGraph
     const uint8_t *middle;
     int64_t ticks;             // at least 1
-    const int64_t *raster_of;  // (ticks,) raster of each tick; the last one stays valid from then on
+    // (ticks,) raster of each tick; the last one stays valid from then on
+    const int64_t *raster_of;
     const int64_t *class_of;   // (robots,)
     const int64_t *limits;     // (classes, classes, 9)
-    int64_t reach;             // two robots that are farther apart than this, in nodes, across or up, are clear
+    // two robots that are farther apart than this, in nodes, across or up, are clear
+    int64_t reach;
     const int64_t *starts;     // (robots,) nodes
-    const int32_t *distances;  // (robots, nodes) lower bound of steps to the target; 0 in it, where it parks; -1 if
-                               // no steps lead there
+    // (robots, nodes) lower bound of steps to the target; 0 in it, where it parks; -1 if no steps
+    // lead there
+    const int32_t *distances;
     const int64_t *crossed_from;  // (robots + 1,) where each robot's crossings begin
-    const int64_t *crossings;     // (crossed_from[robots],) rising for each robot: 8 times a node outside its target, plus
-                                  // the number of a step from there to another such node, across
-                                  // the target: the robot would park on the way
+    // (crossed_from[robots],) rising for each robot: 8 times a node outside its target, plus the
+    // number of a step from there to another such node, across the target: the robot would park on
+    // the way
+    const int64_t *crossings;
 } WgJoint;
 
 // Paths of all robots: for each tick the node of each.

@@ -1,7 +1,7 @@
 """Find the largest disc that can get from start to target, without trying disc after disc.
 
 A disc is stopped by a closed chain of cells, with gaps below its diameter, that separates start
-from target (docs/explanation/reachability.md). So the gaps are processed from the narrowest on,
+from target (docs/explanation/reachability.md). So the gaps are processed from narrow to wide,
 uniting the cells on both sides; the first gap that closes such a chain is the bottleneck between
 two poses. In addition, start and target must have room for the disc.
 """
@@ -193,7 +193,7 @@ def _by_gap(below: int) -> Iterator[tuple[int, list[tuple[int, int]]]]:
 
 
 def _below_ray(cells: Ints, pad: int, pose: Any) -> Ints:
-    """Return the indices of cells that one of their links can join across the ray up from a pose."""
+    """Return indices of cells that one of their links can join across the ray above a pose."""
     column = math.floor(Fraction(pose[0]) / UNIT) + pad
     return np.flatnonzero(np.abs(cells[:, 0] - column) <= pad + 1)
 

@@ -4,9 +4,10 @@ A *place* is a point, at a multiple of half a cell, with a locally largest free 
 eight neighbours has a larger one, and it is not in a larger disc of another place. Its *ring*
 consists of the points from 1.5 to 2 radii of its disc away that the robot can reach from it without
 leaving the ring's outer circle. The separate parts of the ring that reach that circle are the
-*routes* that lead from it. Corners of a passage are nearer than 1.5 radii; those of a dead end,
-which may extend into the ring, are nearer than 2. A *decision point* is a place with three or more
-routes whose disc the witness enters, to half a cell; places in each other's discs count as one.
+*routes* that lead from it. Corners of a passage are nearer than 1.5 radii; the corners of a dead
+end, which may extend into the ring, are nearer than 2. A *decision point* is a place with three or
+more routes whose disc the witness enters, measured to half a cell; places in each other's discs
+count as one.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def _highest(nodes: Nodes, places: Ints, sizes: Ints, chosen: Ints) -> Bools:
 
 
 def _openings(nodes: Nodes, places: Ints, sizes: Ints) -> Ints:
-    """Return for each place how many ways lead from it; fewer than three may be 0."""
+    """Return for each place how many routes lead from it; fewer than three may be 0."""
     ffi = _core.ffi
     lib = _core.lib
     graph = nodes.graph

@@ -76,7 +76,7 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
 def _hardest(
     world: World, certificate: Certificate | None, only: Collection[str] | None
 ) -> Metrics:
-    """Return the metrics of the robot with the highest difficulty, or else with the longest path."""
+    """Return the metrics of the robot with the highest difficulty, or else the longest path."""
     paths = certificate.paths if isinstance(certificate, JointWitness) else ()
     measured: list[Metrics] = []
     for number in range(1, len(world.robots) + 1):

@@ -73,7 +73,7 @@ def constraint_for(where: str | None, difficulty: float | None = None) -> Expres
             raise InvalidParameter(
                 "out-of-range",
                 "difficulty={difficulty:g} is outside 0 to 1",
-                "give one between",
+                "use one between",
                 difficulty=difficulty,
             )
         parts.append(
@@ -84,7 +84,7 @@ def constraint_for(where: str | None, difficulty: float | None = None) -> Expres
         parse(where)
         parts.append(f"({where})" if parts else where)
     if not parts:
-        raise InvalidParameter("missing", "no constraint is given", "give where or difficulty")
+        raise InvalidParameter("missing", "no constraint is given", "use where or difficulty")
     return parse(" and ".join(parts))
 
 
@@ -209,7 +209,7 @@ def search_world(
         where: A constraint, such as ``"detour > 3 and bottleneck < 1.2r"``.
         difficulty: The difficulty, 0 to 1, to within :data:`CLOSE`.
         seed: Seed of the search.
-        tries: Most worlds to make.
+        tries: Maximum number of worlds to make.
         progress: Called after each try.
         **given: Parameters that keep their values; the others vary, except the sizes of robot and
             cells.
@@ -231,7 +231,7 @@ def found(
     Args:
         search: The search.
         count: Number of worlds.
-        tries: Most worlds to make for each.
+        tries: Maximum number of worlds to make for each.
         progress: Called after each try.
 
     Raises:
@@ -279,7 +279,7 @@ def _nothing(search: Search, tries: int, before: int) -> GenerationFailed:
         return GenerationFailed(
             "no-world-found",
             problem + " and is new",
-            "give more tries, or fix fewer parameters",
+            "use more tries, or fix fewer parameters",
             **facts,
         )
     metrics = {
@@ -288,7 +288,7 @@ def _nothing(search: Search, tries: int, before: int) -> GenerationFailed:
     return GenerationFailed(
         "no-world-found",
         problem + "; the nearest has {metrics!l:none of these metrics} ({settings!l})",
-        "give more tries, fix fewer parameters, or relax the constraint",
+        "use more tries, fix fewer parameters, or relax the constraint",
         **facts,
         metrics=[f"{name} {value:g}" for name, value in metrics.items()],
         settings=[f"seed {near.seed}", *(f"{name}={value}" for name, value in near.params.items())],

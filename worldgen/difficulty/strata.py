@@ -27,9 +27,9 @@ from worldgen.random_streams import RandomStream
 from worldgen.world import Value, World
 
 MOST_STRATA = 10
-# Least width of a range: the edges of its strata are rounded to a millionth and must differ.
+# Minimum width of a range: the edges of its strata are rounded to a millionth and must differ.
 _NARROWEST = 1e-3
-# Parents kept per stratum, the latest.
+# Number of parents kept per stratum: the latest ones.
 _PARENTS = 12
 # Proposals per try, because proposals that a family refuses take no time.
 _REFUSED = 5
@@ -96,7 +96,7 @@ def check_range(low: float, high: float) -> None:
         raise InvalidParameter(
             "range-too-narrow",
             "difficulty={low!r}..{high!r} is narrower than {narrowest:g}",
-            "widen it, or give a single difficulty, such as {low:g}",
+            "widen it, or use a single difficulty, such as {low:g}",
             low=low,
             high=high,
             narrowest=_NARROWEST,
@@ -222,7 +222,7 @@ class StrataSearch:
         return InStratum(world, difficulty, (self._edges[at], self._edges[at + 1]))
 
     def _stratum_of(self, difficulty: float) -> int | None:
-        """Return the number of the stratum with this difficulty; the upper end belongs to the last."""
+        """Return the number of the stratum with this difficulty; the upper end is in the last."""
         if not self._edges[0] <= difficulty <= self._edges[-1]:
             return None
         return min(bisect_right(self._edges, difficulty), len(self._strata)) - 1
@@ -246,7 +246,7 @@ class StrataSearch:
         return seed, dict(varied(self._free, parent, rng))
 
     def _give_up(self, number: int) -> None:
-        """Close a stratum that was tried without success, and give its worlds to the nearest open ones."""
+        """Close a stratum without success, and give its worlds to the nearest open ones."""
         stratum = self._strata[number]
         if stratum.tried < self._tries and stratum.asked < _REFUSED * self._tries:
             return
@@ -268,7 +268,7 @@ class StrataSearch:
             "{family}: only {before} of {count} worlds were found with a difficulty of {low:g} to "
             "{high:g}, "
             "{tries} tries after the last",
-            "give more tries, fix fewer parameters, or another range",
+            "use more tries, fix fewer parameters, or another range",
             family=self._family.name,
             before=before,
             count=self._count,

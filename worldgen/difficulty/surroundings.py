@@ -23,9 +23,9 @@ from worldgen.lattice import UNIT
 from worldgen.support.arrays import Bools, Floats, Ints
 from worldgen.support.ccall import check, pointer, writable
 
-# Most cells between two samples.
+# Maximum number of cells between two samples.
 _APART = 0.5
-# Most samples; on longer paths they are farther apart.
+# Maximum number of samples; on longer paths they are farther apart.
 _MOST = 50_000
 # Samples processed together: 30 MB.
 _PART = 20_000

@@ -58,7 +58,7 @@ class Member:
 
     Args:
         name: Its name in the archive, with forward slashes.
-        packed: Its compressed size, bytes; that of the whole archive if it is compressed as one.
+        packed: Its compressed size, bytes; the whole archive's if it is compressed as one.
         read: Returns its bytes, or ``None`` if there are more than its argument. For a tar file it
             must be called before the next member is requested.
     """
@@ -112,7 +112,7 @@ class _Tar:
 
 
 def is_archive(path: Path) -> bool:
-    """Return True if the name is that of an archive."""
+    """Return True if the name is an archive's."""
     return path.name.lower().endswith(ENDINGS)
 
 

@@ -23,13 +23,13 @@ def check_output(path: Path, force: bool) -> None:
         OutputError: If the file exists and ``force`` is not set, or its folder is missing.
     """
     if path.is_dir():
-        raise OutputError("is-a-folder", "{path} is a folder", "name a file in it", path=path)
+        raise OutputError("is-a-folder", "{path} is a folder", "choose a file in it", path=path)
     # A device or a pipe is never overwritten, so it needs no --force.
     if path.is_file() and not force:
         raise OutputError(
             "file-exists",
             "{path} already exists",
-            "give --force to overwrite it, or choose another name",
+            "use --force to overwrite it, or choose another name",
             at_terminal=True,
             path=path,
         )
@@ -65,7 +65,7 @@ def read_text(path: Path) -> str:
             raise FormatError(
                 "too-large",
                 "is larger than {most} MiB",
-                "give a smaller file",
+                "use a smaller file",
                 most=_MOST_BYTES >> 20,
                 source=str(path),
             )

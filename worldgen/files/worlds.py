@@ -65,7 +65,7 @@ def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
             raise FormatError(
                 "no-map-found",
                 "contains no .grid files",
-                "name a .grid file, or a folder or archive that contains some",
+                "choose a .grid file, or a folder or archive that contains some",
                 source=str(path),
             )
 

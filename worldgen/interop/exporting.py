@@ -78,7 +78,7 @@ def export_world(
         raise InvalidParameter(
             "only-read",
             "{format} can be read but not written",
-            "give another format",
+            "use another format",
             format=known.name,
         )
     given = known.accept({**worded, **(options or {})}, out=True)
@@ -87,7 +87,7 @@ def export_world(
         raise InvalidWorld(
             "world-changes",
             "the world changes {changes} times, and {format} files are static",
-            "give --at 0 for the cells at that time, or another format",
+            "use --at 0 for the cells at that time, or another format",
             at_terminal=True,
             changes=len(world.timeline),
             format=known.name,
@@ -118,7 +118,7 @@ def export_world(
 
 
 def _check_robots(world: World, known: Format) -> None:
-    """Refuse several robots if the file has room for one; a map without robots can come from any world."""
+    """Refuse several robots if a file holds one; any world can become a map without robots."""
     if not world.others or known.robots or "start" not in known.holds:
         return
     able = [other.name for other in map(FORMATS.get, FORMATS) if other.write and other.robots]
@@ -133,7 +133,7 @@ def _check_robots(world: World, known: Format) -> None:
 
 
 def _missing(world: World, known: Format, destination: Destination) -> Iterator[tuple[str, str]]:
-    """Yield the values that the format cannot store and that ``import`` would not choose by itself."""
+    """Yield the values that the format cannot store and ``import`` would not choose by itself."""
     cell_size = world.cell_size
     robots = world.robots if known.robots else world.robots[:1]
     usual_radius = known.usual_robot.radius(cell_size)
@@ -204,7 +204,7 @@ def frozen_at(world: World, time: float) -> World:
     """
     if not (0.0 <= time < float("inf")):
         raise InvalidParameter(
-            "below-minimum", "at={time:g} is not a time", "give a time of 0 s or more", time=time
+            "below-minimum", "at={time:g} is not a time", "use a time of 0 s or more", time=time
         )
     walls = world.cells_at(time) != CellState.FREE
     same = np.array_equal(walls, world.walls) and not world.is_dynamic

@@ -113,7 +113,7 @@ class ForeignMap:
 
 
 def origin_of(world: World) -> tuple[float, float]:
-    """Return x and y, m, of the grid's lower-left corner in the imported map's frame; 0 otherwise."""
+    """Return x and y, m, of the grid's lower-left corner in the imported map's frame, or 0."""
     made = world.provenance
     origin = made.params.get("origin") if made is not None and made.family == "import" else None
     if (
@@ -163,7 +163,7 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             raise FormatError(
-                "not-a-regular-file", "is not a regular file", "give the map file itself"
+                "not-a-regular-file", "is not a regular file", "use the map file itself"
             )
         with path.open("rb") as stream:
             data = stream.read(limit + 1)
@@ -228,7 +228,7 @@ def sibling_file(path: Path, key: str, name: str, *, line: int | None = None) ->
 
 
 def unix_text(data: bytes) -> bytes:
-    """Decode text; drop a byte order mark and DOS's end-of-file byte, and turn a lone CR into LF."""
+    """Decode text; drop a byte order mark and DOS's end-of-file byte, turn a lone CR into LF."""
     data = data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")
     return data if b"\n" in data else data.replace(b"\r", b"\n")
 

@@ -151,7 +151,7 @@ class Format:
     """A foreign format; register it in the entry point group ``worldgen.formats``.
 
     ``read`` and ``write`` declare their options as families do: keyword-only parameters with plain
-        defaults, which become ``--from NAME+option=value`` and ``--to NAME+option=value``.
+    defaults, which become ``--from NAME+option=value`` and ``--to NAME+option=value``.
 
     Args:
         name: Name that ``--from`` and ``--to`` take.

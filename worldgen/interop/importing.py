@@ -32,8 +32,8 @@ class ImportedRobot:
     Args:
         start: x and y, m, and optionally the heading, rad; chosen if omitted.
         target: x and y, m, and optionally the radius, m; chosen if omitted.
-        radius: Radius of the robot's disc, m; if omitted, the file's, or that of the robot such
-            maps are drawn for.
+        radius: Radius of the robot's disc, m; if omitted, the file's, or the radius of the robot
+        that such maps are drawn for.
         speed: Top speed, m/s.
         scenario: A MovingAI scenario file with start and target.
         row: Number of the scenario's problem, from 1.
@@ -209,7 +209,7 @@ def _in_file_frame(error: InvalidWorld, found: ForeignMap) -> InvalidWorld:
     message = error.message.replaced(facts)
     if error.code == "outside-grid":
         message = message.with_remedy(
-            "give x from {left:g} to {right:g} and y from {low:g} to {high:g}, in the file's "
+            "use x from {left:g} to {right:g} and y from {low:g} to {high:g}, in the file's "
             "coordinates",
             left=left,
             right=left + width * size,
@@ -268,7 +268,7 @@ def _with_scenario(robot: ImportedRobot, found: ForeignMap) -> ForeignMap:
         )
     if found.params.get("format") != "movingai":
         raise InvalidParameter(
-            "conflict", "scen is for MovingAI maps", "give start and target instead"
+            "conflict", "scen is for MovingAI maps", "use start and target instead"
         )
     if robot.start is not None or robot.target is not None:
         raise InvalidParameter(

@@ -1,4 +1,4 @@
-"""Choose start and target on a map that has none: far apart, clear, and connected.
+"""Choose a start and a target on a map that has none: far apart, clear, and connected.
 
 The candidates are the multiples of half a cell at which the disc is clear, exactly. A step of half
 a cell along an axis between two of them is clear as well (docs/explanation/reachability.md), so two
@@ -32,7 +32,7 @@ from worldgen.support.grid_search import Floods
 _HALF = UNIT // 2
 # Radii of clearance around a chosen place, the widest first.
 _ROOMY = (Fraction(2), Fraction(3, 2), Fraction(5, 4))
-# Share of a region that must be nearer than a chosen place with room to turn.
+# A place with room to turn is chosen only if at least this share of its region is nearer.
 _FAR = 0.5
 # Share of the clear places below which the largest region deserves a warning.
 _SCATTERED = 0.5
@@ -56,7 +56,7 @@ def place(
     start: _Point | None = None,
     target: _Point | None = None,
 ) -> Placement:
-    """Choose start and target as far apart by path as two sweeps find; keep what is given.
+    """Choose a start and a target with the longest path that two sweeps find; keep given ones.
 
     If neither is given, both are in the largest region that the disc can drive through; otherwise
     the missing one is as far as possible from the given one, in its region. A chosen place has room
@@ -136,7 +136,7 @@ class _ClearPoints:
             raise InvalidWorld(
                 "no-room",
                 "a disc of radius {radius:g} m does not fit anywhere in the map",
-                "give a smaller radius",
+                "use a smaller radius",
                 radius=self._radius,
             )
         return _Region(found.root, found.largest, found.largest / found.places, found.regions)
@@ -225,7 +225,7 @@ def _check_inside(name: str, point: _Point, walls: Bools, cell_size: float) -> N
         raise InvalidWorld(
             "outside-grid",
             "{name} ({x:g}, {y:g}) m is outside the map of {width:g} x {height:g} m",
-            "give metres from its lower-left corner, x right, y up; --frame map uses the file's own "
+            "use metres from its lower-left corner, x right, y up; --frame map uses the file's own "
             "coordinates",
             at_terminal=True,
             name=name,

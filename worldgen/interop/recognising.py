@@ -19,11 +19,27 @@ from worldgen.world import Value
 
 # Bytes read to recognise a file.
 _HEAD = 4096
-_COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", ".gz",
-           ".stl", ".obj", ".ply", ".glb", ".gltf", ".3mf")  # fmt: skip  # of much that is not a map
+# Suffixes that other files also have.
+_COMMON = (
+    ".txt",
+    ".yaml",
+    ".yml",
+    ".json",
+    ".world",
+    ".png",
+    ".pgm",
+    ".bmp",
+    ".gz",
+    ".stl",
+    ".obj",
+    ".ply",
+    ".glb",
+    ".gltf",
+    ".3mf",
+)
 _OURS = "worldgen.interop."
 _WAY_OUT = (
-    "give the .grid file that it was made from, or a file of another format, as `worldgen formats` "
+    "use the .grid file that it was made from, or a file of another format, as `worldgen formats` "
     "lists them; if it is one of these, name it with --from"
 )
 
@@ -54,7 +70,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
             raise InvalidParameter(
                 "only-written",
                 "{format} can be written but not read",
-                "give a file of another format",
+                "use a file of another format",
                 format=known.name,
             )
         return known
@@ -70,7 +86,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
         raise FormatError(
             "no-map-found",
             "a scenario file has no map",
-            "give the .map file, and name this one with --scen",
+            "use the .map file, and name this one with --scen",
             at_terminal=True,
         )
     for known in map(FORMATS.get, FORMATS.entry_points()):
@@ -213,7 +229,7 @@ def read_map_alone(
 
 
 def _digest_of(path: Path, found: ForeignMap) -> dict[str, Value]:
-    """Return the file's digest, unless its reader knows it; a plug-in's reader may take a folder."""
+    """Return the file's digest, unless its reader knows it; a plug-in may read a folder."""
     if "sha256" in found.params or not path.is_file():
         return {}
     # A plug-in may read files of any size.

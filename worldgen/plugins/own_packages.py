@@ -43,7 +43,7 @@ def _hides(entry: str) -> bool:
 
 
 def hidden_package() -> tuple[str, Path] | None:
-    """Return the first of our packages that is hidden by another one, and that one's path.
+    """Return the first of our packages that another one hides, and the other one's path.
 
     Returns ``None`` if Python would import all of our packages.
     """

@@ -151,7 +151,7 @@ def _load_seconds() -> float:
         raise InvalidParameter(
             "not-a-number",
             "{variable}={text!r} is not a time",
-            "give seconds, such as 120, up to {most:.0f}",
+            "use seconds, such as 120, up to {most:.0f}",
             variable=LOAD_SECONDS,
             text=said[:40],
             most=_LONGEST_LOAD,
@@ -253,7 +253,7 @@ class Registry(Generic[T]):
         )
 
     def _unknown(self, name: str) -> Message:
-        remedy = "known: {known!l}; for your own, give package.module:name or ./file.py:name"
+        remedy = "known: {known!l}; for your own, use package.module:name or ./file.py:name"
         return unknown_name(
             "no {noun} is called {name!r}", name, self.names(), remedy, noun=self.noun
         )

@@ -19,8 +19,8 @@ class Confinement:
     tiles, time into slabs in which no robot gets farther than one tile's side. A stay means that a
     robot may be in a tile from one slab to another. The stays are closed: a robot in a stay in one
     slab is, in the next slab, in a stay of that tile or of one of its eight neighbours, or where
-    the disc cannot be, or too far away to arrive in time. So a robot that begins at the start and
-    may arrive in time is always in some stay.
+    the disc cannot be, or too far away to arrive in time. So a robot that begins at the start is
+    always in some stay while it could still arrive in time.
 
     Args:
         k: Tiles per cell side.

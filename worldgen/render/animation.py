@@ -72,7 +72,7 @@ def draw_gif(
         InvalidParameter: If ``pixels`` is out of range, or there is no robot.
     """
     if not drives:
-        raise InvalidParameter("empty", "an animation needs a robot", "give at least one run")
+        raise InvalidParameter("empty", "an animation needs a robot", "use at least one run")
     stage = _Stage(world, Frame.of(world, pixels), tuple(drives), title)
     times = _times(drives)
     palette = _palette()

@@ -170,7 +170,7 @@ def _scale_sample(length: float) -> Sample:
 def _place(
     keys: list[tuple[str, Sample, float]], left: float, room: float, y: float, unit: float
 ) -> tuple[list[Primitive], float]:
-    """Place keys, each its words, its sample and that one's width in px, in rows from a y on."""
+    """Place keys in rows below a y, each as its words, its sample and the sample's width, px."""
     size = TEXT_SIZE * unit
     row = 1.75 * TEXT_SIZE * unit
     parts: list[Primitive] = []

@@ -1,4 +1,4 @@
-"""Draw everything that disturbs a robot besides walls, on the map and in its key: pushes, drift, decoys.
+"""Draw what disturbs a robot besides walls, on the map and in its key: pushes, drift, decoys.
 
 Cells that a coverage task missed are drawn too.
 """

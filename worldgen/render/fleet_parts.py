@@ -51,11 +51,11 @@ def joint_witness_parts(joint: JointWitness, frame: Frame) -> list[Primitive]:
 
 
 def robot_parts(world: World, trails: Sequence[Trail], frame: Frame) -> list[Primitive]:
-    """Return starts, paths, targets and numbers of all robots, lowest layer first.
+    """Return the starts, paths, targets and numbers of all robots, lowest layer first.
 
     Args:
         world: The world of the robots.
-        trails: A path for each robot, in order; empty without a run.
+        trails: A path for each robot, in order; empty if there is no run.
         frame: The map's place in the picture.
     """
     robots = world.robots

@@ -1,4 +1,4 @@
-"""Draw what a robot remembers at the end of a run: tinted floor below its path, lines and places above it."""
+"""Draw what a robot remembers after a run: tinted floor below the path, lines above it."""
 
 from __future__ import annotations
 

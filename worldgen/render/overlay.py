@@ -108,7 +108,7 @@ class Remembered:
     Args:
         fills: (n, 5) rectangles, x and y of two corners, and how strongly to tint them, 0 to 1.
         blocked: (n, 4) lines that it takes for walls, x and y of both ends.
-        edges: (n, 4) ways of a graph, same.
+        edges: (n, 4) edges of a graph, same.
         plan: (n, 2) corners of the path that it was about to drive.
         nodes: (n, 2) places without a name.
         places: Places by name.
@@ -171,7 +171,7 @@ class Trail:
             raise InvalidParameter(
                 "wrong-shape",
                 "trail: x has shape {x_shape}, y has {y_shape}",
-                "give two flat arrays of equal length",
+                "use two flat arrays of equal length",
                 x_shape=self.x.shape,
                 y_shape=self.y.shape,
             )
@@ -192,7 +192,7 @@ class Trail:
 
     @property
     def approach(self) -> Floats:
-        """The path until the cycle begins, (k, 2) float64, m; the whole path if there is no cycle."""
+        """The path until the cycle begins, (k, 2) float64, m; all of it if there is no cycle."""
         return self.points if self.loop_from is None else self.points[: self.loop_from + 1]
 
     @property
@@ -221,8 +221,7 @@ class Drive:
         time_step: Time step, s.
 
     Raises:
-        InvalidParameter: If the number of times differs from that of points, or there is no
-            heading.
+        InvalidParameter: If there are not as many times as points, or there is no heading.
     """
 
     name: str
@@ -236,7 +235,7 @@ class Drive:
             raise InvalidParameter(
                 "wrong-length",
                 "drive: {times} times and {headings} headings for {points} points",
-                "give a time for each point, and at least one heading",
+                "use a time for each point, and at least one heading",
                 times=len(self.times),
                 points=len(self.trail.x),
                 headings=len(self.headings),

@@ -238,7 +238,7 @@ def _certificate(world: World, frame: Frame) -> list[Primitive]:
 
 
 def _onto_the_border(points: Floats, frame: Frame) -> Floats:
-    """Return the cut's cells outside the grid, drawn on the wall around it, clear of the caption."""
+    """Return the cut's cells outside the grid, drawn on the wall around it, off the caption."""
     beyond = BAND / 2 * frame.unit
     corner = np.array((frame.left, frame.top))
     ends = corner + np.array((frame.width, frame.height))

@@ -76,12 +76,12 @@ def draw_sheet(
     """
     # Refuse what cannot be drawn.
     if not panels:
-        raise InvalidParameter("empty", "there is no world to draw", "give at least one")
+        raise InvalidParameter("empty", "there is no world to draw", "pass at least one")
     if len(robots) > len(COLOURS):
         raise InvalidParameter(
             "too-many-robots",
             "{robots} robots are more than a picture can distinguish",
-            "give at most {most}",
+            "use at most {most}",
             robots=len(robots),
             most=len(COLOURS),
         )
@@ -168,7 +168,7 @@ def _draw_scale(pen: ImageDraw.ImageDraw, frame: Frame, width: int, bottom: int)
 
 
 def _way(trail: Trail | None, frame: Frame, shift: float, colour: str) -> list[Primitive]:
-    """Return a robot's path, shifted slightly from the others', so that equal paths stay visible."""
+    """Return a robot's path, shifted slightly from the others', so that equal ones stay visible."""
     if trail is None:
         return []
     points = simplified(frame.points(np.column_stack((trail.x, trail.y))), 0.3)

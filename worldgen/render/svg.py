@@ -54,7 +54,7 @@ def draw_svg(
 
 
 def svg_element(scene: Picture, *, standalone: bool) -> str:
-    """Return the ``<svg>`` element; ``standalone`` adds the name space that a separate file needs."""
+    """Return the ``<svg>`` element; ``standalone`` adds the namespace for a separate file."""
     writer = _Writer(scene)
     body = [writer.draw(part) for part in scene.primitives]
     space = 'xmlns="http://www.w3.org/2000/svg" ' if standalone else ""

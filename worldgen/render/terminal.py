@@ -41,7 +41,7 @@ SMALL = 60
 _FRAME = 2
 # Letters of the targets of robots 1 to 9, whose starts are digits.
 _TARGETS = "ABCDEFGHI"
-# The signal's steps if only 256 colours are available: those of one hue, and where each step ends.
+# The signal's steps if only 256 colours are available: the steps of one hue, and where each ends.
 BLUES = ("#5FAFFF", "#87D7FF", "#AFD7FF", "#D7FFFF", "#FFFFFF")
 BLUE_ENDS = (0.15, 0.35, 0.60, 0.80)
 
@@ -251,7 +251,7 @@ class _Grid:
         return dots
 
     def place(self, dots: Bytes, x: float, y: float) -> tuple[int, int]:
-        """Return row and column of the dot at a point, or of the nearest one."""
+        """Return the row and column of the dot at a point, or of the nearest one."""
         rows, columns = dots.shape
         row = math.floor(y / self.dot_size)
         column = math.floor(x / self.dot_size)
@@ -351,7 +351,7 @@ def _xterm(colour: list[int]) -> int:
 
 
 def _span(letters: str, drawn: Container[str]) -> str:
-    """Return those of some letters that are drawn: ``A-C``, or ``A C`` if one between is not."""
+    """Return the letters that are drawn: ``A-C``, or ``A C`` if one between is not."""
     found = "".join(letter for letter in letters if letter in drawn)
     return f"{found[0]}-{found[-1]}" if found in letters and len(found) > 1 else " ".join(found)
 

@@ -202,7 +202,7 @@ def pierced_parts(
 
 
 def breach_crosses(cells: Sequence[WallPenetration], frame: Frame) -> list[Primitive]:
-    """Return a red cross wherever the robot entered a wall that the verdict names, above all else."""
+    """Return a red cross wherever the robot entered a wall named by the verdict, above all else."""
     parts: list[Primitive] = []
     unit = frame.unit
     for cell in cells:
@@ -282,7 +282,7 @@ def arrow(
 
 
 def arrow_head(x: float, y: float, angle: float, size: float, colour: str) -> DrawnLine:
-    """Return a barbed head, its middle on the point, pointing along ``angle`` (rad, in pixel axes)."""
+    """Return a barbed head centred on the point, pointing along ``angle`` (rad, in pixel axes)."""
     shape = size * np.array(((0.6, 0.0), (-0.5, 0.45), (-0.25, 0.0), (-0.5, -0.45)))
     turn = np.array(((math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))))
     return DrawnLine(np.array((x, y)) + shape @ turn, Paint(fill=colour), closed=True)

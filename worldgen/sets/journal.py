@@ -73,7 +73,7 @@ class Journal:
                 raise OutputError(
                     "written-meanwhile",
                     "{path} was written by another command in the meantime",
-                    "look at it, or name another folder",
+                    "look at it, or choose another folder",
                     path=self.path,
                 )
         self.cut(0)

@@ -41,7 +41,7 @@ class _Work:
     Args:
         header: First line of the manifest.
         count: Number of worlds.
-        made: Makes the worlds from this one on.
+        made: Makes the worlds, starting with this one.
         named: A file's name, and its line in the manifest.
         refuse: Raises an error if the existing set is another one, or is finished.
     """
@@ -199,7 +199,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
                 raise OutputError(
                     "set-finished",
                     "{out} already holds this set, complete",
-                    "give --force to make it again",
+                    "use --force to make it again",
                     at_terminal=True,
                     out=out,
                 )
@@ -262,7 +262,7 @@ def _other(old: Manifest, wanted: ManifestHeader, out: Path) -> OutputError:
         "{out} holds {made} of {count} worlds of another set: {family} from seed {seed}"
         + (" where {constraint}" if held.constraint else "")
         + (", by worldgen {worldgen}" if held.worldgen != wanted.worldgen else ""),
-        "name another folder, or give --force to replace it",
+        "choose another folder, or use --force to replace it",
         at_terminal=True,
         out=out,
         made=len(old.entries),
@@ -309,7 +309,7 @@ def _place(entry: ManifestEntry, place: str) -> str:
         raise InvalidParameter(
             "unknown-name",
             "the set is of family {family!r}, which is not one of {known!l}",
-            "give its file: --family ./file.py:name",
+            "use its file: --family ./file.py:name",
             at_terminal=True,
             family=place,
             known=list(FAMILIES.names()),

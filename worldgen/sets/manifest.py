@@ -223,7 +223,7 @@ def _whole_lines(lines: Iterable[bytes], source: str) -> Iterator[bytes]:
             raise FormatError(
                 "too-large",
                 "a line of more than {most} bytes",
-                "give a manifest",
+                "use a manifest",
                 most=_LONGEST,
                 line=number,
                 source=source,
@@ -240,7 +240,7 @@ def _object(line: bytes, number: int, source: str) -> dict[str, Any]:
         raise FormatError(
             "not-json",
             "not a line of JSON: {reason}",
-            "give a manifest",
+            "use a manifest",
             reason=reason,
             line=number,
             source=source,
@@ -331,7 +331,7 @@ def _line(value: Mapping[str, Any]) -> bytes:
 
 
 def _differing(params: Mapping[str, Value], header: ManifestHeader) -> dict[str, Value]:
-    """Return parameters that differ from the first line's; 1 differs from 1.0, and 0.0 from -0.0."""
+    """Return parameters that differ from the first line; 1 differs from 1.0, and 0.0 from -0.0."""
     rest = header.params
     return {
         name: value

@@ -91,14 +91,14 @@ class SeededPlan(SetPlan):
     family: str
 
     def jobs(self, first: int = 0) -> Iterator[Job]:
-        """Yield the worlds to make, from this one on, counted from 0."""
+        """Yield the worlds to make, starting with this one, counted from 0."""
         for k in range(first, self.header.count):
             yield Job(
                 self.family, self.seed(k), self.header.params, None if self.header.metrics else {}
             )
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Make the worlds from this one on, in this many processes."""
+        """Make the worlds starting with this one, in this many processes."""
         return make_all(self.jobs(first), workers)
 
     def seed(self, k: int) -> int:

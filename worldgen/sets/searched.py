@@ -31,7 +31,7 @@ class WantedPlan(SearchedPlan):
     tell: Callable[[Search], None] | None = None
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Make the worlds from this one on.
+        """Make the worlds, starting with this one.
 
         The search repeats what it found before, because later finds depend on it.
         """
@@ -92,7 +92,7 @@ class StratifiedPlan(SearchedPlan):
     where: str | None
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Make the worlds from this one on.
+        """Make the worlds, starting with this one.
 
         The search repeats its earlier finds, because later ones depend on them.
         """

@@ -59,7 +59,7 @@ class Store(Protocol):
 
 
 def store_for(out: Path) -> Store:
-    """Return an archive if the name is that of an archive, otherwise a folder.
+    """Return an archive if the name is an archive's, otherwise a folder.
 
     Raises:
         OutputError: If a folder has an archive's name, or a file a folder's.
@@ -69,7 +69,7 @@ def store_for(out: Path) -> Store:
             raise OutputError(
                 "is-a-folder",
                 "{out} is a folder with the name of an archive",
-                "give another name",
+                "use another name",
                 out=out,
             )
         return ArchiveStore(out)
@@ -77,7 +77,7 @@ def store_for(out: Path) -> Store:
         raise OutputError(
             "is-a-file",
             "{out} is a file",
-            "name a folder for more than one world, or a .zip, .tar.gz or .tar.bz2",
+            "choose a folder for more than one world, or a .zip, .tar.gz or .tar.bz2",
             out=out,
         )
     return SetFolder(out)
@@ -110,7 +110,7 @@ class SetFolder:
                     "folder-not-empty",
                     "{folder} holds other files: {file}"
                     + (" and {more} more" if len(others) > 1 else ""),
-                    "a set needs its own folder: name another, or give --force to overwrite files "
+                    "a set needs its own folder: choose another, or use --force to overwrite files "
                     "of the same names",
                     at_terminal=True,
                     folder=self._folder,
@@ -120,7 +120,7 @@ class SetFolder:
         return found
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
-        """Create the folder and the manifest's first line, after removing the files of an old set."""
+        """Create the folder and the manifest's first line, after removing an old set's files."""
         with refused_writes(self._folder):
             self._folder.mkdir(parents=True, exist_ok=True)
             for entry in over.entries if over else ():
@@ -162,7 +162,7 @@ class SetFolder:
             raise OutputError(
                 "other-content",
                 "{file} differs from the set's file",
-                "move it away, or give --force",
+                "move it away, or use --force",
                 at_terminal=True,
                 file=file,
             )
@@ -178,7 +178,7 @@ class SetFolder:
                 raise OutputError(
                     "other-content",
                     "{file} differs from the set's file",
-                    "move it away, or give --force",
+                    "move it away, or use --force",
                     at_terminal=True,
                     file=file,
                 )
@@ -229,7 +229,7 @@ class ArchiveStore:
             raise OutputError(
                 "file-exists",
                 "{archive} already exists",
-                "give --force to replace it, or another name",
+                "use --force to replace it, or another name",
                 at_terminal=True,
                 archive=self._archive,
             )
@@ -237,7 +237,7 @@ class ArchiveStore:
             raise OutputError(
                 "file-exists",
                 "{part} is in the way and is not an unfinished set",
-                "move it away, or give --force",
+                "move it away, or use --force",
                 at_terminal=True,
                 part=self._part,
             )
@@ -254,7 +254,7 @@ class ArchiveStore:
             raise OutputError(
                 "written-meanwhile",
                 "{archive} was made by another command in the meantime",
-                "look at it, or name another archive",
+                "look at it, or choose another archive",
                 archive=self._archive,
             )
         self._open_worlds(0)

@@ -79,7 +79,7 @@ class Bounds:
             raise InvalidParameter(
                 "out-of-range",
                 "{name}={value!n}{unit!u} is outside {low!n} to {high!n}{unit!u}",
-                "give one between" + or_chosen,
+                "use one between" + or_chosen,
                 chosen=self.chosen,
                 **facts,
             )
@@ -87,7 +87,7 @@ class Bounds:
             raise InvalidParameter(
                 "below-minimum",
                 "{name}={value!n}{unit!u} is below {low!n}{unit!u}",
-                "give at least {low!n}" + or_chosen,
+                "use at least {low!n}" + or_chosen,
                 chosen=self.chosen,
                 **facts,
             )
@@ -95,7 +95,7 @@ class Bounds:
             problem = "{name}={value!n}{unit!u} is not a finite number above {low!n}"
         else:
             problem = "{name}={value!n}{unit!u} is not {rule}"
-        raise InvalidParameter("out-of-range", problem, "give one", rule=self.words, **facts)
+        raise InvalidParameter("out-of-range", problem, "use one", rule=self.words, **facts)
 
 
 def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> None:
@@ -126,7 +126,7 @@ def check_positive(name: str, value: float, unit: str = "") -> None:
         raise InvalidParameter(
             "not-positive",
             "{name}={value!n}{unit!u} is not a finite number above 0",
-            "give one",
+            "use one",
             name=name,
             value=value,
             unit=unit,
@@ -143,7 +143,7 @@ def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
         raise InvalidParameter(
             "unknown-name",
             "{name}={value!r} is not one of {choices!l}",
-            "give one of these",
+            "use one of these",
             name=name,
             value=value,
             choices=list(choices),

@@ -1,4 +1,4 @@
-"""Expressions over named numbers, such as ``size // 2 - 3`` or ``detour > 3 and bottleneck < 1.2r``.
+"""Expressions over named numbers, as in ``size // 2 - 3`` or ``detour > 3 and bottleneck < 1.2r``.
 
 Python's own parser reads the text, which is never run as code. Grammar, loosest first: ``or``,
 ``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``, ``* / // %``,
@@ -21,7 +21,7 @@ from worldgen.errors import InvalidParameter, Message
 from worldgen.support.known_names import unknown_name
 
 MOST_NESTED: Final = 50
-# Most levels of the syntax tree; Python allows a thousand nested calls.
+# Limit on the levels of the syntax tree; Python allows a thousand nested calls.
 _DEEPEST: Final = 250
 
 _TOKEN = re.compile(
@@ -53,7 +53,7 @@ class Language:
     Args:
         variables: Names of the numbers that are known when an expression is evaluated.
         noun: What a variable is called in messages, such as ``metric``.
-        longest: Most characters of an expression.
+        longest: Limit on the characters of an expression.
         example: A number or condition in this language, for messages.
         functions: By name; each takes one number or several.
         units: Suffixes of a number, each with the variable that it is then multiplied by, or None.
@@ -163,7 +163,7 @@ class _Reader:
             raise InvalidParameter(
                 "too-large",
                 "an expression of {characters} characters",
-                "give at most {most}",
+                "use at most {most}",
                 characters=len(text),
                 most=language.longest,
             )
@@ -187,7 +187,8 @@ class _Reader:
         Operands and operators alternate, so the previous word determines what may come next.
         """
         structure = ""
-        brackets: list[str] = []  # of those open, the word before, which is "call" for a function
+        # for each open one, the word before it, which is "call" for a function
+        brackets: list[str] = []
         before = "("  # parse the whole as if it were in parentheses
         for token in _TOKEN.finditer(self._text):
             kind = "number" if token["number"] is not None else str(token.lastgroup)
@@ -252,7 +253,7 @@ class _Reader:
                 Message(
                     "too-large",
                     "this number is beyond the range of a float64",
-                    "give a smaller one",
+                    "use a smaller one",
                 ),
                 at,
             )

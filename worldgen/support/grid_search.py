@@ -38,8 +38,8 @@ class Floods:
         """Flood every region that has a place in ``first`` .. ``last - 1``.
 
         Returns:
-            The number of ``regions``, and that of their ``places``; a place, ``root``, of the
-            ``largest`` and its size.
+            The number of ``regions`` and of their ``places``; a place, ``root``, of the ``largest``
+            region, and that region's size.
         """
         ffi = _core.ffi
         lib = _core.lib

@@ -1,4 +1,4 @@
-"""Import a package's names when they are first used, and list them for ``dir`` and tab completion."""
+"""Import a package's names when they are first used, and list them for ``dir`` and completion."""
 
 from __future__ import annotations
 

@@ -199,7 +199,7 @@ class Display:
             self._write(f"warning: {shown(message)}\n")
 
     def tick(self) -> None:
-        """Check the clock and print anything that is due; the thread calls this several times a second."""
+        """Check the clock and print what is due; the thread calls this a few times a second."""
         works = tuple(self._works)
         if not works or self.verbosity < 0 or self.silent:
             return

@@ -1,4 +1,4 @@
-"""Rules for the robots of one world: no two may overlap at the start or exclude each other's targets.
+"""Rules for the robots of one world: no two may overlap at the start or block each other's target.
 
 A world of several robots that breaks one of these rules is refused when it is built, so that code
 that reads worlds need not handle the case.

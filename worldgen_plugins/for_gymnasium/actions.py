@@ -28,7 +28,7 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
         if given.shape != (count,) or given.dtype.kind not in "iu":
             raise InvalidParameter(
                 "wrong-shape",
-                "actions of shape {shape}, {dtype}: give {count} whole numbers",
+                "actions of shape {shape}, {dtype}: use {count} whole numbers",
                 shape=given.shape,
                 dtype=str(given.dtype),
                 count=count,
@@ -46,7 +46,7 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
     if given.shape != (count, 2) or given.dtype.kind not in "fiu":
         raise InvalidParameter(
             "wrong-shape",
-            "actions of shape {shape}, {dtype}: give fractions of turn rate and top speed for "
+            "actions of shape {shape}, {dtype}: use fractions of turn rate and top speed for "
             "{count}",
             shape=given.shape,
             dtype=str(given.dtype),
@@ -55,6 +55,6 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
     # The sum is NaN if any entry is, and costs less than a mask; infinities may cancel to NaN too.
     if np.isnan(given.sum()) and np.isnan(given).any():
         raise InvalidParameter(
-            "not-finite", "an action is NaN", "give fractions of turn rate and top speed, -1 to 1"
+            "not-finite", "an action is NaN", "use fractions of turn rate and top speed, -1 to 1"
         )
     return np.ascontiguousarray(given, np.float32)

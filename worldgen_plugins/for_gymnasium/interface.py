@@ -32,7 +32,7 @@ class Sensor(NamedTuple):
 
     Args:
         code: Its number in the core.
-        low: Least value of each of its numbers.
+        low: Smallest value of each of its numbers.
         high: Greatest value of each of its numbers.
         senses: The fields of the simulator's observation that it reads.
     """
@@ -106,14 +106,14 @@ class Interface:
             raise InvalidParameter(
                 "unknown-name",
                 "actions={actions!r} is neither 'continuous' nor 'discrete'",
-                "give one of them",
+                "use one of them",
                 actions=self.actions,
             )
         if not isinstance(self.reverse, bool):
             raise InvalidParameter(
                 "wrong-type",
                 "reverse={reverse!r} is neither True nor False",
-                "give one of them",
+                "use one of them",
                 reverse=self.reverse,
             )
         if self.reverse and self.actions == "discrete":
@@ -133,7 +133,7 @@ class Interface:
                 raise InvalidParameter(
                     "wrong-type",
                     "robot={given} is not a RobotOptions",
-                    "give some, or a dict: {{'slip': 0.1}}",
+                    "use some, or a dict: {{'slip': 0.1}}",
                     given=repr(robot),
                 )
             robot = RobotOptions.of(robot)
@@ -186,7 +186,7 @@ class Interface:
         return found
 
     def observe(self, observation: Observation) -> Singles:
-        """Return (size,) float32, the environment's observation, given that of a controller."""
+        """Return (size,) float32, the environment's observation, made from a controller's."""
         # Fill the core's struct, whose numbers have the order of the observation's fields.
         numbers = np.array(observation[: layout.OBS_SIZE], np.float64)
         beams = np.array(observation.beams, np.float64)
@@ -226,7 +226,7 @@ def positive(name: str, value: object, most: float, unit: str) -> float:
         raise InvalidParameter(
             "out-of-range",
             "{name}={value!r} is not a number of {unit} above 0 and at most {most:g}",
-            "give one",
+            "use one",
             name=name,
             value=value,
             unit=unit,
@@ -256,7 +256,7 @@ def _names(sensors: object) -> tuple[str, ...]:
     if not names or len(set(names)) != len(names):
         raise InvalidParameter(
             "twice",
-            "sensors={sensors!r}: give at least one, and each only once",
+            "sensors={sensors!r}: use at least one, and each only once",
             sensors=sensors,
         )
     return names

@@ -38,7 +38,7 @@ class Options(TypedDict, total=False):
         worlds: Worlds, or files, or a folder or archive of them.
         family: Name of a family, whose worlds get rising seeds.
         params: The family's parameters.
-        difficulty: Least and greatest difficulty of the family's worlds, 0 to 1.
+        difficulty: Smallest and largest difficulty of the family's worlds, 0 to 1.
         pool: Number of worlds of the family; each episode is in one of them.
         pool_seed: Seed of the first.
         sensors: See :class:`worldgen_plugins.for_gymnasium.Interface`, also for the next ones down
@@ -124,7 +124,7 @@ def resolve(options: Mapping[str, Any]) -> tuple[Rules, Supply]:
         raise InvalidParameter(
             "unknown-name",
             "observation={observation!r} is neither 'box' nor 'dict'",
-            "give one of them",
+            "use one of them",
             observation=form,
         )
     distance = options.get("distance", "straight")
@@ -132,7 +132,7 @@ def resolve(options: Mapping[str, Any]) -> tuple[Rules, Supply]:
         raise InvalidParameter(
             "unknown-name",
             "distance={distance!r} is neither 'straight' nor 'way'",
-            "give one of them",
+            "use one of them",
             distance=distance,
         )
     rules = Rules(
@@ -184,7 +184,7 @@ def _reward(given: object) -> dict[str, float]:
             raise InvalidParameter(
                 "not-a-number",
                 "reward: {name}={value!r} is not a number within 1e9 of 0",
-                "give one",
+                "use one",
                 name=name,
                 value=value,
             )

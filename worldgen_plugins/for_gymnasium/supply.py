@@ -1,4 +1,4 @@
-"""Supply the worlds of episodes: given ones, or those of a family at a chosen difficulty."""
+"""Supply the worlds of episodes: given ones, or a family's at a chosen difficulty."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Supply:
         named = [name for name in ("world", "worlds", "family") if name in given]
         if len(named) > 1:
             raise InvalidParameter(
-                "conflict", "{named} are given", "give one of them", named=" and ".join(named)
+                "conflict", "{named} are given", "use one of them", named=" and ".join(named)
             )
         fixed = named and named[0] != "family"
         stray = [
@@ -141,7 +141,7 @@ def _read_one(given: object) -> list[World]:
     raise InvalidParameter(
         "wrong-type",
         "world={given} is neither a World nor a path",
-        "give one of them",
+        "use one of them",
         given=repr(given),
     )
 
@@ -153,7 +153,7 @@ def _read_all(given: object) -> list[World]:
         raise InvalidParameter(
             "wrong-type",
             "worlds={given} is not a folder, archive or list of worlds",
-            "give one",
+            "use one",
             given=repr(given),
         )
     return [
@@ -178,7 +178,7 @@ def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
         raise InvalidParameter(
             "wrong-type",
             "family={given} is not a family's name",
-            "give a name such as 'maze'",
+            "use a name such as 'maze'",
             given=repr(name),
         )
     family = name if isinstance(name, Family) else FAMILIES.find(name, params)

@@ -276,7 +276,7 @@ def _seeds_of(seed: object, count: int) -> Sequence[int | None]:
     if len(seeds) != count:
         raise InvalidParameter(
             "wrong-count",
-            "seed={given}: give one number, or one for each of {count} robots",
+            "seed={given}: use one number, or one for each of {count} robots",
             given=repr(seed),
             count=count,
         )
@@ -296,7 +296,7 @@ def _mask_of(options: dict[str, Any] | None, count: int) -> Bools:
         raise InvalidParameter(
             "wrong-shape",
             "reset_mask is not an array of {count} booleans, of which at least one is true",
-            "give such an array",
+            "use such an array",
             count=count,
         )
     return mask

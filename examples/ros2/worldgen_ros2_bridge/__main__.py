@@ -52,7 +52,7 @@ def _grid(path: Path) -> Grid:
     try:
         return grid_of(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        sys.exit(f"--map {path}: {error}; give the .grid file that is run")
+        sys.exit(f"--map {path}: {error}; use the .grid file that is run")
 
 
 def _drive(given: argparse.Namespace, grid: Grid | None) -> None:

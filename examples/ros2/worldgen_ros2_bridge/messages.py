@@ -121,7 +121,7 @@ def quaternion(heading: float) -> tuple[float, float, float, float]:
 
 
 def stamp(seconds: float) -> tuple[int, int]:
-    """Return a time as the seconds and nanoseconds of builtin_interfaces/Time, rounded to nearest."""
+    """Return a time as seconds and nanoseconds of builtin_interfaces/Time, rounded to nearest."""
     total = round(seconds * 1e9)
     return total // 10**9, total % 10**9
 
@@ -155,7 +155,7 @@ def pose_in_map(pose: Pose, grid: Grid | None) -> Pose:
 
 
 def twist_between(before: Pose, after: Pose, seconds: float) -> Twist:
-    """Return the mean velocity between two poses, in the base frame as nav_msgs/Odometry requires."""
+    """Return the mean velocity between two poses, in the base frame as in nav_msgs/Odometry."""
     x = after.x - before.x
     y = after.y - before.y
     # The robot turns first, then drives.

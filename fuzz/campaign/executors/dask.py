@@ -62,7 +62,7 @@ class DaskExecutor:
             raise InvalidParameter(
                 "not-an-address",
                 "{option} {address!r} is not an address",
-                "give the address that the scheduler prints, such as tcp://host:8786",
+                "use the address that the scheduler prints, such as tcp://host:8786",
                 option=_OPTION,
                 address=address,
             )

@@ -31,7 +31,7 @@ class Executor(Protocol):
     def prepare(self, scenarios: Sequence[Scenario]) -> list[Future[float]]:
         """Start loading what the first units need, in every process that will do the work.
 
-        The results are those of :func:`fuzz.campaign.executors.local.load`.
+        The results are the same as for :func:`fuzz.campaign.executors.local.load`.
         """
 
     def listen(self) -> None:

@@ -74,8 +74,8 @@ class RemoteJob:
         Raises:
             InvalidParameter: If the code differs.
         """
-        # Threads of the worker may draw from `random` while Hypothesis checks, in this thread, if a
-        # strategy did.
+        # Threads of the worker may draw from `random` while Hypothesis checks in this thread
+        # whether a strategy did.
         warnings.filterwarnings(
             "ignore", "Do not use the `random` module", HypothesisDeprecationWarning
         )

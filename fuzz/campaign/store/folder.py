@@ -132,7 +132,7 @@ class FolderStore(CampaignStore):
         self._fingerprint = ""
         self._shrunk: dict[str, Path] = {}
         if out.exists() and not out.is_dir():
-            raise OutputError("wrong-kind-of-file", "{out} is a file", "name a folder", out=out)
+            raise OutputError("wrong-kind-of-file", "{out} is a file", "choose a folder", out=out)
         with refused_writes(self._path):
             self._path.mkdir(parents=True, exist_ok=True)
             self._lock = os.open(self._path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
@@ -141,7 +141,7 @@ class FolderStore(CampaignStore):
             raise OutputError(
                 "campaign-is-running",
                 "another worldgen fuzz is writing {out}",
-                "wait until it ends, or name another folder",
+                "wait until it ends, or choose another folder",
                 out=out,
             )
         sign(self._lock)
@@ -285,7 +285,7 @@ class FolderStore(CampaignStore):
         self._save(f"shrunk/{failure.id}-{kept}-{_content_name(data)}.grid", data)
 
     def written(self) -> dict[str, str]:
-        """Return a digest of each failure that this campaign wrote into its folder, by file name."""
+        """Return a digest of each failure that this campaign wrote to its folder, by file name."""
         try:
             said = msgspec.json.decode(read_text(self._path / _WRITTEN), type=dict[str, str])
         except (RecursionError, ValueError):

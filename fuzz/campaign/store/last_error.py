@@ -1,4 +1,4 @@
-"""Record why a campaign gave up or did not begin: ``.campaign/error.json``, read by other programs."""
+"""Record why a campaign gave up or did not begin: ``.campaign/error.json``, for programs."""
 
 from __future__ import annotations
 

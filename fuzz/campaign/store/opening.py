@@ -65,7 +65,7 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
         raise OutputError(
             "folder-holds-worlds",
             "{out} already holds .grid files",
-            "give --force to add to them and replace those of the same name, or name another "
+            "use --force to add to them and replace those of the same name, or choose another "
             "folder",
             at_terminal=True,
             out=out,
@@ -115,7 +115,7 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
         raise FormatError(
             "invalid-campaign",
             "its configuration cannot be read: {reason}",
-            "name another folder, or start over with --force",
+            "choose another folder, or start over with --force",
             at_terminal=True,
             reason=str(error),
             source=str(out),
@@ -143,7 +143,7 @@ def _open_run(
         raise OutputError(
             "campaign-is-further",
             "the campaign in {out} has already done {units} units",
-            "give --units {units} or more, or --force to start over",
+            "use --units {units} or more, or --force to start over",
             at_terminal=True,
             out=store.out,
             units=done,
@@ -159,7 +159,7 @@ def _refuse_another(out: Path, before: Fingerprint, now: Fingerprint, way_out: s
         raise OutputError(
             "another-campaign",
             "{out} holds another campaign: {differences!l}{more}",
-            "{way_out}, --force starts over, or name another folder",
+            "{way_out}, --force starts over, or choose another folder",
             at_terminal=True,
             out=out,
             differences=list(said[:_SAID_AT_MOST]),

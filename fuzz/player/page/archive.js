@@ -26,9 +26,11 @@ export function rounded(number) {
 /**
  * Draws the map.
  * @param {Archive} archive
- * @param {{width: number, left: number, right: number, top: number, bottom: number}} space - Width of the picture,
+ * @param {{width: number, left: number, right: number, top: number, bottom: number}} space - Width
+ *   of the picture,
  *     and the margins around the map
- * @param {((i: number, j: number) => void) | null} [open] - Called when a kind is clicked; without it nothing can
+ * @param {((i: number, j: number) => void) | null} [open] - Called when a kind is clicked; without
+ *   it nothing can
  *     be opened
  * @returns {SVGElement}
  */

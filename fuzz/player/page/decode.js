@@ -83,7 +83,8 @@ export function openWorld(world) {
         state: numbersOf(world.events.state),
       },
       witness: openWitness(world.witness),
-      others: (world.others ?? []).map((other) => openWitness(other.witness)), // witnesses of the other robots
+      // witnesses of the other robots
+      others: (world.others ?? []).map((other) => openWitness(other.witness)),
       now: null, // cells at some time, and the number of events applied to them
       done: 0,
     };
@@ -172,7 +173,8 @@ export function behaviourAt(run, row) {
 }
 
 /**
- * Maps a step beyond a run's end to one within it: a loop repeats forever, another run stays where it ended.
+ * Maps a step beyond a run's end to one within it: a loop repeats forever, another run stays where
+ * it ended.
  * @param {DrawnRun} run
  * @param {number} step
  * @returns {number}

@@ -35,12 +35,14 @@ export function keyTable(rows) {
 }
 
 /** @type {WeakSet<EventTarget>} */
-const clicked = new WeakSet(); // the element that a click focused; :focus-visible cannot tell, because any key makes it true
+// the element that a click focused; :focus-visible cannot tell, because any key makes it true
+const clicked = new WeakSet();
 addEventListener("click", ({ detail }) => detail > 0 && document.activeElement && clicked.add(document.activeElement));
 addEventListener("focusout", ({ target }) => target && clicked.delete(target));
 
 /**
- * Returns true if the focused element needs a key itself, such as a text field, a slider or a button.
+ * Returns true if the focused element needs a key itself, such as a text field, a slider or a
+ * button.
  * @param {HTMLElement} target
  * @param {string} key
  * @returns {boolean}

@@ -5,7 +5,8 @@ import { el } from "#player/dom.js";
 /**
  * Adds another drawn run to a stage, or removes it; returns the player's `beside`.
  * @param {HTMLElement} stage
- * @param {Pick<Beside, "world" | "run" | "sensors"> | null} other - { world, run, sensors }, or null
+ * @param {Pick<Beside, "world" | "run" | "sensors"> | null} other - { world, run, sensors }, or
+ *   null
  * @param {string[]} [words] - Labels of the two: the other run, and the one in front
  * @returns {Beside | null}
  */

@@ -21,7 +21,8 @@ export function usualSpeed(steps, dt) {
  * Makes a player of one drawn world.
  * @param {HTMLCanvasElement} canvas
  * @param {Drawn} drawn
- * @param {(player: Player) => void} changed - Called when the time changes, or when playing starts or stops
+ * @param {(player: Player) => void} changed - Called when the time changes, or when playing starts
+ *   or stops
  * @returns {Player}
  */
 export function makePlayer(canvas, drawn, changed) {
@@ -113,7 +114,8 @@ function clockOf(player) {
     before = 0;
   const tick = (now) => {
     if (!run) return;
-    const passed = Math.max(0, Math.min(0.25, (now - before) / 1000)); // a frame's time may be earlier than the call of play()
+    // a frame's time may be earlier than the call of play()
+    const passed = Math.max(0, Math.min(0.25, (now - before) / 1000));
     before = now;
     player.step = advanced(player, run, (passed * player.speed) / run.dt);
     player.playing = goesRound(player, run) || player.step < player.last;

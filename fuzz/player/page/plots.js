@@ -7,7 +7,7 @@ import { seriesOf } from "#player/series.js";
 
 const HIGH = 30; // pixels of one plot
 const LEFT = 4; // pixels at both ends, so that the first and the last step can be hit
-const NEAREST = 20; // least number of steps to show
+const NEAREST = 20; // minimum number of steps to show
 const TALL = 820; // height in pixels of a window that shows the plots by default
 
 /**

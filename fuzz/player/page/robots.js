@@ -7,7 +7,8 @@ import { memoryFacts } from "#player/picture/memory.js";
 import { robotColour } from "#player/picture/pen.js";
 
 /**
- * Returns what the player draws with one robot in front of the others; colours follow the order of the list.
+ * Returns what the player draws with one robot in front of the others; colours follow the order of
+ * the list.
  * @param {DrawnWorld} world
  * @param {Robot[]} robots
  * @param {number} number

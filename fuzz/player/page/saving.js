@@ -5,7 +5,8 @@ import { el, say } from "#player/dom.js";
 import { palette } from "#player/picture/pen.js";
 import { usualSpeed } from "#player/player.js";
 
-const FILMS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"]; // the best first
+// the best first
+const FILMS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"];
 const FILM_RATE = 30; // frames a second
 const FILM_BITS = 4_000_000; // a second
 const REST = 800; // ms that a film shows its last picture
@@ -132,7 +133,8 @@ async function keepFilm(player, request) {
   recorder.addEventListener("dataavailable", (event) => parts.push(event.data));
   const stopped = new Promise((done) => recorder.addEventListener("stop", done));
   player.play(false);
-  if (player.period) player.speed = usualSpeed(player.last, player.drawn.run.dt); // instead of the speed for playing a period
+  // instead of the speed for playing a period
+  if (player.period) player.speed = usualSpeed(player.last, player.drawn.run.dt);
   player.period = false;
   player.go(0);
   const begun = new Promise((done) => recorder.addEventListener("start", done));

@@ -1,4 +1,4 @@
-// Dark or light colours: those of the system, until the page's button changes them.
+// Dark or light colours: the system's, until the page's button changes them.
 // The browser keeps that choice.
 
 const KEPT = "worldgen-theme"; // key in the browser's storage

@@ -118,7 +118,7 @@ interface DrawnRun {
   /** Entry and period. */
   loop: [number, number] | null;
   marks: Mark[];
-  /** Of several robots: the numbers of those that this one drives into forever. */
+  /** With several robots: the numbers of the robots that this one drives into forever. */
   blocked_by?: number[];
   open?: OpenRun;
 }
@@ -233,7 +233,7 @@ interface DrawnFailure {
   world: DrawnWorld | null;
   run: DrawnRun | null;
   sensors: Sensors | null;
-  /** Of the first robot and of the others, if there are several. */
+  /** For the first robot, and for the others if there are several. */
   number?: number | null;
   others?: OtherRobot[];
 }

@@ -35,7 +35,7 @@ const COLOURS = {
 const EXPLAINED = new Set(["through-walls", "harmed", "never-arrives", "too-slow"]);
 
 // Causes that are described; the names of the others follow. The first has its example too,
-// so that all fits a screen.
+// so that everything fits on one screen.
 const MOST_SHOWN = 3;
 
 /**

@@ -245,7 +245,8 @@ function table(heads, rows) {
   );
   const cell = (content, k) => {
     if (k === 0) return el("th", { scope: "row" }, content);
-    return el("td", { class: content.nodeType ? "meter" : null }, content); // text is a number, an element is a bar
+    // text is a number, an element is a bar
+    return el("td", { class: content.nodeType ? "meter" : null }, content);
   };
   const body = rows.map((row) => el("tr", {}, row.map(cell)));
   const whole = el("table", { class: "rows" }, el("thead", {}, head), el("tbody", {}, body));

@@ -34,7 +34,8 @@ function stepsOf(failure) {
 /**
  * @param {HTMLElement} section
  * @param {ReportFailure[]} failures
- * @param {string[]} causes The causes in the order of the answer, the worst first; their groups come in it.
+ * @param {string[]} causes The causes in the order of the answer, the worst first; their groups
+ *   come in it.
  * @returns {Overview}
  */
 export function makeOverview(section, failures, causes = []) {

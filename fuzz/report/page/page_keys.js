@@ -27,7 +27,8 @@ export function showKeys() {
 }
 
 /**
- * Returns the keyboard listener of a page; `neighboursOf` returns the failures before and after one.
+ * Returns the keyboard listener of a page; `neighboursOf` returns the failures before and after
+ * one.
  * @param {{id: string, detail: Detail | null}} page
  * @param {(id: string) => Neighbours} neighboursOf
  * @returns {(event: KeyboardEvent) => void}

@@ -13,7 +13,10 @@ import { keyListener, showKeys } from "#report/page_keys.js";
 const data = JSON.parse(byId("data").textContent);
 const everything = [...data.failures, ...data.extras];
 const views = { overview: byId("overview"), campaign: byId("campaign"), detail: byId("detail") };
-/** @type {{ answer: { redraw(): void } | null, overview: Overview | null, detail: Detail | null, id: string, scroll: number }} */
+/**
+ * @type {{ answer: { redraw(): void } | null, overview: Overview | null, detail: Detail | null, id:
+ *   string, scroll: number }}
+ */
 const page = { answer: null, overview: null, detail: null, id: "", scroll: 0 };
 
 function redraw() {
@@ -30,7 +33,8 @@ function showTotals() {
   const items = [some(failures.length, "failure"), some(classes, "class", "classes")];
   if (failures.length > 0)
     items.push(["", `${grouped(confirmed)} of ${grouped(failures.length)}`, " confirmed by running them again"]);
-  const all = campaigns.length === 1 && failures.every((failure) => failure.campaign === 0); // one campaign's folder
+  // one campaign's folder
+  const all = campaigns.length === 1 && failures.every((failure) => failure.campaign === 0);
   for (const { seed, units, units_cut, worlds, steps, seconds } of all ? campaigns : []) {
     items.push(
       ["seed ", seed, ""],

@@ -90,7 +90,7 @@ def budget(message: Message, *, needed: bool) -> list[str]:
         raise InvalidParameter(
             "out-of-range",
             "{seconds:g} s",
-            "give a time above 0 and up to {most:g} s",
+            "use a time above 0 and up to {most:g} s",
             seconds=seconds,
             most=MOST_SECONDS,
         )
@@ -184,7 +184,7 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
 def options() -> dict[str, dict[str, Any]]:
     """Return the command's options by name, with ``help`` and ``default``.
 
-    Help that holds only at the command line is omitted, such as how to name a class in a file.
+    Help that applies only to the command line is omitted, such as how to name a class in a file.
     """
     declared = {option.name: option.help for option in CampaignOptions.declared()}
     return {
@@ -250,7 +250,7 @@ def _whole(message: Message, name: str, most: int) -> int:
         raise InvalidParameter(
             "out-of-range",
             "{name} is {value}",
-            "give a whole number from 1 to {most}",
+            "use a whole number from 1 to {most}",
             name=name,
             value=value,
             most=most,

@@ -36,7 +36,8 @@ _MARK = "studio.begins."
 SAID = "studio.txt"
 """Name, in the campaign store, of the stderr of a process that the studio started; for people."""
 
-# A later refusal at a terminal, such as that of a second start, does not concern the campaign.
+# A later refusal at a terminal, such as the refusal of a second start, does not concern the
+# campaign.
 _ENDED_WELL = (Status.DONE, Status.STOPPED)
 
 

@@ -50,7 +50,8 @@ const studio = {
   show,
   showName,
   showLink,
-  undo: () => studio.draw.cancel() || step("Undone", studio.model.undo()), // cancels the current stroke first
+  // cancels the current stroke first
+  undo: () => studio.draw.cancel() || step("Undone", studio.model.undo()),
   redo: () => studio.draw.cancel() || step("Redone", studio.model.redo()),
   save,
   run: () => (studio.page() === "play" ? studio.play.run() : studio.go("play")),
@@ -123,7 +124,8 @@ async function followLink() {
   }
   try {
     await openFile(studio, { name: shows.world, world: /\.grid(\.gz)?$/.test(shows.world) });
-    if (page === "play") studio.play.follow(shows); // a failure's file names its own robot, and so does a link with robots
+    // a failure's file names its own robot, and so does a link with robots
+    if (page === "play") studio.play.follow(shows);
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     if (error instanceof Refused) notice(error.message);
@@ -232,7 +234,8 @@ async function begun(begins) {
     studio.offered = sameIfEqual(studio.offered, stillOffered(studio.offered, offered));
     const linked = readLink(location.hash).shows.world;
     const file = linked ? "" : openedBefore() || begins.file;
-    const untouched = () => studio.model.past.length === 0; // nothing has been dropped on the page in the meantime
+    // nothing has been dropped on the page in the meantime
+    const untouched = () => studio.model.past.length === 0;
     if (first && (untouched() || studio.page() === "campaign")) await followLink();
     followed = true;
     if (first && file && untouched())
@@ -363,12 +366,15 @@ function begin() {
   listen(studio);
   takeDrops();
   addEventListener("hashchange", ({ newURL }) => {
-    const { shows } = readLink(new URL(newURL).hash); // by now, showLink may have written a link into the address
-    if (followed && Object.keys(shows).length > 0) followLink(); // another link was put into the address
+    // by now, showLink may have written a link into the address
+    const { shows } = readLink(new URL(newURL).hash);
+    // another link was put into the address
+    if (followed && Object.keys(shows).length > 0) followLink();
     route();
   });
   addEventListener("beforeunload", (event) => {
-    if (!keepDraft(studio.model)) event.preventDefault(); // too large to be kept, so the browser asks the user
+    // too large to be kept, so the browser asks the user
+    if (!keepDraft(studio.model)) event.preventDefault();
   });
   // Find the draft first: after sharing the token, other tabs may connect.
   studio.connection = makeConnection(given, begun, lost, goOn().finally(shareToken));

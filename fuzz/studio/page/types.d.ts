@@ -182,7 +182,7 @@ interface WorldMessage {
 /** A world that is being edited. */
 interface EditedWorld extends Omit<WorldMessage, "cells"> {
   cells: Uint8Array;
-  /** Name of its file in the folder; empty without one. */
+  /** Name of its file in the folder; empty if it has none. */
   name: string;
   /** Digest of that file when it was opened or saved. */
   file: string | null;
@@ -239,7 +239,7 @@ interface Proof {
   reason?: string;
   witness?: DrawnWorld["witness"];
   cut?: CellPlace[];
-  /** Of several robots: the others with their witnesses. */
+  /** With several robots: the others with their witnesses. */
   others?: OtherEnds[];
   error?: string;
   /** The witness, unpacked, and those of the other robots. */

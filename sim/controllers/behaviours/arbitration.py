@@ -68,7 +68,7 @@ class Arbitration:
     Args:
         parts: The parts in the order in which the memory counts them.
         arbiter: ``priority``, ``vote`` or ``learning``.
-        acted: Takes (n + 1, m) the memories of a run from its start on, and returns (n,) the part
+        acted: Takes (n + 1, m) the memories of a run from its start, and returns (n,) the part
             that acted in each step; -1 for none.
     """
 

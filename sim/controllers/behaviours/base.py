@@ -80,7 +80,7 @@ class Behaviour:
             raise InvalidParameter(
                 "not-a-behaviour",
                 "behaviour {name!r} has no trigger, or no action",
-                "give trigger(observation, memory) and action(observation, memory)",
+                "use trigger(observation, memory) and action(observation, memory)",
                 name=self.name,
             )
         check_duration(self.name, self.duration)
@@ -97,7 +97,7 @@ def check_duration(name: str, duration: object) -> None:
         raise InvalidParameter(
             "out-of-range",
             "behaviour {name!r} has duration={duration!r}",
-            "give steps, 0 or more, or UNTIL_DONE",
+            "use steps, 0 or more, or UNTIL_DONE",
             name=name,
             duration=duration,
         )

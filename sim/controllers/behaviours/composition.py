@@ -4,7 +4,7 @@ If all of them are the library's, the arbiter runs in C with them, at the speed 
 controller. A behaviour in Python makes the composition a controller in Python; the arbiter is the
 same C code, which then calls Python.
 
-All memory is declared: that of the arbiter, and that of each part. So loops can be proved.
+All memory is declared: the arbiter's and each part's. So loops can be proved.
 
 Sources: Rodney A. Brooks, "A robust layered control system for a mobile robot", IEEE Journal of
     Robotics and Automation 2 (1986), for priorities; Julio K. Rosenblatt, "DAMN: a distributed
@@ -83,7 +83,7 @@ def composed(
         raise InvalidParameter(
             "unknown-name",
             "no arbiter is called {arbiter!r}",
-            "give {known!l}",
+            "use {known!l}",
             arbiter=arbiter,
             known=list(ARBITERS),
         )

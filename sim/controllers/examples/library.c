@@ -9,7 +9,8 @@
 
 static const double PI = 3.14159265358979323846;
 static const double TURN = 1.5;       // how far to turn after a bump, rad, counter-clockwise
-static const double PATIENCE = 20.0;  // steps to drive straight on before heading for the target again
+// steps to drive straight on before heading for the target again
+static const double PATIENCE = 20.0;
 
 // All of its state. A static variable would hide state, and make proofs of loops wrong.
 typedef struct Memory {

@@ -1,4 +1,4 @@
-"""What many controllers of the library declare: their senses, and numbers of a user's own.
+"""Declarations that controllers of the library share: their senses, and a user's own numbers.
 
 ``sim/core/controllers/shared/boundary.h`` describes those that follow a wall by touch. The memory
 of each of them begins with the fields of ``WgWallBody``.

@@ -1,4 +1,4 @@
-"""Bug2: follow an obstacle until it crosses the straight line to the target again, at a nearer point.
+"""Bug2: follow an obstacle until it crosses the straight line to the target again, nearer to it.
 
 The robot drives straight to the target. If a wall stops it, at the hit point, it follows the
 wall with its left hand until it crosses the line from the hit point to the target, at a place

@@ -34,8 +34,8 @@ AT = fields_of("WgMapperMemory")
 # Distance between two nodes, m: half a cell of the families' worlds.
 PITCH = 0.05
 
-# Fraction of the radius. Closer than this to a wall, the robot certainly does not fit, despite
-# rounding.
+# Fraction of the radius. At a smaller distance from a wall, the robot certainly does not fit,
+# despite rounding.
 CERTAIN = 0.97
 
 # Sizes of maps, in nodes along a side.
@@ -151,8 +151,8 @@ def mapping(
         side: Nodes along a side of the map, 8 to 1024. The memory takes about one number per 12
             nodes.
         pitch: Distance between two nodes, m; half a cell finds every path between walls on a grid.
-        no_room: Fraction of the robot's radius. Closer than this to a wall that it felt, the robot
-            does not fit; 0 blocks only edges that it tried.
+        no_room: Fraction of the robot's radius. The robot does not fit at a smaller distance from a
+        wall that it felt; 0 blocks only edges that it tried.
 
     Raises:
         InvalidParameter: If the map is too small or too large, the pitch is not above 0, or the
@@ -162,7 +162,7 @@ def mapping(
         raise InvalidParameter(
             "out-of-range",
             "side={side} is outside {least_side} to {most_side} nodes",
-            "give a number in that range",
+            "use a number in that range",
             side=side,
             least_side=LEAST_SIDE,
             most_side=MOST_SIDE,
@@ -171,14 +171,14 @@ def mapping(
         raise InvalidParameter(
             "out-of-range",
             "pitch={pitch:g} m is not above 0",
-            "give the distance between two nodes of the map",
+            "use the distance between two nodes of the map",
             pitch=pitch,
         )
     if not 0.0 <= no_room <= 10.0:
         raise InvalidParameter(
             "out-of-range",
             "no_room={no_room:g} is outside 0 to 10 times the robot's radius",
-            "give a fraction near 1",
+            "use a fraction near 1",
             no_room=no_room,
         )
     size = memory_size(side)

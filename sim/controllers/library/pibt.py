@@ -53,7 +53,7 @@ _NEAR = 0.02
 _MESSAGE = 5
 # Bits of the map in one number of the memory; a float holds 53.
 _BITS = 52
-# Places in the memory before the map.
+# Numbers in the memory that precede the map.
 _LEFT, _STEPS, _X, _Y, _PRIORITY, _TARGET_X, _TARGET_Y, _WITHIN, _EDGE, _COLUMNS = range(10)
 _MAP = 10
 
@@ -351,7 +351,7 @@ def _touch(one: _Agent, move: Move, other: _Agent, other_move: Move) -> bool:
 
 
 def _touch_at(x: float, y: float, dx: float, dy: float, together: float) -> bool:
-    """Return True if a point passes the origin at less than ``together`` edges.
+    """Return True if a moving point comes within ``together`` edges of the origin.
 
     Args:
         x: Where it begins.

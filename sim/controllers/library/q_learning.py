@@ -1,4 +1,4 @@
-"""Q-learning: a table of the value of each turn in each situation, learnt by simulation.
+"""Q-learning: a table of the value of each turn in each situation, learned in simulation.
 
 Every fourth step the robot observes the direction of the target (in eighths of a turn), which of
 five directions are blocked, and to which side it last turned, which makes 768 situations. For each
@@ -42,7 +42,7 @@ def best_turns(table: Ints) -> Ints:
 
 
 def q_learning_robot(table: Ints, name: str = "q-learning") -> CompiledController:
-    """Return a controller that drives by a table.
+    """Return a controller that looks up its turns in a table.
 
     Args:
         table: (SITUATIONS, turns) value of each turn.

@@ -129,7 +129,7 @@ def find_program(command: tuple[str, ...]) -> str:
     raise InvalidParameter(
         "program-missing",
         "controller program {program!r} does not exist",
-        "give its path, such as ./mine, or a name that is on PATH",
+        "use its path, such as ./mine, or a name that is on PATH",
         program=command[0],
     )
 
@@ -192,7 +192,7 @@ class Program:
             raise InvalidParameter(
                 "cannot-limit-memory",
                 "the memory limit of {memory} bytes cannot be set: {reason}",
-                "give another limit, or none",
+                "use another limit, or none",
                 memory=memory,
                 reason=str(error),
             ) from error

@@ -51,7 +51,7 @@ def transcribed(controller: str, out: Path | None, *, force: bool = False) -> It
         raise InvalidParameter(
             "not-a-program",
             "{option} records the lines sent to a program, but {controller!r} is not a program",
-            "for a Python class, give --controller 'cmd:python -m sim.host {controller}'",
+            "for a Python class, use --controller 'cmd:python -m sim.host {controller}'",
             at_terminal=True,
             option="--transcript",
             controller=controller,

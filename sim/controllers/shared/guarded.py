@@ -61,7 +61,7 @@ class CallResult(NamedTuple):
 
     Args:
         result: Return value of the core's function.
-        error: ``WgReport.error`` of the last run; empty without an error.
+        error: ``WgReport.error`` of the last run; empty if there was no error.
     """
 
     result: int
@@ -110,7 +110,7 @@ class _SharedMemory(CoreMemory):
 
     @property
     def chunks(self) -> int:
-        """How many times it has grown; a process only knows the chunks that existed when it was forked."""
+        """How many times it has grown; a process only knows chunks from before it was forked."""
         return len(self._chunks)
 
     def new(self, kind: str, value: Any = None, ffi: Any = ffi) -> Any:
@@ -204,7 +204,7 @@ class _Server:
             self._close()
             raise WorldgenError(
                 "no-process",
-                "no process can be started to run the controller in",
+                "the process that would run the controller cannot be started",
                 "end some others",
             )
         self._poll = select.poll()

@@ -57,7 +57,7 @@ def library_controller(name: str) -> CompiledController:
         raise InvalidParameter(
             "below-minimum",
             "controller {name!r} has beam_range={beam_range:g} m",
-            "give 0 or more",
+            "use 0 or more",
             name=name,
             beam_range=info.beam_range,
         )

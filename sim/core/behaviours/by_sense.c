@@ -7,7 +7,8 @@
 #include "behaviours.h"
 #include "directions.h"
 
-static const double AHEAD = 60.0 * (3.14159265358979323846 / 180.0);  // rad: beams this near to the heading look ahead
+// rad: beams this near to the heading look ahead
+static const double AHEAD = 60.0 * (3.14159265358979323846 / 180.0);
 // rad: the robot turns until an obstacle is this far to the side
 static const double ASIDE = 75.0 * (3.14159265358979323846 / 180.0);
 

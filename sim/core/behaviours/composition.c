@@ -4,9 +4,9 @@
 // The arbiter decides by priority (worldgen_behaviours.h), lets the parts vote,
 // or learns when each part is useful.
 //
-// Sources: the vote is that of Julio K. Rosenblatt, "DAMN: a distributed architecture for mobile
-// navigation", Journal of Experimental & Theoretical Artificial Intelligence 9 (1997); learning is
-// that of Pattie Maes and Rodney A. Brooks, "Learning to coordinate behaviors", AAAI (1990).
+// Sources: the vote follows Julio K. Rosenblatt, "DAMN: a distributed architecture for mobile
+// navigation", Journal of Experimental & Theoretical Artificial Intelligence 9 (1997); learning
+// follows Pattie Maes and Rodney A. Brooks, "Learning to coordinate behaviors", AAAI (1990).
 
 #include <assert.h>
 #include <math.h>
@@ -15,11 +15,14 @@
 #include "directions.h"
 #include "library.h"
 
-static const double SPREAD = 0.5 * 3.14159265358979323846;  // rad: a vote for a direction fades out at this angle
-static const double TRIALS = 48.0;      // steps that a part must act in a condition before its value is known
+// rad: a vote for a direction fades out at this angle
+static const double SPREAD = 0.5 * 3.14159265358979323846;
+// steps that a part must act in a condition before its value is known
+static const double TRIALS = 48.0;
 static const int64_t RECENT = 128;      // steps of a condition over which shares are averaged
 static const double LATELY = 32.0;      // steps for which a touch counts as recent
-static const double UNTRIED = 2.0;      // relevance of a part that has yet to be tried: above any other
+// relevance of a part that has yet to be tried: above any other
+static const double UNTRIED = 2.0;
 
 static const WgBehaviour *const BEHAVIOURS[] = {
     &wg_collide, &wg_seek,  &wg_drive_on, &wg_avoid,  &wg_follow_wall,

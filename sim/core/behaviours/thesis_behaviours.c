@@ -12,7 +12,8 @@
 
 static const double UNITS = (double)WG_TURN / 6.28318530717958647693;  // heading units per rad
 static const int64_t TURN_STEP = 834;  // heading units turned in a step: 0.08 rad
-static const int64_t SNAP = 2086;  // heading units: a remainder of at most 0.2 rad is turned immediately
+// heading units: a remainder of at most 0.2 rad is turned immediately
+static const int64_t SNAP = 2086;
 
 static int64_t heading_units(double radians)
 {

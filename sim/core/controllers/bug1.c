@@ -13,11 +13,12 @@ static const double MEET = 2.0;
 static const double ROUND = 3.0;
 static const double BACK = 4.0;
 
-static const double SAME_PLACE = 0.5;  // of a step
-static const double ELSEWHERE = 1.5;  // of a step: farther from the hit point than this, the robot has left it
-static const double SAME_WALL = 100.0 * (3.14159265358979323846 / 180.0);  // rad by which the direction of the wall may
-                                                                           // differ at the same place
-// of a step: a hit on the same wall must be nearer than the last leave point by this,
+static const double SAME_PLACE = 0.5;  // fraction of a step
+// steps: beyond this distance the robot has left the hit point
+static const double ELSEWHERE = 1.5;
+// rad by which the direction of the wall may differ at the same place
+static const double SAME_WALL = 100.0 * (3.14159265358979323846 / 180.0);
+// fraction of a step: a hit on the same wall must be nearer than the last leave point by this,
 // otherwise the robot drives to that point
 static const double NEARER = 0.1;
 
@@ -78,7 +79,8 @@ static void meet(const WgObservation *seen, WgBug1Memory *own)
     wg_begin_following(&own->body, wg_touched(seen));
     double margin = NEARER * wg_stride(seen);
     if (own->leave_far < INFINITY && fabs(wg_wrap(own->body.wall - own->leave.wall)) > SAME_WALL) {
-        margin = 0.0;  // a wall across a gap hardly wider than the robot is a different one, however near
+        // a wall across a gap hardly wider than the robot is a different one, however near
+        margin = 0.0;
     }
     own->mode = seen->target_distance < own->leave_far - margin ? MEET : BACK;
     if (own->mode == MEET) {

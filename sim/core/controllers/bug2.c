@@ -14,8 +14,10 @@ static const double GOAL = 1.0;
 static const double ROUND = 2.0;
 static const double BACK = 3.0;
 
-static const double NEARER = 0.05;  // of a step: a leave point must be nearer than the hit point by this
-static const double THERE = 0.02;  // of a step: closer than this to the leave point, the robot is there
+// fraction of a step by which a leave point must be nearer than the hit point
+static const double NEARER = 0.05;
+// fraction of a step: within this distance the robot is at the leave point
+static const double THERE = 0.02;
 
 // Starts to follow a wall, with a new line if it is nearer to the target than the last one.
 static void hit(const WgObservation *seen, WgBug2Memory *own)

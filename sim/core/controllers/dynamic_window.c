@@ -10,7 +10,8 @@
 #include "directions.h"
 #include "library.h"
 
-static const double GRAIN = 1024.0;  // commands are whole 1/1024 m/s and rad/s, so that states can recur
+// commands are whole 1/1024 m/s and rad/s, so that states can recur
+static const double GRAIN = 1024.0;
 
 const WgDynamicWindow wg_dynamic_window_default = {
     .margin = 0.003,
@@ -79,7 +80,8 @@ static double facing(const WgObservation *seen, Arc arc, const WgDynamicWindow *
 {
     double turned = arc.turn_rate * tuned->ahead;
     double path = arc.speed * tuned->ahead;
-    double half = 0.5 * turned;  // on an arc, the direction to the place differs from the heading by half the turn
+    // on an arc, the direction to the place differs from the heading by half the turn
+    double half = 0.5 * turned;
     double towards = wg_target_bearing(seen);
     double far = seen->target_distance;
     double x = far * wg_cos(towards) - path * wg_cos(half);

@@ -13,9 +13,9 @@
 #include "library.h"
 
 enum {
-    CELLS_A_WORD = 12,  // of 4 bits: 48 bits, which a double holds exactly
-    MOST_DEGREE = 15,   // of goodness; 0 is unknown
-    BAD = 4,            // an arc ends before a cell of this degree or below
+    CELLS_A_WORD = 12,  // 4 bits each: 48 bits, which a double holds exactly
+    MOST_DEGREE = 15,   // highest degree of goodness; 0 is unknown
+    BAD = 4,            // an arc ends before a cell of this degree or lower
     UNKNOWN_IS = 6,     // degree that counts for an unknown cell
     FIRST_IS = 8,       // degree of a cell before its first observation
     HIT = 8,            // degrees that a beam's end takes from a cell
@@ -25,7 +25,8 @@ enum {
 
 static const double ARC = 5.0;            // radii of the robot: length of an arc
 static const double CELL = 0.5;           // same: side of a cell
-static const double FOOT = 0.75;           // same: cells nearer than this to the middle are under the robot
+// same: cells nearer than this to the middle are under the robot
+static const double FOOT = 0.75;
 static const double BEND = 0.78539816339744830962;  // rad: turn along a bent arc
 static const double TO_GOOD = 1.0;        // weight of the mean goodness along an arc
 static const double TO_TARGET = 0.4;     // weight of the progress towards the target
@@ -235,7 +236,8 @@ void wg_gestalt_act(const WgObservation *seen, double *memory, WgCommand *comman
     if (touches || own->left <= 0.0) {
         look(seen, own);
         if (touches) {
-            feel(seen, own);  // after the beams, because they cannot see an obstacle that the robot touches
+            // after the beams, because they cannot see an obstacle that the robot touches
+            feel(seen, own);
         }
         choose(seen, own);
     }

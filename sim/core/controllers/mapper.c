@@ -17,12 +17,13 @@ static const double DOOR = 2.0;
 static const double TOUCH = 3.0;
 static const double BACK = 4.0;
 
-static const double THERE = 0.01;  // of the pitch: the robot is at a node within this distance
-static const double STANDS = 0.02;  // of the pitch: a shorter free step cannot come nearer
-static const double ALONG = 0.9;  // least progress, in steps, if a wall deflected the step
-static const double PROBE = 0.2;  // of the pitch: step with which it feels for a wall
-static const double MOST_TRIES = 12.0;  // steps on the way back that a wall may bend before the nearest node
-                                        // is taken to be its own
+// fraction of the pitch: within this distance the robot is at a node
+static const double THERE = 0.01;
+static const double STANDS = 0.02;  // fraction of the pitch: a shorter free step cannot come nearer
+static const double ALONG = 0.9;  // minimum progress, in steps, if a wall deflected the step
+static const double PROBE = 0.2;  // fraction of the pitch: length of a step that feels for a wall
+// steps on the way back that a wall may bend before the nearest node is taken to be its own
+static const double MOST_TRIES = 12.0;
 
 typedef struct Point {
     double x;  // m

@@ -17,12 +17,16 @@
 #include "directions.h"
 #include "library.h"
 
-enum { HALVINGS = 40 };  // bisections of the amount by which half-planes are relaxed, which make it exact to 1e-12
+// bisections of the amount by which half-planes are relaxed, which make it exact to 1e-12
+enum { HALVINGS = 40 };
 
 static const double HORIZON = 2.0;    // s: time for which the robots must stay clear
-static const double MARGIN = 1.05;    // times the sum of the radii, so that rounding to the lattice causes no touch
-static const double CLOSE = 1e-9;     // m/s by which a velocity may miss a half-plane, to allow for rounding
-static const double STANDING = 1e-3;  // of the top speed: below this, the robot stops and keeps its heading
+// times the sum of the radii, so that rounding to the lattice causes no touch
+static const double MARGIN = 1.05;
+// m/s by which a velocity may miss a half-plane, to allow for rounding
+static const double CLOSE = 1e-9;
+// fraction of the top speed below which the robot stops and keeps its heading
+static const double STANDING = 1e-3;
 
 // Velocity or place, m/s or m, in the robot's frame: x ahead, y to the left.
 typedef struct Vector {
@@ -77,7 +81,8 @@ static Vector difference(Vector a, Vector b)
 static HalfPlane plane_of(Vector own, Vector relative, Vector place, double radii, double time_step)
 {
     double far = length(place);
-    double horizon = far > radii ? HORIZON : time_step;  // robots that touch must separate within a step
+    // robots that touch must separate within a step
+    double horizon = far > radii ? HORIZON : time_step;
     Vector from_cap = difference(relative, scaled(place, 1.0 / horizon));
     double depth = length(from_cap);
     Vector normal = depth > 0.0 ? scaled(from_cap, 1.0 / depth) : (Vector){-1.0, 0.0};

@@ -9,7 +9,8 @@
 #include "directions.h"
 #include "library.h"
 
-static const double NEAREST = 0.004;  // m: the repulsion stops growing at this gap, so that it is never infinite
+// m: the repulsion stops growing at this gap, so that it is never infinite
+static const double NEAREST = 0.004;
 
 const WgPotentialField wg_potential_field_default = {
     .pull = 1.0,

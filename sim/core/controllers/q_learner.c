@@ -21,8 +21,8 @@ enum {
     DISCOUNT = 98,       // hundredths of the value of the next situation
     LEARNT = 4,          // a value moves by its error divided by this
     OFFSET = 32768,      // offset of a stored value
-    IN_A_NUMBER = 3,     // values in each number of the memory
-    BITS = 16,           // of a value
+    IN_A_NUMBER = 3,     // values packed into each number of the memory
+    BITS = 16,           // bits of a value
 };
 
 static int64_t shift_of(int64_t turn)

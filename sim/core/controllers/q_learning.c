@@ -1,4 +1,4 @@
-// Q-learning: a table of the value of each turn in each situation, learnt by driving in the
+// Q-learning: a table of the value of each turn in each situation, learned by driving in the
 // simulator.
 //
 // Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's

@@ -5,7 +5,8 @@
 #include "directions.h"
 #include "library.h"
 
-static const double LEG = 0.5;  // m; shorter ones stay near the start for longer, longer ones follow walls
+// m; shorter ones stay near the start for longer, longer ones follow walls
+static const double LEG = 0.5;
 
 void wg_random_walk_act(const WgObservation *seen, double *memory, WgCommand *command)
 {

@@ -11,8 +11,10 @@
 
 static const double GAIN = 0.2;      // fraction of a distance error that is corrected in one step
 static const double GATE = 0.3;      // m: a distance with a larger error is ignored
-static const double BASE = 0.25;     // m: distance between the two places of a bearing from two distances
-static const double SEARCH = 3.0;    // m: distance that a robot without any signal so far drives before it turns
+// m: distance between the two places of a bearing from two distances
+static const double BASE = 0.25;
+// m: distance that a robot without any signal so far drives before it turns
+static const double SEARCH = 3.0;
 static const double THERE = 0.15;    // m: closer than this to the end of that path, it turns
 
 enum { SEARCHES = 8 };  // directions of a search before they repeat, three eighths of a turn apart

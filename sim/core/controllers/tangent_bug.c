@@ -13,14 +13,16 @@ static const double WALL = 2.0;
 static const double LEAVE = 3.0;
 
 static const double RANGE = 1.0;  // m: points farther away are ignored
-static const double APART = 1.4;  // of the radius: points farther apart than this from beam to beam are ignored, too
-static const double TOUCHING = 0.97;  // of the radius: a touched wall is at least this far away, so it doesn't block the path
-                                      // along it
-static const double JUMP = 0.08 / 0.07;  // of the radius: a wall ends where the free path becomes longer by this in
-                                         // the next direction
-static const double LONGER = 0.05;  // m: the path by an end may become this much longer before a wall is followed
-static const double CONTINUES = 0.5;  // share of its distance by which a wall may be nearer or farther in the next
-                                      // direction
+// radii: points farther apart than this from beam to beam are also ignored
+static const double APART = 1.4;
+// radii: a touched wall is at least this far away, so it doesn't block the path along it
+static const double TOUCHING = 0.97;
+// radii: a wall ends where the free path becomes longer by this in the next direction
+static const double JUMP = 0.08 / 0.07;
+// m: the path by an end may become this much longer before a wall is followed
+static const double LONGER = 0.05;
+// share of its distance by which a wall may be nearer or farther in the next direction
+static const double CONTINUES = 0.5;
 // m: a place worth leaving a wall for is nearer to the target than the whole wall by this
 static const double NEARER = 0.03;
 static const double PATIENCE = 60.0;  // steps within which the path must have become shorter

@@ -190,7 +190,8 @@ static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const W
     // Close the border that it did not get through.
     if (there.column >= 0 && !is_same(there, here)) {  // abandoned, or driven off course
         close_border(own, late ? here : before, there);
-    } else if (there.column < 0 && late) {  // the target's cell was entered on the wrong side of a wall
+    // the target's cell was entered on the wrong side of a wall
+    } else if (there.column < 0 && late) {
         close_border(own, here, (WgMapCell){(int64_t)own->from_x, (int64_t)own->from_y});
     }
     set_waypoint(own, (WgMapCell){-1, -1});
@@ -258,7 +259,8 @@ static void drive(const WgObservation *seen, WgThreeLayerMemory *own, WgCommand 
     }
     sequence(seen, own, tuned);
     if (seen->beam_count == 0) {
-        command->error = "ZeroDivisionError: division by zero";  // of a whole turn by the number of beams
+        // Python's error for dividing a whole turn by the number of beams
+        command->error = "ZeroDivisionError: division by zero";
         return;
     }
     react(seen, own, command, tuned);

@@ -16,11 +16,11 @@
 #include "library.h"
 
 enum {
-    DIRECTIONS = 16,          // of the world
+    DIRECTIONS = 16,          // in the world's frame
     TO_TARGET = DIRECTIONS,   // the exit straight to the target
     EXITS = DIRECTIONS + 1,
     LINKS = 5,                // neighbours of a place
-    LINK_BITS = 10,           // of each of them
+    LINK_BITS = 10,           // bits of each link
     MOST_PLACES = 1000,
     LEVELS = 3,
 };
@@ -30,18 +30,24 @@ static const double EXPLORE = 1.0;
 static const double TRAVEL = 2.0;
 
 static const double STRIDE = 3.5;  // radii of the robot that must be free for an exit to be open
-static const double SCALE[LEVELS] = {1.0, 0.6, 0.35};  // of a stride, by how fine the map is
+// fractions of a stride, by how fine the map is
+static const double SCALE[LEVELS] = {1.0, 0.6, 0.35};
 static const double REACH = 4.0;   // strides from one place to the next, at most
-static const double NEAR = 0.6;    // of a stride: points nearer than this to a driven path are explored
-static const double SEES = 1.5;    // strides within which two places are joined if nothing is between them
-static const double CLOSE = 0.95;  // of the radius: half the width that must be free; below 1 to slide along walls
-static const double APART = 0.25;  // of the radius: no new place is made within this distance of the place that it left
-static const double THERE = 0.02;  // of the radius: the robot is at a place within this distance
-static const double STANDS = 0.1;  // of the radius: also within this distance, if it comes no nearer
-static const double ALONG = 0.9;   // least progress, in steps, if a wall deflected the step
-static const double ACROSS = 0.5;  // an exit opens at the side if the cosine from the direction of driving is at most this
+// fraction of a stride: points nearer than this to a driven path count as explored
+static const double NEAR = 0.6;
+// strides within which two places are joined if nothing is between them
+static const double SEES = 1.5;
+// radii: half the width that must be free; below 1 to slide along walls
+static const double CLOSE = 0.95;
+// radii: no new place is made within this distance of the place that it left
+static const double APART = 0.25;
+static const double THERE = 0.02;  // radii: within this distance the robot is at a place
+static const double STANDS = 0.1;  // radii: also within this distance, if it gets no nearer
+static const double ALONG = 0.9;   // minimum progress, in steps, if a wall deflected the step
+// an exit opens at the side if the cosine from the direction of driving is at most this
+static const double ACROSS = 0.5;
 
-// The shortest ways from a place.
+// The shortest paths from a place.
 typedef struct Ways {
     double length[MOST_PLACES];  // m; INFINITY: there is none
     int64_t first[MOST_PLACES];  // the place after the first one
@@ -150,7 +156,7 @@ static bool is_explored(const WgTopologicalMemory *own, double x, double y, doub
     return false;
 }
 
-// Finds the shortest ways from the robot's place along the map.
+// Finds the shortest paths from the robot's place along the map.
 static void find_ways(const WgTopologicalMemory *own, Ways *ways)
 {
     bool done[MOST_PLACES] = {false};
@@ -503,7 +509,8 @@ void wg_topological_act(const WgObservation *seen, double *memory, WgCommand *co
 {
     WgTopologicalMemory *own = (WgTopologicalMemory *)memory;
     if (seen->beam_count == 0) {
-        command->error = "ZeroDivisionError: division by zero";  // of a whole turn by the number of beams
+        // Python's error for dividing a whole turn by the number of beams
+        command->error = "ZeroDivisionError: division by zero";
         return;
     }
     WgPoints points;

@@ -10,8 +10,9 @@ void wg_naive_act(const WgObservation *seen, double *memory, WgCommand *command)
     wg_steer(seen, command, wg_target_bearing(seen), seen->top_speed);
 }
 
-static const double ROUNDING = 1e-6;  // m: far more than what distances are rounded by
-static const double MARGIN = 1.3;  // times the sum of the radii: distance at which robots pass each other
+static const double ROUNDING = 1e-6;  // m: far more than the rounding error of distances
+// times the sum of the radii: distance at which robots pass each other
+static const double MARGIN = 1.3;
 
 // Returns the angle, rad, of a sine from 0 to 1.
 static double arc_sine(double sine)

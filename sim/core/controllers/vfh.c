@@ -12,9 +12,9 @@
 #include "directions.h"
 #include "library.h"
 
-enum { SECTORS = 72 };  // of 5 degrees, in the world's frame
+enum { SECTORS = 72 };  // 5 degrees each, in the world's frame
 
-static const double WIDTH = 6.28318530717958647693 / 72.0;  // rad, of a sector
+static const double WIDTH = 6.28318530717958647693 / 72.0;  // width of a sector, rad
 
 const WgVfh wg_vfh_default = {
     .safety = 1.0 / 7.0,

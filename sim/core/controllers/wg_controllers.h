@@ -86,7 +86,7 @@ typedef struct WgRandomWalkMemory {
 } WgRandomWalkMemory;
 
 enum {
-    WG_MOST_PARTS = 16,       // of a composition
+    WG_MOST_PARTS = 16,       // limit on the parts of a composition
     WG_PART_OPTIONS = 4,      // limit on the tuning numbers of a part
     WG_VOTE_DIRECTIONS = 32,  // among which parts vote
 };
@@ -111,7 +111,8 @@ typedef struct WgFeedback {
 
 // A part in a memory.
 typedef struct WgStoredPart {
-    double kind;           // index of its behaviour: wg_behaviour_at; negative: one of the user's own
+    // index of its behaviour: wg_behaviour_at; negative: one of the user's own
+    double kind;
     double priority;
     double duration;       // steps
     double interruptible;
@@ -126,7 +127,7 @@ typedef struct WgComposition {
     WgShared shared;
     double acted;    // the part that acted in the last step; -1: none
     double arbiter;  // WG_BY_PRIORITY, ...
-    double count;    // of the parts
+    double count;    // number of parts
 } WgComposition;
 
 typedef struct WgLearning {
@@ -140,10 +141,12 @@ typedef struct WgLearning {
 
 typedef struct WgPotentialField {
     double pull;        // force per metre of distance from the target
-    double far;         // m: distance beyond which the attraction stops growing, which limits the speed
+    // m: distance beyond which the attraction stops growing, which limits the speed
+    double far;
     double push;        // gain of the walls' repulsion
     double influence;   // m: gap beyond which a wall does not repel
-    double full_force;  // force at which the robot drives at its top speed; below it, proportionally slower
+    // force at which the robot drives at its top speed; below it, proportionally slower
+    double full_force;
 } WgPotentialField;
 
 typedef struct WgVfh {
@@ -151,7 +154,8 @@ typedef struct WgVfh {
     double window;          // distance, in radii of the robot, beyond which obstacles do not count
     double low;             // density, 0 to 1, below which a blocked sector becomes free
     double high;            // density above which a free sector becomes blocked
-    double wide;            // sectors of an opening that is passed along its side instead of through its middle
+    // sectors of an opening that is passed along its side instead of through its middle
+    double wide;
     double to_target;       // cost of a sector between a direction and the target's
     double to_heading;      // cost of a sector between it and the heading
     double to_last;         // cost of a sector between it and the direction chosen last
@@ -174,7 +178,8 @@ typedef struct WgDynamicWindow {
     double gain;          // m/s2: largest change of speed, up or down
     double turn_gain;     // rad/s2: largest change of turn rate
     double fastest_turn;  // rad/s
-    double speeds;        // number of speeds tried, from the slowest to the fastest within the window
+    // number of speeds tried, from the slowest to the fastest within the window
+    double speeds;
     double turns;         // number of turn rates tried; an odd number includes the current one
     double ahead;         // s after which an arc's heading is compared with the target's direction
     double least;         // m: free path that an arc must have
@@ -196,10 +201,13 @@ typedef struct WgDynamicWindowTunedMemory {
 
 typedef struct WgThreeLayer {
     double margin;        // m: added to the robot's radius
-    double pitch;     // side of a cell of the map, in radii of the robot; larger if the map would not reach the target
+    // side of a cell of the map, in radii of the robot; larger if the map would not reach the
+    // target
+    double pitch;
     double reach;     // minimum side of the map, times the distance from start to target
     double look;      // m: free path that the controller requires in its direction
-    double patience;  // steps after which a waypoint is abandoned, times one more than the map has been forgotten
+    // steps after which a waypoint is abandoned, times one more than the map has been forgotten
+    double patience;
 } WgThreeLayer;
 
 typedef struct WgThreeLayerMemory {
@@ -217,7 +225,8 @@ typedef struct WgThreeLayerMemory {
     double from_y;
     double target_x;   // the target's
     double target_y;
-    double right[48];  // a number for each row, a bit for each closed border between a cell and its right neighbour
+    // a number for each row, a bit for each closed border between a cell and its right neighbour
+    double right[48];
     double up[48];     // same, and its upper neighbour
 } WgThreeLayerMemory;
 
@@ -253,21 +262,23 @@ typedef struct WgReckoning {
     double y;
     double target_x;    // m: where it believes the target to be
     double target_y;
-    double odometry_x;  // m: the odometry of the step before; with distances, the place where `far` was measured
+    // m: the odometry of the step before; with distances, the place where `far` was measured
+    double odometry_x;
     double odometry_y;
     double far;         // m: distance to the target there
     double cell;        // m: distance at which the signal has fallen to a half; 0: unknown
     double search;      // directions in which it has searched for a signal
-    double turned;      // rad: its heading after the previous step minus that of the odometry
+    double turned;      // rad: its heading after the previous step minus the odometry's
 } WgReckoning;
 
 typedef struct WgQLearnerMemory {
     WgQMemory state;
-    double situation;     // of the last decision; -1: there was none
+    double situation;     // situation of the last decision; -1: there was none
     double choice;        // its turn, a number among the six
     double far;           // mm: distance to the target then
     double explore;       // random decisions in thousandths; 0 uses no random numbers
-    double values[1536];  // of each turn in each situation, three in a number: 16 bits each, in thousandths
+    // value of each turn in each situation, in thousandths: 16 bits each, three to a number
+    double values[1536];
 } WgQLearnerMemory;
 
 typedef struct WgMapperMemory {
@@ -275,9 +286,10 @@ typedef struct WgMapperMemory {
     double side;         // nodes of the window along a side
     double window_x;     // its lowest node
     double window_y;
-    double target_x;     // of the target, not rounded
+    double target_x;     // place of the target, not rounded
     double target_y;
-    double doors;        // bits of the nodes next to the target from which the path to it was blocked
+    // bits of the nodes next to the target from which the path to it was blocked
+    double doors;
     double plan_at;      // moves that have been made
     double plan_length;  // all moves of the plan
     double plan[64];     // 16 moves in each number
@@ -294,8 +306,9 @@ typedef struct WgMapperMemory {
     double y;
     double step;     // m: length of the step
     double tries;    // failed returns
-    double no_room;  // share of the robot's radius: within this of a place that it probed, there is no room for it; 0
-                     // if it does not probe for walls
+    // share of the robot's radius: within this of a place that it probed, there is no room for it;
+    // 0 if it does not probe for walls
+    double no_room;
 
     double nodes[];  // 4 bits for each node of the window, 12 nodes in each number
 } WgMapperMemory;
@@ -308,7 +321,8 @@ typedef struct WgGestaltMemory {
     double heading;   // rad: direction of the chosen arc where the robot is
     double bend;      // rad/m: its curvature
     double left;      // m: its remaining length
-    double cells[];   // degrees of goodness, 4 bits for each cell of the window, 12 cells in each number
+    // degrees of goodness, 4 bits for each cell of the window, 12 cells in each number
+    double cells[];
 } WgGestaltMemory;
 
 // A place of a topological map.

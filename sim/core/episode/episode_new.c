@@ -8,7 +8,8 @@
 #include "step.h"
 
 enum {
-    MOST_NUMBERS = 1 << 28,  // of a controller's memory, and steps of a log is 16 times that
+    // limit on a controller's memory; a log may have 16 times as many steps
+    MOST_NUMBERS = 1 << 28,
     MOST_BEAMS = 1 << 20,
     MOST_PUSHES = 1 << 20,
 };

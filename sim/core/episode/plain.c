@@ -18,7 +18,8 @@ typedef struct Plain {
     int64_t words;      // words of a state
     bool is_inside;     // 1 if the centre is in the grid
     bool knows_random;  // 1 if the observation has the next random number
-    uint64_t constant;  // contribution to the fingerprint of the words that the last step did not change
+    // contribution to the fingerprint of the words that the last step did not change
+    uint64_t constant;
 } Plain;
 
 bool wg_is_plain(const WgEpisode *episode)
@@ -39,7 +40,7 @@ static uint64_t seldom_words(const WgState *state)
            + wg_folded((uint64_t)state->draws) * WG_FACTORS[4];
 }
 
-// The fingerprint of the state, equal to that of wg_fingerprint_of_few.
+// The fingerprint of the state, equal to wg_fingerprint_of_few's.
 static inline uint64_t fingerprint(const Plain *plain)
 {
     const WgBody *body = plain->robot->body;

@@ -20,7 +20,8 @@
 #include "wg_episode.h"
 
 enum {
-    WG_BLOCK = 8,       // words that share a fingerprint, which is recomputed only when one of them changes
+    // words that share a fingerprint, which is recomputed only when one of them changes
+    WG_BLOCK = 8,
     WG_FEW_WORDS = 32,  // a state of at most this many words has no blocks
     WG_FIRST_STEPS = 16,  // before the first look-up
 };

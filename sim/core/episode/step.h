@@ -19,7 +19,7 @@
 #include "wg_episode.h"
 
 enum {
-    WG_STATE_WORDS = 5,  // of a WgState
+    WG_STATE_WORDS = 5,  // words of a WgState
     WG_NEIGHBOUR_NUMBERS = 5,  // numbers of a neighbour in a flat array before its message
     WG_SENSES = 17,      // numbers of an observation before its beams
     WG_ANSWER = 4,       // numbers of an answer before the memory
@@ -38,7 +38,7 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
 // The controller's senses before its first step: only constants.
 void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings);
 
-// The most events in one step.
+// Maximum number of events in one step.
 int64_t wg_most_events_of_a_step(const WgArena *arena);
 
 // Forgets where the robot has been, except for its start.

@@ -34,7 +34,7 @@ struct WgMover {
     int64_t contacts;    // number of phases of this move with a contact
     int64_t since;       // time in the step of its last corner, 2^-32 steps
     int64_t candidate;   // number of the lattice point near the desired one that `goal` is
-    int64_t column;      // of its cell in the grid of robots
+    int64_t column;      // column of its cell in the grid of robots
     int64_t row;
     int64_t cluster;     // index of the first robot of its cluster, once found
     int64_t next;        // index of the next robot of its cluster; -1
@@ -48,7 +48,7 @@ typedef struct WgPair {
     int64_t one;
     int64_t other;
     int64_t clear_sq;  // squared distance to keep
-    double time;       // of their first contact in the phase; 2 if there is none
+    double time;       // time of their first contact in the phase; 2 if there is none
     int64_t next;      // index of the next pair of the cluster; -1
 } WgPair;
 
@@ -74,7 +74,8 @@ typedef struct WgRobotGrid {
     int64_t cell;    // side of a cell, lattice units
     int64_t columns;
     int64_t rows;
-    int64_t *first;  // (columns * rows + 1,) index in `spots` of the first robot of each cell, row by row
+    // (columns * rows + 1,) index in `spots` of the first robot of each cell, row by row
+    int64_t *first;
     WgSpot *spots;   // (count,)
     WgNearby *found;  // (count + 1,) robots near the one that senses
 } WgRobotGrid;

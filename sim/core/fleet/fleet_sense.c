@@ -65,8 +65,8 @@ void wg_ready_senses(WgFleet *fleet)
     }
     lay_grid(fleet, grid);
 
-    // Sort the robots by cell: count those of each cell, add up to where each cell ends, and fill
-    // each from its end, so that its index moves down to where it begins.
+    // Sort the robots by cell: count the robots of each cell, add up to where each cell ends, and
+    // fill each from its end, so that its index moves down to where it begins.
     int64_t cells = grid->columns * grid->rows;
     memset(grid->first, 0, (size_t)cells * sizeof *grid->first);
     for (int64_t k = 0; k < fleet->count; k++) {

@@ -25,16 +25,18 @@ typedef struct WgFleetSettings {
     int64_t message;     // numbers that a robot sends in each step, at most WG_MOST_MESSAGE
     int64_t kinds;       // sizes of discs
     const int64_t *kind;      // (robots,) size of each robot, from 0
-    const int64_t *clear_sq;  // (kinds, kinds) squared distance that the centres of two robots must keep, lattice units
+    // (kinds, kinds) squared distance that the centres of two robots must keep, lattice units
+    const int64_t *clear_sq;
 } WgFleetSettings;
 
 // The report of a fleet, in addition to the reports of its robots.
 typedef struct WgFleetReport {
-    int64_t ending;  // WG_LIMIT, ...; WG_REACHED when all robots have parked; WG_LOOP: the complete state recurred
+    // WG_LIMIT, ...; WG_REACHED when all robots have parked; WG_LOOP: the complete state recurred
+    int64_t ending;
     int64_t steps;
     int64_t period;
     int64_t entry;   // first step from which the states repeat, for WG_LOOP; else -1
-    int64_t robot;   // of an ending that one robot brought about: its index; else -1
+    int64_t robot;   // index of the robot that ended the run; -1 if none did
     int64_t other;   // for WG_COLLISION: the index of the other one; else -1
     int64_t parked;  // robots that have reached their targets
 } WgFleetReport;
@@ -46,11 +48,13 @@ typedef struct WgFleet {
     const WgFleetSettings *settings;
     int64_t count;
     WgEpisode **members;    // (count,)
-    uint64_t *state;        // (search.words,) the complete state: each robot's, its memory, its message, whether it parked
+    // (search.words,) the complete state: each robot's, its memory, its message, whether it parked
+    uint64_t *state;
     WgSearch search;
     WgFleetReport report;
     int64_t *moved;         // (count,) last step in which each robot's centre moved
-    uint8_t *blocked;       // (count, count) in the period of a loop that is proved: 1 where a robot drove into another
+    // (count, count) in the period of a loop that is proved: 1 where a robot drove into another
+    uint8_t *blocked;
     WgMover *movers;        // (count,)
     WgNear *near;
     WgCorner *chains;       // corners of the robots' paths of the last step
@@ -68,7 +72,8 @@ typedef struct WgFleet {
     int64_t next_event;     // index of the first event that has not happened
     int64_t quiet;          // step of the last event: states before it prove nothing
     int64_t step;           // steps done
-    int64_t waits;          // 1 while controllers outside the core have to act: those of members whose `waits` is 1
+    // 1 while controllers outside the core have to act: those of members whose `waits` is 1
+    int64_t waits;
     int64_t over;           // 1 when the run has ended
 } WgFleet;
 

@@ -79,7 +79,8 @@ bool wg_point_is_clear(int64_t clear_sq, WgSegment way, int64_t x, int64_t y);
 // exact test is needed.
 static inline bool wg_window_is_free(const WgArena *arena, int64_t reach, WgSegment way)
 {
-    enum { SIDE = 2 * WG_NEAR + 1, EACH_ROW = 0x108421 };  // the lowest bit of each of the five rows
+    // the lowest bit of each of the five rows
+    enum { SIDE = 2 * WG_NEAR + 1, EACH_ROW = 0x108421 };
 
     int64_t ix = wg_cell_of(way.px);
     int64_t iy = wg_cell_of(way.py);

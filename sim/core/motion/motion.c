@@ -7,10 +7,12 @@
 
 #include "motion.h"
 
-enum { TRIES = 3 };  // straight pieces that a move may have: ahead, and two slides (face, then corner)
+// straight pieces that a move may have: ahead, and two slides (face, then corner)
+enum { TRIES = 3 };
 
-static const double GRAZE = 1e-6;         // lattice units squared by which a path may cut a circle's square and graze it
-static const double TIME_UNIT = 0x1p32;   // of WgCorner.time, in a step
+// lattice units squared by which a path may cut a circle's square and graze it
+static const double GRAZE = 1e-6;
+static const double TIME_UNIT = 0x1p32;   // units of WgCorner.time per step
 
 typedef struct Stop {
     WgContact contact;

@@ -13,7 +13,7 @@ enum { HALF = WG_UNIT / 2 };  // distance of two neighbouring nodes, lattice uni
 typedef struct Flood {
     WgGrid grid;
     WgDisc disc;
-    int64_t columns;  // of nodes
+    int64_t columns;  // columns of nodes
     int64_t rows;
     uint8_t *seen;   // (rows, columns)
     int64_t *stack;  // (rows * columns,)

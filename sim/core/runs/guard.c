@@ -67,7 +67,7 @@ double wg_guard_seconds(int64_t process)
 
 enum { LOOK_AROUND = 500000 };  // us between two checks that the owner still exists
 
-static volatile sig_atomic_t owner;  // of the process that makes calls; set only there
+static volatile sig_atomic_t owner;  // process that makes calls; set only there
 
 // Ends this process if its owner has ended: a controller that hangs would keep it running forever.
 static void look_for_owner(int number)

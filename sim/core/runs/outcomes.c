@@ -33,7 +33,8 @@ WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *f
         }
         endings[n] = robot->report.ending;
         if (endings[n] == WG_CRASH) {
-            memcpy(robot->body, states + n * words, size);  // a controller's partial work is ignored
+            // a controller's partial work is ignored
+            memcpy(robot->body, states + n * words, size);
             robot->body->state.draws = 0;
         }
         drew[n] = robot->body->state.draws;

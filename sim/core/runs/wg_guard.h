@@ -27,7 +27,7 @@ struct WgCall {
     WgWork work;
     void *objects[8];        // the function's pointer arguments, in order
     int64_t number;          // the function's number argument
-    const WgReport *report;  // of the current run; NULL if there is none
+    const WgReport *report;  // report of the current run; NULL if there is none
     int64_t result;          // filled: the function's return value
     int64_t has_error;       // filled: 1 if the last run's controller left a message
     char error[256];         // filled: the message

@@ -36,9 +36,9 @@ typedef struct WgRules {
     double beam_range;  // m: length that counts as 1 in range beams
     double turn_rate;   // rad/s: turn rate that counts as 1 in actions
     double slowest;     // smallest share of the top speed that an action may request
-    double progress;    // reward for a metre nearer to the target
+    double progress;    // reward per metre of progress towards the target
     double time;        // for a second
-    double contact;     // for a step in which a wall stopped or bent the move
+    double contact;     // reward for a step in which a wall stopped or bent the move
     double reached;
     double burned;
     int64_t limit;      // steps until an episode is cut off; 0: never
@@ -49,8 +49,9 @@ typedef struct WgRules {
 typedef struct WgPlace {
     WgArena arena;        // before its first event; not changed
     WgSettings settings;  // the seed is each robot's own
-    const float *ways;    // (2 height + 1, 2 width + 1) m, length of the shortest path to the target from each node at
-                          // half a cell, infinite if there is none; NULL: distances are straight
+    // (2 height + 1, 2 width + 1) m, length of the shortest path to the target from each node at
+    // half a cell, infinite if there is none; NULL: distances are straight
+    const float *ways;
 } WgPlace;
 
 // Settings shared by n robots, and the robots' own data.
@@ -60,7 +61,8 @@ typedef struct WgCrew {
     const int64_t *sensors;   // (sensor_count,) WG_SHOW_BUMP, ...
     int64_t sensor_count;
     int64_t size;             // numbers of an observation
-    const double *choices;    // (choice_count, 2) discrete actions: shares of the turn rate and of the top speed
+    // (choice_count, 2) discrete actions: shares of the turn rate and of the top speed
+    const double *choices;
     int64_t choice_count;     // 0 for continuous actions
     WgPlace *places;
     int64_t place_count;
@@ -87,8 +89,9 @@ typedef struct WgTold {
     uint8_t *truncated;   // (count,) 1 if its time is over
     uint8_t *reached;     // (count,) 1 if it arrived
     uint8_t *began;       // (count,) 1 if the observation is the first of an episode
-    float *last;          // (count, size) the last observation of an episode after which the next began in the same
-                          // step; only for WG_SAME_STEP
+    // (count, size) the last observation of an episode after which the next began in the same step;
+    // only for WG_SAME_STEP
+    float *last;
 } WgTold;
 
 // Fills an environment's observation, (size,), with the simulator's senses that it shows.

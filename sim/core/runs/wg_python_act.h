@@ -16,7 +16,7 @@ typedef struct WgActing {
     WgStop stop;
     void *subject;       // argument of `stop`
     WgEpisode *episode;  // buffers of the controller
-    int64_t calls;       // of the controller so far
+    int64_t calls;       // calls of the controller so far
     int64_t every;       // one call in this many is measured
     int64_t over;        // 1 once `stop` has returned WG_OVER
 } WgActing;

@@ -60,7 +60,8 @@ typedef struct WgWanted {
     int64_t ending;   // WG_LIMIT, ... or WG_ANY_ENDING
     int64_t overlap;  // 1: with an overlap; 0: without; -1: it does not matter
     int64_t by_way;   // 1: the target must certainly be reachable after an edit that moves cells
-    int64_t steps;    // steps after which to return, even in the middle of a run, so that Ctrl-C is noticed
+    // steps after which to return, even in the middle of a run, so that Ctrl-C is noticed
+    int64_t steps;
 } WgWanted;
 
 // The progress so far.
@@ -68,7 +69,8 @@ typedef struct WgTried {
     int64_t next;     // index of the edit at which to continue
     int64_t runs;
     int64_t found;    // 1: the edit before `next` is the one searched for
-    int64_t running;  // 1: the run of the edit before `next` is not over; the next call continues it
+    // 1: the run of the edit before `next` is not over; the next call continues it
+    int64_t running;
 } WgTried;
 
 // Tries edits, starting with tried->next, until one is found or wanted->steps steps are done. A run

@@ -18,9 +18,9 @@
 
 enum {
     PORTION = 64,        // beams that are processed together
-    FRACTION_BITS = 32,  // of a place along a lane, in lattice units
+    FRACTION_BITS = 32,  // fractional bits of a place along a lane, in lattice units
     CELL_BITS = FRACTION_BITS + WG_UNIT_BITS,
-    MOST_CELLS = 65535,  // of a side of the grid
+    MOST_CELLS = 65535,  // limit on a side of the grid
     EIGHTH = WG_TURN / 8,
 };
 
@@ -45,13 +45,14 @@ typedef struct Octant {
     int64_t run;           // the table's entry there
     int64_t ahead;         // to the next cell of the lane
     int64_t aside;         // to the next lane
-    int64_t past[2];       // lattice units from the near sides of the first cell to the place: along the lane, across it
+    // lattice units from the near sides of the first cell to the place: along the lane, across it
+    int64_t past[2];
 } Octant;
 
 // A distance, not yet divided.
 typedef struct Hit {
     int64_t length;  // along the lane or across it, lattice units; -1 if the walk must decide
-    int which;       // of WgRay.share: the direction on that axis
+    int which;       // index into WgRay.share: the direction on that axis
 } Hit;
 
 void wg_ray_table(const int64_t *headings, WgRay *rays)

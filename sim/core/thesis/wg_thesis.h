@@ -44,20 +44,20 @@ typedef struct WgThesisSettings {
     int64_t loop_entry;     // for WG_PROVE_LOOP
     int64_t digest;         // 1: the digest of the trace is computed
     int64_t stop_at_tunnel; // 1: the run ends when the path of the centre enters a wall
-    int64_t reading;        // of the arbiter: thesis_arbiter.h
+    int64_t reading;        // how the arbiter works: thesis_arbiter.h
     int64_t repairs;        // WG_REPAIR_ bits
     int64_t signal;         // WG_SIGNAL_OPEN, ...
     int64_t map_scale;      // side of a cell of the robot's map, cells
     int64_t target_x;       // column of the target's cell
     int64_t target_y;       // its row
-    uint64_t seed;          // of slip and sensor noise
+    uint64_t seed;          // seed of slip and sensor noise
     double time_step;       // ms per tick
-    double turn_angle;      // of the first two rules, rad
+    double turn_angle;      // turn of the first two rules, rad
     double radius;          // px
     double speed;           // px/ms
     double tolerance;       // overlap with a wall that is not reported, px
     double acceleration;    // largest gain of px/ms per ms; 0: unlimited
-    double friction;        // px/ms lost per ms by a robot that rolls out; 0: stops immediately
+    double friction;        // px/ms lost per ms by a coasting robot; 0: stops immediately
     double wall_friction;   // share of a slide that is lost to friction
     double slip;            // largest share of a tick's path that is lost
     double sensor_field;    // angle that the sensor looks into, rad; 0: all around
@@ -139,14 +139,14 @@ typedef struct WgThesisRun {
     WgThesisState state;
     int64_t ending; // WG_LIMIT, ... or WG_NEEDS_DRAWS
     int64_t steps;
-    int64_t period; // of WG_LOOP
+    int64_t period; // period of a WG_LOOP
     int64_t entry;  // where the loop begins; -1
     int64_t collisions;
     int64_t activations;   // times that the collide behaviour took control
     int64_t last_new_cell; // last step that ended in a cell for the first time
     int64_t visited;       // cells that the centre was in after a tick
     uint64_t digest;       // rolling FNV-1a hash of seven words a tick
-    WgThesisPlace hit;     // of WG_BURNED
+    WgThesisPlace hit;     // for WG_BURNED: the cell that burns
     WgThesisPlace overlap; // first tick that ends deeper in a wall than tolerated
     WgThesisPlace tunnel;  // first tick whose straight path enters a wall
     WgThesisPlace in_wall; // first tick that ends with the centre in a wall

@@ -1,4 +1,4 @@
-"""MiniGrid prints its own environments, and a grid built from the walls, agent and goal in a file."""
+"""MiniGrid prints its own environments, and a grid built from a file's walls, agent and goal."""
 
 import json
 import sys

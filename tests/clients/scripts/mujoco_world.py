@@ -31,7 +31,7 @@ def distances(model, data, rays, z):
 
 
 def rays_at(time):
-    """Cast rays at a given time, with a player that steps up to it and with one that jumps there."""
+    """Cast rays at a given time, with a player that steps up to it and one that jumps there."""
     model = mujoco.MjModel.from_xml_path(path)
     played, jumped = mujoco.MjData(model), mujoco.MjData(model)
     if model.nmocap:

@@ -57,7 +57,7 @@ def bug1_stale_round_is_over(
 def bug1_lost_wall_wrong_side(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Switches sides whenever it loses the wall at a corner: the sign of the turn is wrong there."""
+    """Switches sides whenever it loses the wall at a corner: the turn's sign is wrong there."""
     base(observation, memory, command)
     if memory[body.LOST] == 1.0:
         memory[body.HAND] = -memory[body.HAND]

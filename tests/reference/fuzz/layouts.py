@@ -1,4 +1,4 @@
-"""Decode layout bytes to worlds for the simulator, and check whether a robot can certainly reach the target.
+"""Decode layout bytes to worlds, and check whether a robot can certainly reach the target.
 
 A row of cells is one number here: bit ``ix + MARGIN`` of row ``iy + MARGIN`` is 1 if the cell is
 solid, and everything around a world is solid. The meaning of the bytes is fixed by
@@ -136,7 +136,7 @@ def draw_layout(layouts: Bytes, n: int, solid: Ints) -> None:
 
 
 def fill_arena(solid: Ints, cells: Bytes, near: npt.NDArray[np.int32]) -> int:
-    """Write cells and masks of a drawn world, (height, width), and return how many cells are solid."""
+    """Write a drawn world's cells and masks, (height, width), and return how many are solid."""
     height, width = cells.shape
     count = 0
     for iy in range(height):
@@ -156,11 +156,10 @@ def _joined(clear: int, row: int, below: int, above: int, seen: int) -> int:
 
 
 def flood_length(layouts: Bytes, n: int, solid: Ints, room: Ints) -> int:
-    """Steps of one cell from a corner of the start's cell to one of the target's, along corners of four free cells.
+    """Count steps from a corner of the start's cell to one of the target's, along clear corners.
 
     A disc whose radius is at most a cell, and that fits into start and target, can follow them: no
-        solid cell
-    is nearer to them than a whole cell.
+    solid cell is nearer to them than a whole cell.
 
     Args:
         layouts: (n, LAYOUT_BYTES or more) uint8.

@@ -27,7 +27,7 @@ def unwrap_turn(observation: Floats, command: Floats) -> None:
 
 
 def seeded(base: str) -> Callable[[Callable[..., None]], Act]:
-    """Makes an act of a function ``(observation, memory, command, base)``.
+    """Makes an act function from a function ``(observation, memory, command, base)``.
 
     It calls ``base`` in its own way.
     """

@@ -6,8 +6,7 @@ constants step by step, so they return what Java's ``StrictMath`` returns.
 
 Source: "Freely Distributable LIBM" (fdlibm 5.3), Sun Microsystems, 1993: ``k_sin``, ``k_cos``,
 ``e_rem_pio2``, ``s_sin``, ``s_cos``, ``s_atan``. Polynomials: Remez; reduction: Cody and Waite,
-    "Software
-Manual for the Elementary Functions" (1980), in two or three pieces of pi/2.
+"Software Manual for the Elementary Functions" (1980), in two or three pieces of pi/2.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y
 
 
 def _corner_is_clear(clear_sq: int, along: int, across: int, length_sq: int) -> bool:
-    """Whether a corner is clear of the inside of a segment, from its dot and cross product with it."""
+    """Whether a corner is clear of the inside of a segment, from its dot and cross products."""
     if along <= 0 or along >= length_sq:
         return True  # the nearest point is an end, and ends are tested as poses
     needed = float(clear_sq) * float(length_sq)
@@ -195,7 +195,7 @@ def segment_point_within(
 
 
 def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
-    """Fills ``table`` with the chessboard distance, in cells, from each cell to the nearest one that is not free.
+    """Fills ``table`` with the chessboard distance, in cells, to the nearest cell that is not free.
 
     A point in a cell with distance D is at least (D - 1) cells away from every such cell, so most
     steps need no test of their path. Outside counts as solid. Two passes (Rosenfeld and Pfaltz,

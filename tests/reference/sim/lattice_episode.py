@@ -60,7 +60,7 @@ def _write_step(robot: Robot, step: int, count: int, bumped: bool, rows: Ints, p
 
 
 def _period(settings: Ints, room: Room, robot: Robot, step: int, quiet: int) -> int:
-    """Returns the steps since the state last occurred, if a recurrence is searched for and ends the run here.
+    """Returns the steps since the state last occurred, if a recurrence ends the run here.
 
     Else 0.
     """

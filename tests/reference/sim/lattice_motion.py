@@ -55,7 +55,7 @@ def _contact_with_corner(
 def first_contact(
     cells: Cells, radius: float, reach: int, x: int, y: int, dx: int, dy: int, graze: float
 ) -> tuple[float, float, float]:
-    """Find when a disc moving by (dx, dy) first touches a solid cell, and the direction away from it.
+    """Find when a moving disc first touches a solid cell, and the direction away from it.
 
     Args:
         cells: (height, width) cell states.
@@ -102,7 +102,7 @@ def first_contact(
 def _step_aside(
     cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], nx: float, ny: float
 ) -> tuple[bool, int, int]:
-    """A clear end of a slide: its destination, or one or two lattice units farther from the wall."""
+    """A clear end of a slide: its destination, or one or two lattice units off the wall."""
     x, y, qx, qy = ends
     sx = 1 if nx > 0.0 else (-1 if nx < 0.0 else 0)
     sy = 1 if ny > 0.0 else (-1 if ny < 0.0 else 0)
@@ -123,7 +123,7 @@ def _stop_at(
     ends: tuple[int, int, int, int],
     contact: tuple[float, float, float],
 ) -> tuple[int, int]:
-    """Find a lattice point near a contact that can be reached by a clear segment; the start if there is none.
+    """Find a lattice point near a contact that a clear segment leads to, or else the start.
 
     It is nearest to the contact, a little away from the wall if rounding would be inside it, or
     farther back.

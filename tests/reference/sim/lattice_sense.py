@@ -35,7 +35,7 @@ _PER_RADIAN = TURN / (2.0 * math.pi)
 
 
 def heading_table() -> npt.NDArray[np.int64]:
-    """(131072,) int64: cos of every heading times 2**30, exactly symmetric under quarter turns and mirrors.
+    """(131072,) int64: cos of every heading times 2**30, symmetric under quarter turns and mirrors.
 
     The first eighth is rounded from ``math.cos`` and ``math.sin``; no value lies near enough to a
     half for two good mathematics libraries to round it differently (a test checks that margin). The

@@ -287,7 +287,7 @@ def _move_through_events(
 def _round_pose(
     arena: Arena, settings: Ints, scales: Floats, step: int, count: int, robot: Robot
 ) -> int:
-    """Moves the robot to the nearest point of the coarser lattice that a clear path leads to, if there is one.
+    """Moves the robot to the nearest point of the coarser lattice on a clear path, if any.
 
     Of equally near points, the first from the lower left counts.
 

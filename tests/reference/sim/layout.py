@@ -114,7 +114,7 @@ SCALE_SIZE = 23
 OUT_ENDING, OUT_STEPS, OUT_PERIOD, OUT_COLLISIONS, OUT_LAST_NEW_CELL = 0, 1, 2, 3, 4
 OUT_POINTS = 5  # points of the path after the start
 OUT_DIGEST = 6  # rolling FNV-1a hash of every state, as the bits of a uint64
-OUT_HIT_STEP, OUT_HIT_IX, OUT_HIT_IY = 7, 8, 9  # of TUNNEL and BURNED
+OUT_HIT_STEP, OUT_HIT_IX, OUT_HIT_IY = 7, 8, 9  # for TUNNEL and BURNED
 OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = (
     10,
     11,

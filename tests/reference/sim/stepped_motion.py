@@ -1,4 +1,4 @@
-"""The thesis's motion: forward in steps of one pixel until something is touched, with its three faults.
+"""The thesis's motion: forward pixel by pixel until something is touched, with three faults.
 
 It slides along a wall after looking at one cell only, backs off without looking, and continues
 where only the corner of a cell is touched; so a robot that turns often gets into walls and through

@@ -365,7 +365,7 @@ def _complete_state(run: Progress) -> bytes:
 
 
 def _period(setup: Setup, run: Progress, step: int, quiet: int) -> int:
-    """Returns the steps since the state last occurred, if a recurrence is searched for and ends the run here.
+    """Returns the steps since the state last occurred, if a recurrence ends the run here.
 
     Else 0. The last state of the budget is looked up, and some earlier ones, each twice as far
     along as the previous one.
@@ -401,9 +401,8 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
         trace: (n, ROW_SIZE), n may be 0; row k gets the state after step ``TRACE_START`` + k.
 
     If several endings happen in one tick, the first of these counts: ``BURNED``, ``TUNNEL``,
-    ``REACHED``, ``LOOP``.
-        A recurrence of the
-    complete state after the last event is found when it is looked up.
+    ``REACHED``, ``LOOP``. A recurrence of the complete state after the last event is found when it
+    is looked up.
     """
     cells, state, mode, counts = arena.cells, run.state, run.mode, run.counts
     quiet = arena.events[arena.events.shape[0] - 1, 0] if arena.events.shape[0] > 0 else 0

@@ -62,7 +62,7 @@ OUT_HIT_STEP, OUT_HIT_IX, OUT_HIT_IY, OUT_HIT_STATE = (
     8,
     9,
     10,
-)  # of BURNED; SOLID is falling debris
+)  # causes of BURNED; SOLID is falling debris
 OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = (
     11,
     12,
@@ -83,7 +83,7 @@ TRACE_START = 21  # step before the first row of the trace, for recordings in pi
 OVERLAP_BEGAN, OVERLAP_CAUSE = (
     22,
     23,
-)  # of the current overlap: its first step (-1: none), its move
+)  # the current overlap: its first step (-1: none), its move
 OUT_OVERLAP_BEGAN, OUT_OVERLAP_CAUSE, OUT_TUNNEL_BEGAN, OUT_TUNNEL_CAUSE = (
     24,
     25,

@@ -1,4 +1,4 @@
-"""The thesis's light: the map of its strength, the noise filter, and how the robot reads and follows it.
+"""The thesis's light: the map of its strength, the noise filter, and how the robot reads it.
 
 The author's proposals for further work are here too: a sensor with a limited field or with errors;
 walls that weaken or block the light behind them; a robot whose own map is coarser than the world.
@@ -98,7 +98,7 @@ def signal_direction(cells: Cells, x: float, y: float, sense: int) -> float:
 
 
 def walls_between(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
-    """Walls whose interior the straight line between two cells' centres crosses, except the two cells.
+    """Count walls that the straight line between two cells' centres crosses, except these two.
 
     A line exactly through a corner crosses neither of the two cells next to it.
 

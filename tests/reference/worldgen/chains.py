@@ -1,4 +1,4 @@
-"""How a cut is found: the specification of ``links.c`` and ``cut.c``, over links and bits in numpy."""
+"""How a cut is found: a reference for ``links.c`` and ``cut.c``, over links and bits in NumPy."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def find_chain(
     start: ExactPoint,
     targets: Sequence[ExactPoint],
 ) -> list[Cell] | None:
-    """Return a chain of cells that separates one clear pose from others for a disc of ``radius`` cells, or None.
+    """Return a chain of cells that separates one clear pose from others for a disc, or None.
 
     Args:
         solid: (height, width) bool.
@@ -142,7 +142,7 @@ class _Links:
         )
 
     def search(self, source: int, limit: int, *, thorough: bool = False) -> tuple[list[int], int]:
-        """Return the shortest cycle through a cell whose bits are all odd, of fewer than ``limit`` links; and the work.
+        """Return the shortest odd cycle through a cell, of under ``limit`` links, and the work.
 
         A thorough search continues to everything that it can reach, and leaves ``before`` and the
         rows as they are.

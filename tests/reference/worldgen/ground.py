@@ -111,7 +111,7 @@ def label(windows, owner, queue, stride):
 
 
 def spread(waits, owner, came, depth, queue, count, stride):
-    """Lets owners grow over the grid at the same pace; each place takes as many rounds as its hardness.
+    """Lets owners grow over the grid at the same pace; each place takes its hardness in rounds.
 
     Args:
         waits: (n,) rounds left until a place is crossed, 0 where nothing may grow; changed.

@@ -1,4 +1,4 @@
-"""Passages that lead from a place, in plain Python, as counted by worldgen/core/making/openings.c."""
+"""Passages that lead from a place, as counted by worldgen/core/making/openings.c."""
 
 import math
 
@@ -36,8 +36,7 @@ def count_openings(  # noqa: PLR0912 - it is one kernel
 
     First count all parts of the ring, which is cheap and decides most places; if there are three or
     more, count those that a flood from the place reaches. ``mark`` numbers floods: a multiple of 4
-        and 1 for the disc, 2 for the ring,
-    3 for its parts.
+    and 1 for the disc, 2 for the ring, 3 for its parts.
     """
     for k in range(len(places)):
         x = places[k] % stride

@@ -42,7 +42,7 @@ typedef struct Period {
 typedef struct State {
     int32_t node;
     int32_t tick;
-    int32_t begin;  // of the interval
+    int32_t begin;  // begin of the interval
     int32_t parent;
 } State;
 
@@ -204,7 +204,7 @@ static bool grow_table(RobotSearch *search)
     return true;
 }
 
-// Returns the entry of a node and interval in the table, which is 0 if no state of theirs was
+// Returns the table's entry for a node and interval, which is 0 if none of their states was
 // reached.
 static int64_t *entry_of(const RobotSearch *search, int64_t node, int64_t begin)
 {

@@ -33,7 +33,8 @@ typedef struct WgReservations {
     int64_t side;     // nodes along a bucket's side
     int64_t columns;  // buckets in a row
     int32_t *latest;  // by bucket: its last stay, from which `earlier` leads to all others
-    int32_t *parked;  // by bucket: its last stay of a robot that parks, from which `next` leads to the others
+    // by bucket: its last stay of a robot that parks, from which `next` leads to the others
+    int32_t *parked;
     int32_t *moving;  // hash table of bucket and tick; each entry lists stays of moving robots
     int64_t mask;
     WgStay *stays;

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Returns true if the size is that of a grid with a rim of 0, so that no step from a nonzero place
+// Returns true if the size belongs to a grid with a rim of 0, so that no step from a nonzero place
 // leaves it.
 static inline bool wg_rim_is_closed(const uint8_t *grid, int64_t size, int64_t stride)
 {

@@ -52,7 +52,8 @@ WgStatus wg_maze_kruskal(Growth *growth)
 {
     WgMaze *maze = growth->maze;
     int8_t *board = growth->board;
-    int32_t *above = growth->work;  // the sets: each place points to a place of its set with a lower number, or to itself
+    // the sets: each place points to a place of its set with a lower number, or to itself
+    int32_t *above = growth->work;
     int64_t edge = maze->edge;
     if (edge == 0) {
         for (int64_t at = 0; at < growth->places; at++) {
@@ -215,7 +216,8 @@ void wg_maze_growing_tree(Growth *growth)
                 continue;
             }
         }
-        if (lot >= 65532) {  // 12 divides 65532, so the choice among 1, 2, 3 and 4 neighbours is unbiased
+        // 12 divides 65532, so the choice among 1, 2, 3 and 4 neighbours is unbiased
+        if (lot >= 65532) {
             continue;
         }
         maze->again = 0;

@@ -30,7 +30,9 @@ typedef struct Search {
     int64_t stride;
     int64_t steps[8];
     int64_t middles[8];
-    int32_t *mark;  // the role of a node for the current place; values with the number of an earlier place are stale
+    // the role of a node for the current place; values with the number of an earlier place are
+    // stale
+    int32_t *mark;
     int32_t *queue;
 } Search;
 

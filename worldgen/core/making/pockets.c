@@ -15,9 +15,9 @@ enum { AT_TARGET = 1, AT_BOTH = 3 };
 // Sets of nodes, each numbered by its rank in the order of distances.
 // The root of a set is its lowest node.
 typedef struct Sets {
-    int32_t *rank;    // of each node; -1 until it has been processed
+    int32_t *rank;    // rank of each node; -1 until it has been processed
     int32_t *parent;  // the parent of a set's root is itself
-    uint8_t *role;    // of each root: contents of its set
+    uint8_t *role;    // contents of each root's set
 } Sets;
 
 static int32_t find_root(int32_t *parent, int32_t at)

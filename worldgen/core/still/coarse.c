@@ -16,7 +16,8 @@ struct WgSquares {
     int64_t source;
     int64_t goal;
     uint8_t *state;    // ((height + 2) (width + 2),), with a rim of squares that are not free
-    int32_t *heights;  // (width,) number of free cells below each column's cell, used while squares are marked
+    // (width,) number of free cells below each column's cell, used while squares are marked
+    int32_t *heights;
     int64_t row;       // rows examined so far
     int32_t *now;      // squares reached in the current number of steps
     int32_t *after;    // and in one more step

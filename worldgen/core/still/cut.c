@@ -39,11 +39,12 @@ typedef enum Phase {
 struct WgCutSearch {
     WgLinks links;
     WgFinePose poses[MOST_TARGETS + 1];
-    uint32_t *digits;  // of the poses
+    uint32_t *digits;  // digits of the poses
     int64_t *near;  // (poses, 2) their whole 1/1024 cells
     Walk walk;
     Phase phase;
-    int32_t *sources;  // (slots,) cells with links that have bits, by number at first, later in search order
+    // (slots,) cells with links that have bits, by number at first, later in search order
+    int32_t *sources;
     int64_t source_count;
     int64_t at;  // the source in progress
     int64_t work;
@@ -247,7 +248,8 @@ static WgStatus simplify(WgCutSearch *search)
     int64_t count = search->length;
     int32_t *where = search->walk.before;  // position of a cell in the kept part, or -1
     int32_t *kept = search->walk.order;
-    uint8_t *odd = malloc((size_t)(count + 1));  // of the steps from each kept cell to the next
+    // parities of the steps from each kept cell to the next
+    uint8_t *odd = malloc((size_t)(count + 1));
     if (odd == NULL) {
         return WG_OUT_OF_MEMORY;
     }

@@ -15,7 +15,7 @@ typedef struct WgLinks {
     int64_t bits;  // targets; a link has a bit for each: the start's crossing xor the target's
     int64_t cells;
     int64_t reach;      // how far a linked cell is away, across or up
-    int64_t stride;     // of the raster
+    int64_t stride;     // row stride of the raster
     int32_t *column;    // (cells,) ix
     int32_t *row;       // (cells,) iy
     int32_t *rank;      // number of cells before a position of the raster
@@ -27,7 +27,7 @@ typedef struct WgLinks {
     int64_t *begins;    // (slots + 1,) where their links begin
     int32_t *ends;      // cells that they lead to
     uint64_t *odd;      // bits of these links
-    int64_t link_room;  // of the last two
+    int64_t link_room;  // capacity of the last two
 } WgLinks;
 
 // Lists cells and links; call wg_links_free whatever this returns.

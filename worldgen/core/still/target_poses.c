@@ -15,12 +15,14 @@
 #include "wide.h"
 
 enum {
-    MOST_CORNERS = 3000,  // limit near the disc; with more, the disc is too large to examine each pose
+    // limit near the disc; with more, the disc is too large to examine each pose
+    MOST_CORNERS = 3000,
     MOST_WORK = 100000000,  // the same limit for pairs of a pose and a cell
     MOST_BITS = 60,  // limit on a length, which keeps everything below under 2^127
 };
 
-static const double SLACK = 1e-6;    // cells; the error of floats is far smaller when they select what to examine
+// cells; the error of floats is far smaller when they select what to examine
+static const double SLACK = 1e-6;
 static const double DOUBT = 1e-10;   // relative difference above which floats are trusted
 
 // A pose: each coordinate is (whole + factor root) / (under_whole + under_factor root),
@@ -35,7 +37,7 @@ typedef struct ExactPose {
     int64_t factor_y;
     int64_t under_whole;
     int64_t under_factor;
-    WgUint128 square;  // of the root
+    WgUint128 square;  // square of the root
     WgPoseOf of;
 } ExactPose;
 

@@ -16,7 +16,8 @@ struct WgTimedSearch {
     WgHeap heap;  // (estimate of the arrival, arrival, state)
 };
 
-static const int64_t MOST_TICKS = (int64_t)1 << 60;  // a step that takes longer than any interval lasts
+// a step that takes longer than any interval lasts
+static const int64_t MOST_TICKS = (int64_t)1 << 60;
 
 // Returns a lower bound of the ticks to the goal; at most twice the longest step.
 static int64_t ticks_left(const WgTimed *asked, int64_t node)

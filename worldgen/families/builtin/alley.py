@@ -69,7 +69,7 @@ def alley(
         raise InvalidParameter(
             "no-room",
             "size={size} cells have no room for bays={bays} of width={width} along the passage",
-            "give a larger size, or fewer or narrower bays",
+            "use a larger size, or fewer or narrower bays",
             size=size,
             bays=1 if bays == CHOSEN else bays,
             width=width,

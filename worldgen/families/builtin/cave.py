@@ -54,7 +54,7 @@ def cave(
 
     No wall is straight, and hollows of every size catch a robot that follows a signal or a wall.
     The robot can reach all free floor: separate hollows are joined by tunnels, and crannies too
-        narrow for the robot are filled in.
+    narrow for the robot are filled in.
 
     Args:
         rng: The only source of randomness; equal state gives an equal world.
@@ -86,7 +86,7 @@ def cave(
             "no-room",
             "size={size} is too small for a cave, which needs {least} cells for a robot "
             "{robot_width} cells wide",
-            "give a larger size or a smaller robot_radius",
+            "use a larger size or a smaller robot_radius",
             size=size,
             least=3 * side + 2,
             robot_width=side,

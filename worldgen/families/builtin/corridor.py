@@ -43,8 +43,8 @@ from worldgen.world import World
 
 Shape: TypeAlias = Literal["bends", "dead-ends", "junctions", "S", "T", "X", "tunnel"]
 
-# Lattices to try until one has the requested bends and side paths. With the most that is allowed of
-# one or both, 20,000 drafts on 2 to 200 lines took 1.0 to 1.5 tries on average, and 4 at worst.
+# Lattices to try until one has the requested bends and side paths. With the largest allowed number
+# of one or both, 20,000 drafts on 2 to 200 lines took 1.0 to 1.5 tries on average, and at most 4.
 MAX_DRAFTS = 100
 # Random side paths to try, per node from which one can start.
 TRIES_PER_ORIGIN = 4
@@ -164,7 +164,7 @@ def _lines(arena: Arena, width: int, wall: int) -> int:
             "no-room",
             "width={width} and wall={wall} leave no room for two stretches side by side in "
             "size={size} cells",
-            "give a size of at least {least}, or a narrower corridor",
+            "use a size of at least {least}, or a narrower corridor",
             width=width,
             wall=wall,
             size=arena.size,
@@ -183,7 +183,7 @@ def _neck(arena: Arena, width: int, necks: int, neck: int, neck_length: int) -> 
         raise InvalidParameter(
             "above-maximum",
             "neck={neck} is not narrower than the corridor, width={width}",
-            "give a wider corridor, or omit necks",
+            "use a wider corridor, or omit necks",
             neck=neck,
             width=width,
         )
@@ -203,7 +203,7 @@ def _chosen_slots(rng: RandomStream, slots: list[Slot], necks: int) -> list[Slot
             "no-room",
             "corridor: its straight stretches have room for {most} narrow places, not for "
             "necks={necks}",
-            "give fewer or shorter ones, -1 for as many as fit, a larger size, or fewer bends",
+            "use fewer or shorter ones, -1 for as many as fit, a larger size, or fewer bends",
             most=len(slots),
             necks=necks,
         )
@@ -254,7 +254,7 @@ def _planned(
                 "no-room",
                 "shape={shape} needs three stretches side by side, but there is room for only "
                 "{lines}",
-                "give a larger size, or a narrower corridor",
+                "use a larger size, or a narrower corridor",
                 shape=shape,
                 lines=lines,
             )
@@ -299,7 +299,7 @@ def _draft(
         "no-room",
         "corridor: none of {drafts} drafts has bends={bends} and branches={branches} on {lines} x "
         "{lines} lines",
-        "give fewer, or a larger size",
+        "use fewer, or a larger size",
         drafts=MAX_DRAFTS,
         bends=bends,
         branches=branches,

@@ -59,7 +59,7 @@ def crossing(
         raise InvalidParameter(
             "no-room",
             "street={street} leaves no room for arms in size={size} cells",
-            "give a size of at least {least}, or a narrower street",
+            "use a size of at least {least}, or a narrower street",
             street=street,
             size=size,
             least=street + 2 * arm + 2,

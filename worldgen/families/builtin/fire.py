@@ -77,8 +77,8 @@ def fire(
     """Build a world of another family in which fire breaks out on the way to the target.
 
     What the robot knows at the start is no longer true later: paths burn, debris blocks them after
-        the fire, and new ones open where walls burn through. The floor around the start never
-        burns, so that the robot can wait.
+    the fire, and new ones open where walls burn through. The floor around the start never burns, so
+    that the robot can wait.
 
     Args:
         rng: The only source of randomness; equal state gives an equal world.
@@ -94,7 +94,7 @@ def fire(
         spread: Mean time that fire takes to spread from one cell of floor to the next, s.
         scatter: Fraction by which times differ from their means.
         wind: Fraction by which fire is faster with the wind and slower against it.
-        wind_to: Direction that the wind blows to: quarter turns counter-clockwise from +x; if
+        wind_to: Direction in which the wind blows: quarter turns counter-clockwise from +x; if
             omitted, drawn.
         fuel: Share of the floor that has fuel; the rest never burns.
         grain: Cells across a patch without fuel; 1: single cells.
@@ -108,7 +108,7 @@ def fire(
             many.
         monotone: Nothing ever opens: everything that burns is blocked for good, and no wall burns
             through.
-        margin: The robot may start on its witness up to this much later and still arrive, s.
+        margin: Delay, s, up to which the robot may start late and still arrive along its witness.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
@@ -170,7 +170,8 @@ def _cells(text: str, plan: Plan) -> list[int]:
                 text=text,
                 part=part,
             )
-        # Nine digits exceed every grid, and keep ``int`` from refusing or crawling on longer ones.
+        # Nine digits are enough for every grid; ``int`` is slow for longer numbers, or refuses
+        # them.
         ix = int(column[:9])
         iy = int(row[:9])
         if not (ix < width and iy < height):
@@ -191,7 +192,7 @@ def _cells(text: str, plan: Plan) -> list[int]:
             raise InvalidParameter(
                 "cannot-burn",
                 "ignite_cells: cell {cell} is {what}",
-                "give a cell of floor that can burn",
+                "use a cell of floor that can burn",
                 cell=part.strip(),
                 what=what,
             )

@@ -107,7 +107,7 @@ def _thickest(
             "no-room",
             "size={size} has no room for a trunk of {thinnest} cells and a gap of {clear:g} cells "
             "around it",
-            "give a larger size, thinner trunks, or a smaller gap or robot_radius",
+            "use a larger size, thinner trunks, or a smaller gap or robot_radius",
             size=arena.size,
             thinnest=thinnest,
             clear=float(clear),

@@ -64,7 +64,7 @@ def junction(
         raise InvalidParameter(
             "no-room",
             "width={width} leaves no room for arms in size={size} cells",
-            "give a size of at least {least}, or a narrower width",
+            "use a size of at least {least}, or a narrower width",
             width=width,
             size=size,
             least=least + 2,

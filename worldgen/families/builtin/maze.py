@@ -108,7 +108,7 @@ def maze(
         raise InvalidParameter(
             "no-room",
             "passage={passage} and wall={wall} leave no 2 x 2 chambers in size={size} cells",
-            "give a size of at least {least}, or narrower passages and walls",
+            "use a size of at least {least}, or narrower passages and walls",
             passage=passage,
             wall=wall,
             size=size,
@@ -156,7 +156,7 @@ def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]
             raise InvalidParameter(
                 "no-effect",
                 "{name}={share:g} has no effect with algorithm={algorithm}",
-                "omit it, or give growing-tree",
+                "omit it, or use growing-tree",
                 name=name,
                 share=share,
                 algorithm=algorithm,
@@ -167,7 +167,7 @@ def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]
         raise InvalidParameter(
             "above-maximum",
             "newest={newest:g} and oldest={oldest:g} add up to more than 1",
-            "give at most 1 in total",
+            "use at most 1 in total",
             newest=newest,
             oldest=oldest,
         )
@@ -185,7 +185,7 @@ def _mask(shape: str, side: int, algorithm: str) -> Bools:
         raise InvalidParameter(
             "conflict",
             "mask={shape} cannot be combined with algorithm={algorithm}, which fills whole rows",
-            "give one of {known!l}, or mask=square",
+            "use one of {known!l}, or mask=square",
             shape=shape,
             algorithm=algorithm,
             known=list(FIT_ANY_SHAPE),

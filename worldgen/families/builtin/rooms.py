@@ -106,7 +106,7 @@ def _corridor_width(arena: Arena, plan: Style, corridor: int, door: int) -> int:
         raise InvalidParameter(
             "below-minimum",
             "corridor={corridor} is narrower than the doors, {door} cells",
-            "give at least {door}, or omit it",
+            "use at least {door}, or omit it",
             corridor=corridor,
             door=door,
         )

@@ -60,7 +60,7 @@ def shift(
         speedup: Factor by which the rate of draws and ``chance`` (at most 1) are larger at
             ``duration`` than at the start; both rise linearly in between.
         duration: Time after which nothing changes, s.
-        margin: The robot may start on its witness up to this much later and still arrive, s.
+        margin: Delay, s, up to which the robot may start late and still arrive along its witness.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
@@ -78,7 +78,7 @@ def shift(
         raise InvalidParameter(
             "not-square",
             "over={over}: {width} x {height} cells have no mirror image",
-            "give a square ground",
+            "use a square ground",
             over=over,
             width=ground.width,
             height=ground.height,

@@ -80,7 +80,7 @@ def trap(
             that keeps winding around it; V: two slanted arms; comb: a back wall with teeth; nested:
             U's in each other's hollows; pair: a U, and another behind it, offset to the side.
         depth: Inner length of the arms, cells; for a spiral, the length of its innermost chamber;
-            for nested U's, that of the innermost; if omitted, drawn.
+            for nested U's, the innermost one's; if omitted, drawn.
         mouth: Clear width of the opening, between the arms or along the back wall, cells; for a
             spiral, of its whole winding corridor; also the gap between teeth, and between one U and
             the next; if omitted, drawn.
@@ -147,7 +147,7 @@ def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _R
         raise InvalidParameter(
             "no-effect",
             "inside cannot be combined with faces=target: nothing would be in the way",
-            "give faces=start or faces=side",
+            "use faces=start or faces=side",
         )
     least_depth = arena.narrowest if inside else 1
     # From the side, the robot would pass an arm that is shorter than itself.
@@ -227,7 +227,7 @@ def _draw_figure(
             "no-room",
             "size={size} has no room for shape={shape} with mouth={mouth}, depth={depth}, "
             "thickness={thickness}, turned by {degrees} degrees: {problem}",
-            "give a larger size, or a smaller obstacle or robot_radius",
+            "use a larger size, or a smaller obstacle or robot_radius",
             size=arena.size,
             shape=request.shape,
             mouth=mouth,
@@ -381,7 +381,7 @@ def _draw_to_fit(
             "size={size} has no room for shape={shape} with mouth={mouth}, depth={depth}, "
             "thickness={thickness}"
             f"{turns_said}: {{problem}}",
-            "give a larger size, or a smaller obstacle or robot_radius",
+            "use a larger size, or a smaller obstacle or robot_radius",
             size=arena.size,
             shape=shape,
             mouth=least_mouth,

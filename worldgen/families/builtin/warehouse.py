@@ -66,7 +66,7 @@ def warehouse(
         raise InvalidParameter(
             "no-room",
             "aisle={aisle} and shelf_depth={depth} leave no room for a shelf in size={size} cells",
-            "give a size of at least {least}, or narrower aisles",
+            "use a size of at least {least}, or narrower aisles",
             aisle=aisle,
             depth=shelf_depth,
             size=size,

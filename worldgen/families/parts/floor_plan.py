@@ -113,7 +113,7 @@ def fit_sizes(
         raise InvalidParameter(
             "below-minimum",
             "room={room} is narrower than the {name}, {least} cells",
-            "give at least {least}, or omit it to draw one",
+            "use at least {least}, or omit it to draw one",
             room=asked,
             name=name,
             least=least,
@@ -123,7 +123,7 @@ def fit_sizes(
             "no-room",
             "two rooms of {room} cells and the {between} cells between them are more than the "
             "{inside} cells inside size={size}",
-            "give a size of at least {least}, or smaller rooms, walls or corridors",
+            "use a size of at least {least}, or smaller rooms, walls or corridors",
             room=asked,
             between=beside,
             inside=arena.inside,

@@ -82,7 +82,7 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
     raise InvalidParameter(
         "no-room",
         "size={size} with robot_radius={robot_radius:g} m has no room for over={over}",
-        "give a larger size or a smaller robot_radius (for one of its shapes: {refusal})",
+        "use a larger size or a smaller robot_radius (for one of its shapes: {refusal})",
         size=arena.size,
         robot_radius=arena.robot_radius,
         over=over,
@@ -98,7 +98,7 @@ def _parse(over: str) -> tuple[Family, dict[str, Value]]:
         raise InvalidParameter(
             "world-changes",
             "over={over}: the worlds of {family} already change",
-            "give one of {known!l}",
+            "use one of {known!l}",
             over=over,
             family=below.name,
             known=[name for name in FAMILIES if not FAMILIES.get(name).changes],
@@ -112,7 +112,7 @@ def _still(ground: World, over: str) -> World:
         raise InvalidParameter(
             "world-changes",
             "over={over}: its worlds already change",
-            "give a family whose worlds do not change, and declare this one with changes=True",
+            "use a family whose worlds do not change, and declare this one with changes=True",
             over=over,
         )
     return ground

@@ -76,7 +76,7 @@ class Arena:
                 "no-room",
                 "robot_radius={robot_radius:g} m does not fit between the walls of "
                 "size={size} cells of {cell_size:g} m",
-                "give at most {most:g} m, or a larger size",
+                "use at most {most:g} m, or a larger size",
                 robot_radius=self.robot_radius,
                 size=self.size,
                 cell_size=self.cell_size,
@@ -114,7 +114,7 @@ class Arena:
             raise InvalidParameter(
                 "narrower-than-robot",
                 "{name}={width} is narrower than the robot, {robot_width:g} cells wide",
-                "give at least {narrowest}, or omit it for the narrowest",
+                "use at least {narrowest}, or omit it for the narrowest",
                 name=name,
                 width=width,
                 robot_width=float(2 * self.radius),

@@ -44,7 +44,7 @@ _DRAWS = 4
 _REDRAWS = 20
 # Placements of all robots to try, one robot by one, as long as some robot finds no room.
 _PLACEMENTS = 4
-# Most robots whose paths are searched together if they have none one after another. The search
+# Limit on robots whose paths are searched together if a search one by one finds none. The search
 # rarely succeeds with more.
 MOST_TOGETHER = 50
 
@@ -293,7 +293,7 @@ def _check_plannable(world: World, owner: str) -> None:
             "too-large",
             "{family}: a world of {width} x {height} cells is too large to plan the paths of more "
             "than {few} robots",
-            "give a smaller size, or fewer robots",
+            "use a smaller size, or fewer robots",
             family=owner,
             width=world.width,
             height=world.height,
@@ -305,7 +305,7 @@ def _too_many(owner: str, placed: int, robots: int) -> InvalidParameter:
     return InvalidParameter(
         "too-many-robots",
         "{family}: only {placed} robots fit, not robots={robots}",
-        "give fewer or smaller robots, or a larger size",
+        "use fewer or smaller robots, or a larger size",
         family=owner,
         placed=placed,
         robots=robots,
@@ -317,7 +317,7 @@ def _no_paths(owner: str, planned: int, robots: int) -> InvalidParameter:
         "no-joint-paths",
         "{family}: only {placed} robots, not robots={robots}, were placed so that each has a path "
         "around the others",
-        "give fewer or smaller robots, or a larger size",
+        "use fewer or smaller robots, or a larger size",
         family=owner,
         placed=planned,
         robots=robots,

@@ -250,7 +250,7 @@ def place_turned(
 
     # Convert all places of the robot to the figure's frame, and sort them into zones around it.
     side = arena.narrowest
-    origin = (corner[0] - x0, corner[1] - y0)  # of the figure's frame, in cells
+    origin = (corner[0] - x0, corner[1] - y0)  # origin of the figure's frame, in cells
     free_rows, free_columns = np.nonzero(free_windows(walls, side, side))
     middles = np.stack([2 * free_columns + side, 2 * free_rows + side])  # half cells
     u, v = _seen(middles, origin, degrees)
@@ -276,7 +276,7 @@ def place_turned(
             raise GenerationFailed(
                 "no-room",
                 "trap: no place for the robot on the side called {zone}",
-                "give a larger size",
+                "use a larger size",
                 zone=zone,
             )
         spot = found[rng.below(len(found))]
@@ -338,7 +338,7 @@ def _spot_inside(
         raise InvalidParameter(
             "no-room",
             "inside: the hollow has no room for the robot",
-            "give a larger depth or mouth",
+            "use a larger depth or mouth",
         )
     spot = rng.below(points.shape[1])
     return int(points[0, spot]), int(points[1, spot])

@@ -54,7 +54,7 @@ def read_world(path: str | PathLike[str]) -> World:
         return _read_archived(*place, source)
     except IsADirectoryError as error:
         raise FormatError(
-            "is-a-folder", "this is a folder", "name a .grid file in it", source=source
+            "is-a-folder", "this is a folder", "choose a .grid file in it", source=source
         ) from error
     except OSError as error:
         raise FormatError.unreadable(source, error) from error

@@ -92,7 +92,7 @@ class Header:
         return statements[begins[index]][0]
 
     def statements(self) -> list[tuple[int, tuple[str, ...]]]:
-        """Return line and full key path of every table line and every ``key = value``, in order."""
+        """Return the line and full key path of each table line and ``key = value``, in order."""
         return [(self._line_at(offset), path) for offset, path in self._statement_paths()]
 
     def at(self, *path: str, table: str = "", index: int | None = None) -> dict[str, Any]:
@@ -176,7 +176,7 @@ class Header:
         raise FormatError.of(said, line=self._line_at(offset), source=self.source)
 
     def _statement_paths(self) -> Iterator[tuple[int, tuple[str, ...]]]:
-        """Yield offset and full key path of every table line and every ``key = value``, in order."""
+        """Yield the offset and full key path of each table line and ``key = value``, in order."""
         table: tuple[str, ...] = ()
         for offset, text in _statements(self._text):
             path = _key_path(text)
@@ -188,7 +188,7 @@ class Header:
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:
-    """Yield offset and key part of every statement: ``[table]``, or the text before ``=``."""
+    """Yield the offset and key part of every statement: ``[table]``, or the text before ``=``."""
     depth = 0
     begin = -1
     key_done = False

@@ -26,7 +26,7 @@ _CELL_BYTES = (SOLID + FREE + START + TARGET).encode("ascii")
 
 
 class Block(NamedTuple):
-    """The place of a section's lines: ``data[begin:end]``, whole lines, the first is line ``line``."""
+    """The place of a section's lines: ``data[begin:end]``, whole lines from line ``line``."""
 
     data: bytes
     begin: int

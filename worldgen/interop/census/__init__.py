@@ -5,7 +5,7 @@ A census finds what a disc can reach in them, and what only a point on the grid 
 Contents:
     take_census, Census, Question: Ask every map at every radius and keep the answers.
     CensusMap, Ends, Refused: A map that the census reads, and a file that it could not read.
-    Radius: A radius in m, or in cells of whatever map comes.
+    Radius: A radius in m, or in cells of each map.
     folder_maps: The maps in files and folders.
     generated_maps: The maps of a third-party generator, through a function.
     Tally, tally: Counts and intervals for each radius.

@@ -130,7 +130,7 @@ def cell_ends(
 
 
 def cell_at(walls: Bools, cell_size: float, x: float, y: float) -> tuple[int, int]:
-    """Return row and column of the cell that holds a point.
+    """Return the row and column of the cell that holds a point.
 
     Args:
         walls: (height, width) bool, row 0 the lowest y.

@@ -159,7 +159,7 @@ def _walk(paths: Sequence[Path]) -> Iterator[tuple[str, Path, bool]]:
 
 
 def _own_ends(found: ForeignMap) -> tuple[Ends, ...]:
-    """Return start and target, if the format stores both."""
+    """Return the start and the target, if the format stores both."""
     if found.world is not None:
         if found.world.is_dynamic:
             raise InvalidParameter(

@@ -105,7 +105,7 @@ class GeneratedMaps:
                     raise InvalidParameter(
                         "not-a-number",
                         "cell_size={cell_size!r} is not a number",
-                        "give the side of a cell in m",
+                        "set the side of a cell in m",
                         cell_size=item.cell_size,
                     )
                 check_between("cell_size", item.cell_size, *CELL_SIZES, "m")
@@ -208,7 +208,7 @@ def _converted(
             raise InvalidParameter(
                 "wrong-type",
                 "option {option}={text!r} is not {kind}",
-                "give one such as {default}",
+                "use one such as {default}",
                 option=key,
                 text=text[:40],
                 kind=kind,

@@ -88,7 +88,7 @@ def write_barn(world: World, destination: Destination) -> Exported:
 
 
 def _posts(world: World) -> Iterator[tuple[int, int]]:
-    """Yield columns and rows of the solid cells, and of a ring around a world with an open border."""
+    """Yield the columns and rows of solid cells, and of the ring around an open border."""
     yield from ((int(ix), int(iy)) for iy, ix in np.argwhere(world.walls))
     for left, low, right, high in closing_boxes(world).tolist():
         yield from ((ix, iy) for iy in range(low, high) for ix in range(left, right))
@@ -104,7 +104,7 @@ def _numbers(world: World, destination: Destination) -> Iterator[str]:
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
-    """Yield start and target as discs without collision, with the robot's and the target's radius."""
+    """Yield the robot's disc at its start and the target's disc, both without collision."""
     start = world.start
     target = world.target
     for name, x, y, heading, radius, colour in (

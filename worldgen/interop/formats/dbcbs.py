@@ -134,7 +134,7 @@ def _robot(table: YamlTable, low: tuple[Fraction, Fraction]) -> ForeignRobot:
         raise FormatError(
             "unsupported",
             "a robot of type {kind!q} is not a disc, so it cannot be read",
-            "give one of the unicycle types, such as {known}",
+            "use one of the unicycle types, such as {known}",
             kind=kind,
             known=_TYPE,
             line=table.line,

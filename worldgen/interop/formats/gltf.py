@@ -161,7 +161,7 @@ def _y_up(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat) -> list[float]:
 
 
 def _packed(nodes: list[dict[str, Any]], kinds: list[str]) -> bytes:
-    """Return nodes and the meshes that they place, one for each kind, as a binary file.
+    """Return the nodes and the meshes that they place, one for each kind, as a binary file.
 
     trimesh packs the meshes. The nodes are ours, because trimesh writes a place as a matrix.
     """
@@ -217,7 +217,7 @@ def _disc() -> Shape:
 
 
 def _sine_cosine(angle: float) -> tuple[float, float]:
-    """Return sine and cosine, correctly rounded, the same on every machine.
+    """Return the sine and the cosine, correctly rounded, the same on every machine.
 
     The last bit of a math library's result depends on the library.
 

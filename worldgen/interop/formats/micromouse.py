@@ -60,7 +60,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
             "{rows} rows; a maze of n rows of squares has 2 n + 1, from posts to posts",
             rows=len(rows),
         )
-    # Read walls and marks.
+    # Read the walls and the marks.
     walls = np.zeros((len(rows), width), np.bool_)
     marks: dict[str, list[tuple[int, int]]] = {"S": [], "G": []}
     for row, line in enumerate(rows):
@@ -69,7 +69,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
         for column, (_, mark) in enumerate(parts):
             if mark:
                 marks[mark].append((row, column))
-    # Find start and target.
+    # Find the start and the target.
     if len(marks["S"]) > 1:
         raise FormatError(
             "twice",
@@ -185,7 +185,7 @@ def _check(world: World) -> None:
             "cell ({ix}, {iy}) is free; in a micromouse maze it is a post and solid"
             if is_post
             else "cell ({ix}, {iy}) is solid; in a micromouse maze it is a square and free",
-            "give a maze with walls and corridors of one cell",
+            "use a maze with walls and corridors of one cell",
             ix=ix,
             iy=iy,
         )

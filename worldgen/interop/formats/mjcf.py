@@ -120,7 +120,7 @@ def _numbers_of(values: Sequence[Fraction], share: int = 1) -> str:
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
-    """Yield starts and targets as sites: they are drawn, but rays and bodies do not hit them."""
+    """Yield starts and targets as sites, which are drawn, but not hit by rays and bodies."""
     for number, robot in enumerate(world.robots, start=1):
         start = robot.start
         target = robot.target

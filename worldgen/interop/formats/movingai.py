@@ -294,7 +294,7 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
             "wrong-size",
             "the problem is for a map of {problem_width} x {problem_height} cells, the map has "
             "{width} x {height}",
-            "give the map that it was made for, in that size",
+            "use the map that it was made for, in that size",
             problem_width=numbers[0],
             problem_height=numbers[1],
             width=width,
@@ -325,7 +325,7 @@ def _check_version(line: bytes) -> None:
         raise FormatError(
             "wrong-form",
             "{came!q} is in place of `version 1`",
-            "give a scenario file",
+            "use a scenario file",
             came=line,
             line=1,
         )
@@ -345,7 +345,7 @@ def scenario_contents(path: Path) -> tuple[str, int]:
     _check_version(lines[0])
     rows = [line for line in lines[1:] if line.strip()]
     if not rows:
-        raise FormatError("empty", "has no problem", "give a scenario file that has some")
+        raise FormatError("empty", "has no problem", "use a scenario file that has some")
     return _map_name(_fields(rows[0].removesuffix(b"\r"), 2)[1]), len(rows)
 
 
@@ -397,7 +397,7 @@ def read_problems(path: Path) -> Problems:
             raise FormatError(
                 "other-map",
                 "a problem for map {name!q} among problems for {first!q}",
-                "give a file for each map",
+                "use a file for each map",
                 name=name,
                 first=map_name,
                 line=number,
@@ -408,7 +408,7 @@ def read_problems(path: Path) -> Problems:
             raise FormatError(
                 "wrong-size",
                 "{width} x {height} cells among problems for {first_width} x {first_height}",
-                "give a separate file for each",
+                "use a separate file for each",
                 width=row[0],
                 height=row[1],
                 first_width=numbers[0],

@@ -104,7 +104,7 @@ def _solid(image: GreyImage, threshold: int, background: str) -> tuple[Bools, in
 
 
 def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
-    """Return cell size, origin and places of one of our pictures; None, 0 and none for any other."""
+    """Return the cell size, origin and places of our own picture; else None, 0 and none."""
     # Only a picture with our keyword may describe a world.
     text = image.text
     if _MARK not in text:

@@ -48,7 +48,7 @@ def read_pogema(
     cell_size: float = DEFAULT_CELL_SIZE,
     map_name: str = "",
 ) -> ForeignMap:
-    """Read a map in the form that GridConfig takes, the top row first, or a YAML file with such maps.
+    """Read a map in the form of GridConfig, the top row first, or a YAML file with such maps.
 
     One agent is the robot, or all agents are robots.
 

@@ -26,7 +26,7 @@ def write_pointmaze(world: World, destination: Destination) -> Exported:
     """
     cells: list[list[int | str]] = flip_rows(world.walls).astype(int).tolist()
     start, target, altered = end_cells(world)
-    # Mark start and target; "c" is both.
+    # Mark the start and the target; "c" is both.
     for name, (column, row), letter in (("start", start, "r"), ("target", target, "g")):
         if cells[row][column] == 1:
             altered[name] = f"the {name} is not stored, because its cell is solid"

@@ -145,7 +145,7 @@ def write_sdf(
 
 
 def _head(world: World, destination: Destination, timestep: float) -> Iterator[str]:
-    """Yield physics, gravity and the grid's frame, and our own elements for facts SDFormat lacks."""
+    """Yield physics, gravity and the grid's frame, and our elements for facts SDFormat lacks."""
     rate = text(Fraction(round(1 / exact(timestep))))
     x, y = (decimal(value) for value in destination.origin)
     yield from (
@@ -230,7 +230,7 @@ def _walls(boxes: tuple[PlacedBox, ...]) -> Iterator[str]:
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
-    """Yield starts and targets as discs that are only visible; a start's shows the heading."""
+    """Yield the starts and targets as discs that are only visible; a start's shows the heading."""
     for number, robot in enumerate(world.robots, start=1):
         start = robot.start
         target = robot.target

@@ -85,7 +85,7 @@ def write_stage(world: World, destination: Destination, *, lidar: bool = False) 
         raise InvalidParameter(
             "not-a-file-name",
             "{picture} has a quotation mark, which Stage cannot read",
-            "give a name without one",
+            "use a name without one",
             picture=picture,
         )
     lines = [

@@ -56,7 +56,7 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
             column=column + 1,
             line=row_index + 1,
         )
-    # Find start and target.
+    # Find the start and the target.
     start = _place(drawn, _START, "start", cell_size)
     target = _place(drawn, _TARGET, "target", cell_size)
     return ForeignMap(
@@ -111,7 +111,7 @@ def cell_centre(column: int, row: int, cell_size: float) -> tuple[float, float]:
 
 
 def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
-    """Return column and row, from the top, of the cell that contains a point.
+    """Return the column and row, from the top, of the cell that contains a point.
 
     A point on a cell's right or upper side belongs to the next cell.
     """
@@ -120,7 +120,7 @@ def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
 
 
 def end_cells(world: World) -> tuple[tuple[int, int], tuple[int, int], dict[str, str]]:
-    """Return column and row, from the top, of the cells that a file stores as start and target.
+    """Return the column and row, from the top, of the cells stored as start and target.
 
     The last part is a sentence for each of them that is not the centre of its cell.
     """
@@ -156,7 +156,7 @@ def _place(drawn: Bytes, letters: bytes, name: str, cell_size: float) -> tuple[f
 
 
 def write_text_map(world: World, destination: Destination) -> Exported:
-    """Write a drawing, top row first: ``#`` solid, ``.`` free, ``S`` the start, ``G`` the target."""
+    """Write a drawing, top row first: ``#`` solid, ``.`` free, ``S`` start, ``G`` target."""
     # Draw the marks on free cells.
     start, target, altered = end_cells(world)
     cells = np.where(flip_rows(world.walls), np.uint8(_SOLID[0]), np.uint8(_FREE[0]))

@@ -81,9 +81,9 @@ def filtered(values: Ints, target: tuple[int, int]) -> Ints:
     """Return the signal after one pass of the noise filter, in the program's order of walls.
 
     A wall changes the cells within two of it: a cell that now holds more than the wall's own
-        distance gets one and a half times its undisturbed value, any other nine tenths of it unless
-        that is 0. A cell's final value depends on the order of the walls around it and on no other
-        cell, so all cells are processed together.
+    distance gets one and a half times its undisturbed value, any other nine tenths of it unless
+    that is 0. A cell's final value depends on the order of the walls around it and on no other
+    cell, so all cells are processed together.
 
     Args:
         values: As :func:`signal` gives them.
@@ -209,7 +209,7 @@ def _square(values: Ints) -> Ints:
         raise FormatError(
             "wrong-size",
             "{size} x {size} cells; a map has {min_size} to {max_size} per side",
-            "give another file",
+            "use another file",
             size=size,
             min_size=MIN_SIZE,
             max_size=MAX_SIZE,
@@ -323,7 +323,7 @@ def _check_shape(world: World) -> None:
 
 
 def _target_cell(world: World) -> tuple[int, int]:
-    """Return column and row, from the top, of the cell that contains the target's centre."""
+    """Return the column and row, from the top, of the cell with the target's centre."""
     ix, iy = (
         math.floor(in_cells(value, world.cell_size)) for value in (world.target.x, world.target.y)
     )
@@ -339,7 +339,7 @@ def _target_cell(world: World) -> tuple[int, int]:
 
 
 def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
-    """Yield a note for each fact that the file lacks and that its program would assume differently."""
+    """Yield a note for each fact that the file lacks and its program would assume differently."""
     # The file stores only the target's cell.
     centre = (2 * column + 1, 2 * (world.height - row) - 1)
     x, y = (2 * in_cells(value, world.cell_size) for value in (world.target.x, world.target.y))

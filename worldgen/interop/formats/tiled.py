@@ -87,7 +87,7 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
                 cell_size=size,
             )
         )
-    # Find start and target among the objects.
+    # Find the start and the target among the objects.
     scale = exact(size) / checked_number(parsed, "tilewidth")
     start = first_object(layers, _STARTS)
     target = first_object(layers, _TARGETS)
@@ -116,7 +116,7 @@ def _above_0(said: Mapping[str, float], name: str) -> float | None:
 
 
 def _start(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
-    """Return x, y and heading from the object's properties unless it has been moved since."""
+    """Return the pose in the object's properties, unless it has been moved since."""
     shape = numbers_of(part, "x", "y", "width", "height", "rotation")
     said = numbers_of(part)
     heading = said.get("heading", 0.0)
@@ -127,7 +127,7 @@ def _start(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
 
 
 def _target(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
-    """Return x, y and radius in the same way; a point has no radius."""
+    """Return the place and the radius in the same way; a point has no radius."""
     shape = numbers_of(part, "x", "y", "width", "height")
     said = numbers_of(part)
     centre = _point(shape, said, scale, top)

@@ -103,7 +103,7 @@ def _cube(box: PlacedBox) -> Iterator[str]:
 
 
 def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
-    """Yield start or target: a frame on the floor, with a disc that does not collide."""
+    """Yield a start or a target: a frame on the floor, with a disc that does not collide."""
     # Work out the place and the size.
     start = world.start
     target = world.target

@@ -69,7 +69,7 @@ def _lines(padded: Bools) -> _Lines:
     height, width = padded.shape
     inside = np.zeros((height - 1, width + 1), np.int8)
     inside[:, 1:] = padded[:-1] & padded[1:]
-    # x counts padded cells, so it is one more than that of the left corner.
+    # x counts padded cells, so it is one more than the left corner's.
     edges = np.diff(inside, axis=1)
     y, begin = np.nonzero(edges == 1)
     return _Lines(y, begin - 1, np.nonzero(edges == -1)[1] - 1)

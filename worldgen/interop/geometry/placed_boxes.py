@@ -67,7 +67,7 @@ class GridLines:
                 "too-many-digits",
                 "cells of {cell_size:g} m around ({x:g}, {y:g}) m need more than the "
                 "{bits} bits that a coordinate has here",
-                "give --origin 0,0",
+                "use --origin 0,0",
                 at_terminal=True,
                 cell_size=world.cell_size,
                 x=destination.origin[0],
@@ -148,7 +148,7 @@ def box_writer(
     """Return the writer of a format that has nothing but boxes.
 
     Args:
-        contents: Returns the file with these boxes.
+        contents: Function that returns the file with these boxes.
         bits: Bits of a coordinate in the file, as for :func:`solid_boxes`.
     """
 

@@ -40,8 +40,9 @@ def cell_polygons(solid: Bools, first: int = 0) -> list[Polygon]:
 
     Returns:
         Polygons in order of their first corners. Each is its outline, counter-clockwise, then its
-        holes, clockwise. Each ring starts at its lowest corner, of these the leftmost, in cells,
-        and does not repeat it at the end. No ring touches itself, and none crosses another.
+        holes, clockwise. Each ring starts at its lowest corner, the leftmost if there are several,
+        in cells, and does not repeat it at the end. No ring touches itself, and none crosses
+        another.
     """
     x, y, entered, left = _corners(solid)
     after = _links(x, y, entered, left)
@@ -124,7 +125,7 @@ def _rings(x: list[int], y: list[int], after: list[int]) -> tuple[list[Ring], In
 
 
 def _begun(ring: Ring) -> Ring:
-    """Rotate the ring to start at its lowest, of these its leftmost corner."""
+    """Rotate the ring to start at its lowest corner, the leftmost if there are several."""
     first = min(range(len(ring)), key=lambda k: ring[k][::-1])
     return ring[first:] + ring[:first]
 

@@ -93,7 +93,7 @@ class Raster:
         self.full[inner] = True
 
     def picture(self, solid: Bools, across: Fraction, along: Fraction) -> None:
-        """Paint a picture's solid pixels, lowest row first, at a size in m from the grid's corner."""
+        """Paint a picture's solid pixels, bottom up, at a size in m, from the grid's corner."""
         if across == along == self._cell_size and solid.shape == self.solid.shape:
             self.solid |= solid
             self.full |= solid
@@ -152,7 +152,7 @@ class Raster:
         self._painted += work
         if self._painted > _MOST_PAINTED:
             raise InvalidWorld(
-                "too-large", "the obstacles take too many cells", "give a larger cell_size"
+                "too-large", "the obstacles take too many cells", "use a larger cell_size"
             )
 
 
@@ -205,7 +205,7 @@ def _cut_into_rows(shape: Any, rows: slice, columns: slice) -> tuple[Ints, Ints]
 
 
 def _row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> Ints:
-    """Yield row, first and end column of each piece of a row, without slivers."""
+    """Yield the row, the first and the end column of each piece of a row, without slivers."""
     import shapely
 
     pieces, index = shapely.get_parts(parts, return_index=True)
@@ -289,7 +289,7 @@ def painted(
         raise FormatError(
             "out-of-range",
             "cells of {cell_size:g} m",
-            "give {low:g} to {high:g} m",
+            "use {low:g} to {high:g} m",
             cell_size=float(cell_size),
             low=CELL_SIZES[0],
             high=CELL_SIZES[1],
@@ -299,7 +299,7 @@ def painted(
         raise FormatError(
             "wrong-size",
             "the world takes {width} x {height} cells of {cell_size:g} m",
-            "give a larger cell_size",
+            "use a larger cell_size",
             width=width,
             height=height,
             cell_size=float(cell_size),

@@ -1,9 +1,9 @@
 """Cut triangles horizontally into cells: what a lidar at that height would see.
 
 Closed bodies are solid inside: a cell's centre is inside if the outward-facing surfaces around it
-    wind around it more often than the others, so a building whose rooms are cavities has free
-    rooms. A cell that a surface passes through is solid too. Open bodies have no inside; their
-    surfaces are walls without thickness.
+wind around it more often than the others, so a building whose rooms are cavities has free rooms. A
+cell that a surface passes through is solid too. Open bodies have no inside; their surfaces are
+walls without thickness.
 
 trimesh 5.2 needs another compiled library, rtree, to make polygons of a section, so the cut is made
 here.
@@ -148,7 +148,7 @@ def cut(bodies: Bodies, height: float) -> Section:
     """Cut bodies just above a height, so that no vertex is in the plane.
 
     Both triangles at an edge get the same point of it, to the last bit, so outlines of closed
-        bodies are closed.
+    bodies are closed.
     """
     return Section(
         _segments(bodies.vertices, bodies.closed, height),
@@ -249,14 +249,14 @@ def _passed(segments: Floats, width: int, height: int, touch: float) -> Bools:
 
 
 def _rows(first: Floats, end: Floats, height: int) -> Iterator[tuple[Ints, Ints]]:
-    """Yield pairs of segment and row for the grid's rows ``first`` to ``end``, millions at a time."""
+    """Yield pairs of a segment and a row for rows ``first`` to ``end``, millions at a time."""
     # Keep the rows that are in the grid, and limit their number.
     begin = np.clip(first, 0, height).astype(np.int64)
     counts = np.maximum(np.clip(end, 0, height).astype(np.int64) - begin, 0)
     totals = np.cumsum(counts)
     if len(totals) and totals[-1] > _MOST_VISITS:
         raise InvalidWorld(
-            "too-large", "the mesh's outlines pass too many cells", "give a larger cell_size"
+            "too-large", "the mesh's outlines pass too many cells", "use a larger cell_size"
         )
     # Yield as many segments at a time as fit into a chunk.
     at = 0

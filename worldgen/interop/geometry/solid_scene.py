@@ -37,7 +37,7 @@ class Body:
         box: Its place while it exists.
         burning: True if it is fire, which does not stop a robot.
         shown: True if it exists at time 0.
-        changes: Times, s, and whether it exists from then on.
+        changes: Times, s, and whether it exists after each.
     """
 
     name: str
@@ -130,7 +130,7 @@ def player_files(
 
 
 def _events(model: str, bodies: tuple[Body, ...], height: float, world: str) -> bytes:
-    """Return the table: places of bodies, and the height of their centres from each time on.
+    """Return the table: places of bodies, and the height of their centres after each time.
 
     Args:
         model: Name of the file with the bodies.

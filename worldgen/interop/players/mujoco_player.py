@@ -38,7 +38,7 @@ _TABLE = _table()
 def events() -> list[tuple[float, str, float]]:
     """Return the time, s, the body, and the height of its centre from then on, m.
 
-    In order of time, those of time 0 first.
+    In order of time, beginning at time 0.
     """
     return [(time, name, z) for time, name, z in _TABLE["events"]]
 

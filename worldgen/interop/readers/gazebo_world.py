@@ -126,8 +126,8 @@ def read_gazebo_world(
 
     Args:
         path: The ``.world`` or ``.sdf`` file.
-        cell_size: Side of a cell, m; 0 means that of our own files, 0.15 for BARN's, and otherwise
-            as large as the boxes allow, or 0.1.
+        cell_size: Side of a cell, m; 0 means the recorded side in our own files, 0.15 in BARN's,
+            and otherwise as large as the boxes allow, or 0.1.
         raster: Whether a cell is solid if a shape reaches into it, or only if it is completely
             inside one.
 
@@ -154,7 +154,7 @@ def read_gazebo_world(
     if own is None:
         notes.append("everything beyond these cells is solid here, but open ground in Gazebo")
     params: dict[str, Value] = {"raster": raster}
-    # Find start, target and robot.
+    # Find the start, the target and the robot.
     start, target = _ends(scene, frame, barn=barn and own is None, ours=own is not None)
     radius = None
     speed = _number(world, f"{OURS}robot_speed")
@@ -322,7 +322,7 @@ def _add_plane(scene: _GazeboScene, plane: XmlElement, pose: _BodyPose, *, uprig
 
 
 def _is_barn(scene: _GazeboScene) -> bool:
-    """Return True if the world contains only BARN's posts, each in its own cell of BARN's lattice."""
+    """Return True if the world contains only BARN's posts, each in its own cell of its lattice."""
     return (
         bool(scene.posts)
         and not (scene.shapes.boxes or scene.shapes.polygons)
@@ -420,7 +420,7 @@ def _cells(scene: _GazeboScene, frame: _Frame, *, inner: bool) -> tuple[Bools, l
 def _ends(
     scene: _GazeboScene, frame: _Frame, *, barn: bool, ours: bool
 ) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
-    """Return start and target: the challenge's, or the models of these names."""
+    """Return the start and the target: the challenge's, or the models of these names."""
     if barn:
         x, y, heading = map(Fraction, _START)
         goal = (

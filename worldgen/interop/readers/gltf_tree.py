@@ -1,8 +1,7 @@
 """Check the JSON of a glTF file before a library builds the scene.
 
-The result is a well-formed tree of bounded size. trimesh 5.2 allocates whatever an accessor
-    claims: a file of 400 bytes can ask for 22 GiB. It also silently drops some nodes with more than
-    one parent.
+The result is a well-formed tree of bounded size. trimesh 5.2 allocates whatever an accessor claims:
+a file of 400 bytes can ask for 22 GiB. It also silently drops some nodes with more than one parent.
 
 Source: The Khronos Group, "glTF 2.0 Specification", 2021.
 """

@@ -155,7 +155,7 @@ def _read_pgm(data: bytes) -> GreyImage:
 
 
 def _binary_raster(data: bytes, at: int, count: int, width: int) -> npt.NDArray[np.integer[Any]]:
-    """Return pixels of ``width`` bytes, high byte first, after the one blank that ends the header."""
+    """Return pixels of ``width`` bytes, high byte first, after the blank that ends the header."""
     size = count * width
     rest = len(data) - at - 1
     if rest < size or not data[at : at + 1].isspace():

@@ -321,7 +321,7 @@ _Point = tuple[float, ...] | None
 
 
 def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | None, float | None]:
-    """Return start, target, radius and speed of the first robot."""
+    """Return the start, target, radius and speed of the first robot."""
     # Take the first robot.
     tables = _tables(top, "robot")
     if not tables:

@@ -93,7 +93,7 @@ def _check_header(data: bytes) -> None:
         raise FormatError(
             "unknown-format",
             "begins with {came}, but a Java object stream begins with AC ED 00 05",
-            "give a file that the program saved",
+            "use a file that the program saved",
             came=came,
         )
     if len(data) < len(_HEADER):
@@ -132,7 +132,7 @@ def _refuse_record(kind: int, at: int) -> NoReturn:
     raise FormatError(
         "not-numbers",
         "byte {at}: {kind:02X} is {what}; a map holds only bare numbers (records 77 and 7A)",
-        "give a file that the program's map editor saved",
+        "use a file that the program's map editor saved",
         at=at,
         kind=kind,
         what=what,

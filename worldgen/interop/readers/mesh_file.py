@@ -96,7 +96,7 @@ def _check_counts(data: bytes, kind: str) -> None:
     ):
         raise FormatError("ends-early", "claims more parts than it has bytes", "export it again")
     if (kind in ("obj", "ply") and b"\0" in data[:4]) or not data.strip():
-        raise FormatError("empty", "holds no mesh", "give a file with triangles")
+        raise FormatError("empty", "holds no mesh", "use a file with triangles")
 
 
 def _held(data: bytes, kind: str) -> dict[str, Any]:

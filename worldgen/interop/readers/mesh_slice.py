@@ -1,11 +1,11 @@
 """Cut a mesh at the height of a robot's lidar: find the floors, the plane and the cells.
 
 As with a real lidar, anything lower or higher than the plane is not seen: only the legs of a table
-    appear.
+appear.
 
 Each format has the options that its kind of file leaves open. Source of the axes: glTF 2.0, section
-    3.3 (y up, metres); ROS REP 103 (z up), which STL, OBJ and PLY files in robotics follow although
-    their formats do not require it.
+3.3 (y up, metres); ROS REP 103 (z up), which STL, OBJ and PLY files in robotics follow although
+their formats do not require it.
 """
 
 from __future__ import annotations
@@ -165,7 +165,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
         raise InvalidParameter(
             "out-of-range",
             "floor={floor}: the mesh has {count} floors, at {heights} m",
-            "give a number from 0",
+            "use a number from 0",
             floor=plane.floor,
             count=len(floors),
             heights=_listed(floors),
@@ -178,7 +178,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
             "there is nothing {height:g} m above floor {floor}, which is at {level:g} m; the mesh "
             "reaches from {low:g} "
             "to {high:g} m",
-            "give another slice height, floor, unit or up axis",
+            "use another slice height, floor, unit or up axis",
             height=plane.height,
             floor=plane.floor,
             level=level,
@@ -291,14 +291,12 @@ def _frame(
     low = [math.floor(value + slack) for value in ends[0].tolist()]
     high = [math.ceil(value - slack) for value in ends[1].tolist()]
     width, height = (max(b - a, 1) for a, b in zip(low, high, strict=True))
-    check_sides(
-        width, height, remedy="give larger cells, or the file's unit if it is not the metre"
-    )
+    check_sides(width, height, remedy="use larger cells, or the file's unit if it is not the metre")
     return (float(low[0] * cell), float(low[1] * cell)), width, height
 
 
 def _slack(furthest: float) -> float:
-    """Return the possible rounding error, in cells, of coordinates this far from the file's origin."""
+    """Return the largest rounding error, cells, of coordinates this far from the file's origin."""
     return min(_TOUCH + _ROUNDED * furthest, 0.01)
 
 
@@ -343,7 +341,7 @@ def _warnings(vertices: Floats) -> tuple[str, ...]:
     if _ODD_SIDES[0] <= max(sides[:2]) <= _ODD_SIDES[1]:
         return ()
     return (
-        f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if that is wrong, give the "
+        f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if that is wrong, use the "
         "file's unit with +unit",
     )
 

@@ -87,7 +87,7 @@ def read_configuration(text: bytes, map_name: str) -> PogemaTask:
         raise FormatError(
             "random-places",
             "{key} is given without the other, so POGEMA draws the other places at random",
-            "give agents_xy and targets_xy",
+            "use agents_xy and targets_xy",
             key=given[0],
             line=top.line_of(given[0]),
         )
@@ -183,6 +183,6 @@ def _agents(
             )
     if count < 1:
         raise FormatError(
-            "empty", "there is no agent", "give at least one", line=top.line_of("num_agents")
+            "empty", "there is no agent", "add at least one", line=top.line_of("num_agents")
         )
     return starts[:count], targets[:count]

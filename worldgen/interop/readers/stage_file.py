@@ -22,7 +22,7 @@ _TOKEN = re.compile(
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})")
 # Nested parts, and definitions that build on definitions.
 _MOST_DEPTH = 16
-# Limit on the tokens, counting those of a definition again wherever it is used; Stage's
+# Limit on the tokens, counting a definition's tokens again wherever it is used; Stage's
 # hospital.world has 498,236.
 _MOST_TOKENS = 700_000
 
@@ -64,7 +64,7 @@ class Entity:
         return key in self.properties
 
     def place(self, key: str) -> _Value | Entity:
-        """Return what errors about a property refer to: its value, or the entity if it is missing."""
+        """Return what a property's errors refer to: its value, or the entity if it is missing."""
         return self.properties.get(key, self)
 
     def text(self, key: str, default: str = "") -> str:

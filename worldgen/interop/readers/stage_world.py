@@ -84,7 +84,7 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
 
     Args:
         path: The ``.world`` file; it names the picture.
-        cell_size: Side of a cell, m; 0 means that of the picture's pixels.
+        cell_size: Side of a cell, m; 0 means the size of the picture's pixels.
 
     Raises:
         FormatError: If a file breaks a rule, with the line if there is one.

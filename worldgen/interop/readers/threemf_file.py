@@ -53,7 +53,7 @@ class _Model:
 
 
 def read_threemf(data: bytes) -> tuple[Floats, Ints, dict[str, Any], float]:
-    """Return vertices, triangles, the facts of a file from worldgen, and metres per unit.
+    """Return the vertices, the triangles, the facts of a file from worldgen, and metres per unit.
 
     Raises:
         FormatError: If the file breaks the format's rules.

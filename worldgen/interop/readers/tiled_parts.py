@@ -58,7 +58,7 @@ def parse_tiled(data: bytes) -> Part:
         raise FormatError(
             "unknown-format",
             "is JSON without layers; the only JSON maps that can be read are Tiled's",
-            "give a map that Tiled saved, not a tileset or world",
+            "use a map that Tiled saved, not a tileset or world",
         )
     if parsed.get("infinite") is True:
         raise FormatError(

@@ -251,7 +251,7 @@ def _compose(text: bytes) -> yaml.Node | None:
     except UnicodeDecodeError as error:
         line = text.count(b"\n", 0, error.start) + 1
         raise FormatError(
-            "not-utf8", "is not UTF-8 text", "give the map's YAML file", line=line
+            "not-utf8", "is not UTF-8 text", "use the map's YAML file", line=line
         ) from error
     try:
         _refuse_tricks(decoded)

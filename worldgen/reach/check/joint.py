@@ -1,8 +1,8 @@
 """Check the distances between the robots of a joint witness, without any of the code that made it.
 
 Between two points in time at which neither path bends, two robots move uniformly along straight
-lines, so each moves along a straight line relative to the other. Their distance there is that of a
-segment from the origin. Distances are in metres, with the tolerance of a witness.
+lines, so each moves along a straight line relative to the other. Their distance there is a
+segment's distance from the origin. Distances are in metres, with the tolerance of a witness.
 """
 
 from __future__ import annotations

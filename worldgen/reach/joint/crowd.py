@@ -14,7 +14,7 @@ from worldgen.reach.joint.witness import make_joint_witness
 from worldgen.support.ccall import check, pointer
 from worldgen.world import JointWitness, Robot, World
 
-_MOST_STATES = 50_000  # of one robot: enough for a path through a hall of 1000 robots
+_MOST_STATES = 50_000  # states of one robot: enough for a path through a hall of 1000 robots
 
 
 class Crowd:
@@ -26,7 +26,7 @@ class Crowd:
 
     Args:
         world: A world of one robot, which is the first.
-        count: Most robots that can be added, including the first.
+        count: Limit on the robots that can be added, including the first.
         margin: Seconds by which all robots may start late, in a world that changes.
     """
 
@@ -51,7 +51,7 @@ class Crowd:
         self.add(world.robots[0])
 
     def add(self, robot: Robot) -> bool:
-        """Add a robot if it finds a path without changing those of the others."""
+        """Add a robot if it finds a path without changing the others' paths."""
         # Find out how it gets onto the nodes.
         question = self._question
         if question is None:
@@ -89,7 +89,7 @@ class Crowd:
         return make_joint_witness(question, taken_nodes(made[0], count))
 
     def _leg_fits(self, ends: RobotEnds) -> bool:
-        """Return True if the first leg of a robot stays clear of those of the others."""
+        """Return True if the first leg of a robot stays clear of the others' first legs."""
         question = self._question
         assert question is not None
         if self.robots and not question.has_first_leg and ends.start != question.point(ends.node):

@@ -1,4 +1,4 @@
-"""Find the cells whose centres the disc can reach, which a coverage task requires a robot to visit."""
+"""Find the cells whose centres the disc can reach, as a coverage task requires."""
 
 from __future__ import annotations
 

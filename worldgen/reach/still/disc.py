@@ -54,7 +54,7 @@ def lattice_centre(disc: Disc) -> Point | None:
 
 
 def beyond(chain: Ints, start: ExactPoint, disc: Disc) -> bool:
-    """Return True if a chain separates a pose from a whole disc: its line stays outside the disc."""
+    """Return True if a chain separates a pose from a whole disc: its line avoids the disc."""
     winds, away = _around(chain, (disc.x, disc.y), disc.radius)
     return away and winds != winds_around(chain, start)
 
@@ -90,7 +90,7 @@ def is_away(line: tuple[ExactPoint, ExactPoint], pose: ExactPoint, radius: Numbe
 
 
 def _around(chain: Ints, pose: ExactPoint, radius: Number) -> tuple[bool, bool]:
-    """Return True if a chain winds an odd number of times around a pose and stays outside a radius."""
+    """Return True if a chain winds an odd number of times around a pose, outside a radius."""
     scale = math.lcm(pose[0].denominator, pose[1].denominator)
     finer = math.lcm(scale, radius.denominator)
     fits = finer <= _FINEST

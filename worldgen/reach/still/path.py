@@ -122,7 +122,7 @@ def clearance_sq(walls: Walls, points: Sequence[ExactPoint]) -> Fraction:
 def _least_of_whole(
     walls: Walls, points: Sequence[ExactPoint], reach: int
 ) -> tuple[Fraction, list[tuple[ExactPoint, ExactPoint]]]:
-    """Return the smallest squared distance, up to that of ``reach``, and the pieces left out."""
+    """Return the smallest squared distance, up to ``reach`` squared, and the omitted pieces."""
     if len(points) == 1:
         return Fraction(reach * reach), [(points[0], points[0])]
     x, y, whole = _whole_points(points)

@@ -363,9 +363,7 @@ class _ReachQuery:
                 return self._ringed(chain)
         poses = deciding_poses(self.walls, self.disc)
         if poses is None:
-            reason = (
-                "the target's disc is too large to examine all of its poses; give a smaller one"
-            )
+            reason = "the target's disc is too large to examine all of its poses; use a smaller one"
             return Decision(UNDECIDED, None, reason)
         if not len(poses):
             cell, _ = self.walls.nearest((self.disc.x, self.disc.y))
@@ -471,7 +469,7 @@ def _links_round_corners(walls: Walls, graph: Graph, point: ExactPoint) -> dict[
 
     If the point touches a wall's side and a cell's corner, the path may have to follow the wall at
     first: the free space next to it widens as slowly as a circle leaves its tangent, so the first
-        node may be far along the wall and close to it.
+    node may be far along the wall and close to it.
     """
     unit = UNIT // graph.k
     links: dict[int, ExactPoint] = {}

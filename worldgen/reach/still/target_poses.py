@@ -73,7 +73,7 @@ class DecidingPoses(Protocol):
         """Return a pose, lu; the error of irrational coordinates is below 2**-140."""
 
     def first_unparted(self, chain: Ints, start: ExactPoint, begin: int = 0) -> int:
-        """Return the first pose, from an index on, that a chain does not separate from the start.
+        """Return the first pose, counting from an index, that a chain fails to separate.
 
         Return the number of poses if there is none.
         """

@@ -141,7 +141,7 @@ def _inner(spans: Spans) -> CellSpans:
 
 
 def _distances(world: World, shape: tuple[int, ...], k: int) -> tuple[Floats, Floats]:
-    """Return the distances of each tile, flat, from the start and the target's disc, in tile sides."""
+    """Return each tile's distances, in tile sides, flat, from the start and the target's disc."""
     reach = float(in_cells(world.target.radius, world.cell_size) * k)
     found = []
     for place, less in ((world.start, 0.0), (world.target, reach)):

@@ -33,7 +33,7 @@ from worldgen.world import Witness, World
 _LOOK_AHEAD = 24
 # Limit on straight lines tried per path; long paths look ahead less.
 _TESTS = 20_000
-# Queue entries between two checks for Ctrl-C.
+# Queue entries to process between checks for Ctrl-C.
 _PORTION = 200_000
 
 
@@ -228,7 +228,7 @@ def search_costs(graph: TimedGraph, begun: Ints) -> Any:
 def _search(
     graph: TimedGraph, begun: Ints, goal: Any, lean: tuple[int, int, int]
 ) -> tuple[int, Any, Any, Any, Any]:
-    """Run the search; return its final state, and all states' node, cost, predecessor, departure."""
+    """Search; return the final state, and all states' nodes, costs, predecessors, departures."""
     # Describe the search to C.
     nodes = graph.nodes
     middles = graph.middles

@@ -130,7 +130,7 @@ class ChangingWalls:
         ]
 
     def spans_near(self, p: ExactPoint, q: ExactPoint) -> list[tuple[int, int]]:
-        """Return the sorted spans in which a blocked cell is nearer to segment pq than the radius."""
+        """Return the sorted spans in which a blocked cell is within the radius of segment pq."""
         found = set()
         for cell in self._ever.near(p, q, math.ceil(self.radius * UNIT)):
             distance, over = segment_box_sq(p, q, cell)

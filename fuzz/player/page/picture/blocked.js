@@ -5,7 +5,9 @@ import { drawHead } from "#player/picture/arrows.js";
 import { bodyRadius } from "#player/picture/body.js";
 import { poseAt, stepWithin } from "#player/decode.js";
 
-const ASIDE = 0.55; // radii to the right of the line between the centres, so that two robots that block each other have separate arrows
+// radii to the right of the line between the centres, so that two robots that block each other have
+// separate arrows
+const ASIDE = 0.55;
 const INSET = 0.3; // radii from the centres to the arrow's ends, at most a quarter of the distance
 
 /**

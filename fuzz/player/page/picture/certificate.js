@@ -3,7 +3,9 @@
 import { openWorld } from "#player/decode.js";
 import { disc, line, robotColour, stroke } from "#player/picture/pen.js";
 
-const CASING = 5; // pixels: makes the path and the cut stand out from anything below them, even to people who see few colours
+// pixels: makes the path and the cut stand out from anything below them, even to people who see few
+// colours
+const CASING = 5;
 
 /**
  * Draws a timed path, and a dot at its place at the given time.

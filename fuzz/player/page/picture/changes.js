@@ -10,7 +10,7 @@ const OPENS = FREE + 1,
   BURNS = BURNING + 1;
 const HATCHED = 3; // pixels per cell above which hatching can be told from a plain colour
 const APART = 6; // pixels between two lines of hatching
-const MOST_LABELS = 6; // of the places where a timed path waits for a wall to open
+const MOST_LABELS = 6; // limit on labelled places where a timed path waits for a wall to open
 
 /**
  * Returns the next change of each cell (0: none), and which free cells have burnt.
@@ -24,7 +24,8 @@ function comingIn(open, width) {
     burnt = new Uint8Array(open.cells.length);
   if (events) {
     const { ix, iy, state } = events;
-    for (let k = state.length - 1; k >= done; k -= 1) next[iy[k] * width + ix[k]] = state[k] + 1; // the earliest stays
+    // the earliest stays
+    for (let k = state.length - 1; k >= done; k -= 1) next[iy[k] * width + ix[k]] = state[k] + 1;
     for (let k = 0; k < done; k += 1) burnt[iy[k] * width + ix[k]] = state[k] === BURNING ? 1 : burnt[iy[k] * width + ix[k]];
   }
   open.coming = { next, burnt, done };

@@ -8,7 +8,8 @@
 import { line, seen, stroke } from "#player/picture/pen.js";
 
 const LONG = 300; // visible corners; a shorter line is drawn again in each frame
-const MORE = 2_000; // most rows to add to a picture; if there are more, it is drawn again
+// maximum number of rows to add to a picture; if there are more, it is drawn again
+const MORE = 2_000;
 const AROUND = 1 / 8; // margin around the window while the view is moving, as a share of its side
 const kept = new WeakMap(); // pictures by name, by the columns
 
@@ -77,7 +78,8 @@ function emptyPicture(pen, old, colour, before) {
     around = shift > 0 && shift < margin ? margin : 0;
   const canvas = old || new OffscreenCanvas(1, 1),
     own = canvas.getContext("2d");
-  Object.assign(canvas, { width: width + 2 * around, height: height + 2 * around }); // this also clears it
+  // this also clears it
+  Object.assign(canvas, { width: width + 2 * around, height: height + 2 * around });
   Object.assign(own, { strokeStyle: colour, lineJoin: "round", lineWidth: 1 / ratio });
   const inside = { ...pen, context: own, width: canvas.width / ratio, height: canvas.height / ratio };
   inside.px = (value) => pen.px(value) + around / ratio;

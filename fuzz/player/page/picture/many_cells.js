@@ -57,7 +57,8 @@ function halfOf(picture) {
   return half;
 }
 
-const FEW = 20_000; // changes to draw into the picture individually; if there are more, it is drawn again
+// changes to draw into the picture individually; if there are more, it is drawn again
+const FEW = 20_000;
 const FLAMES = 150; // opacity, of 255: makes paths stand out from flames
 
 // Returns the picture of the current cells; `done` counts their changes. The changes since the

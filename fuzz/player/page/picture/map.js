@@ -45,7 +45,8 @@ export function drawScene(canvas, scene, view = null) {
 }
 
 /**
- * Draws the robots of a scene and everything that belongs to them, from the lowest layer to the highest.
+ * Draws the robots of a scene and everything that belongs to them, from the lowest layer to the
+ * highest.
  * @param {Pen} pen
  * @param {RunScene} scene
  * @param {Uint8Array} cells

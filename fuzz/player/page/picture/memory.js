@@ -59,8 +59,8 @@ function shapesAt(run, step) {
 }
 
 /**
- * Draws the robot's map over the world: what it considers blocked, occupied or hard to drive on, its plan, the points and
- * the graph that it remembers.
+ * Draws the robot's map over the world: what it considers blocked, occupied or hard to drive on,
+ * its plan, the points and the graph that it remembers.
  * @param {Pen} pen
  * @param {DrawnRun} run
  * @param {number} step

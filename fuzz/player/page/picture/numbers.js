@@ -5,12 +5,13 @@ import { bodyRadius } from "#player/picture/body.js";
 import { openRun, poseAt, rowAt, stepWithin } from "#player/decode.js";
 import { robotColour } from "#player/picture/pen.js";
 
-const FIRST = 6; // cells before the first number on a path; the next is twice as far along, and so on
-const APART = 18; // least distance in pixels between two numbers, or a number and a robot
+// cells before the first number on a path; the next is twice as far along, and so on
+const FIRST = 6;
+const APART = 18; // minimum distance in pixels between two numbers, or a number and a robot
 
 /**
- * Returns the rows of a path that carry the robot's number, each twice as far along as the one before. The first
- * distance differs between robots, because their paths may coincide.
+ * Returns the rows of a path that carry the robot's number, each twice as far along as the one
+ * before. The first distance differs between robots, because their paths may coincide.
  * @param {DrawnRun} run
  * @param {number} number
  * @returns {number[]}

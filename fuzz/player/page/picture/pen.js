@@ -65,7 +65,8 @@ export function penFor(canvas, view, world) {
     width,
     height,
     scale,
-    snap: (value) => Math.round(value * ratio) / ratio, // to the screen's pixels, so that adjacent areas have no seam
+    // to the screen's pixels, so that adjacent areas have no seam
+    snap: (value) => Math.round(value * ratio) / ratio,
     px: (value) => width / 2 + (value - x) * scale,
     py: (value) => height / 2 - (value - y) * scale,
     colours: palette(),

@@ -113,7 +113,8 @@ function stripe(pen, ix, iy, over, named) {
     context.beginPath();
     context.rect(left, top, scale, scale);
     context.clip();
-    for (const [colour, alpha] of [[colours.floor, 0.6], [colours.pierced, 0.25]]) { // a light ground gives the stripes contrast
+    // a light ground gives the stripes contrast
+    for (const [colour, alpha] of [[colours.floor, 0.6], [colours.pierced, 0.25]]) {
       context.globalAlpha = alpha;
       context.fillStyle = colour;
       context.fillRect(left, top, scale, scale);

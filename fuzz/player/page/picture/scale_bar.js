@@ -7,7 +7,8 @@ const LEAST = 24; // pixels: a shorter bar is useless
 const HIGH = 15; // pixels of the plate behind the bar and its text
 
 /**
- * Returns the longest round length, in metres, that fits into some pixels: 1, 2 or 5 times a power of ten.
+ * Returns the longest round length, in metres, that fits into some pixels: 1, 2 or 5 times a power
+ * of ten.
  * @param {number} most Pixels.
  * @param {number} perMetre Pixels of a metre.
  * @returns {number}

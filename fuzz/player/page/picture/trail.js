@@ -9,7 +9,8 @@ const RECENT = 300; // rows of a long path that are drawn strongest
 const FADES = 5; // steps over which the recent path fades
 
 /**
- * Draws the path; the period of a loop has its own colour, or a stronger line in the robot's colour.
+ * Draws the path; the period of a loop has its own colour, or a stronger line in the robot's
+ * colour.
  * @param {Pen} pen
  * @param {RunScene} scene
  */

@@ -281,7 +281,8 @@ async function halt(campaign, folder) {
   try {
     await campaign.studio.connection.ask("stop", { folder });
   } catch (error) {
-    if (!(error instanceof Refused || error instanceof Ended)) throw error; // the other request is answered anyway
+    // the other request is answered anyway
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
   }
 }
 

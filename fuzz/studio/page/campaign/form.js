@@ -25,7 +25,8 @@ export function makeForm(campaign) {
     event.preventDefault();
     return once(parts.begin, () => submit(form, (message) => begin(form, message)));
   };
-  const typed = ({ target }) => target.hasAttribute("aria-invalid") && isGood(target); // only marked fields, so that nothing moves during a click
+  // only marked fields, so that nothing moves during a click
+  const typed = ({ target }) => target.hasAttribute("aria-invalid") && isGood(target);
   const changed = () => keepForm(form); // runs after the field's own listener
   const listeners = { onsubmit: sent, oninput: typed, onchange: changed };
   parts.element = el("form", { class: "campaign-form", id: "campaign-form", novalidate: true, ...listeners }, parts.fields);
@@ -39,11 +40,13 @@ function refresh(form) {
   const { offered, folder } = campaign.studio;
   if (!offered) return;
   if (form.folder !== folder) build(form);
-  else if (form.offered !== offered) setMotion(form, form.state.motion); // the studio was restarted and offers something else
+  // the studio was restarted and offers something else
+  else if (form.offered !== offered) setMotion(form, form.state.motion);
   form.offered = offered;
   follow(form);
   suggestFolder(form);
-  const folders = campaign.folders.filter(({ worlds }) => worlds !== null); // archives are not accepted there
+  // archives are not accepted there
+  const folders = campaign.folders.filter(({ worlds }) => worlds !== null);
   form.more.offer(folders.map(({ name }) => name).filter((name) => name && name !== offered.known));
 }
 
@@ -59,8 +62,8 @@ function build(form) {
     setMotion(form, name);
   });
   parts.controllerPlace = el("div", {});
-  parts.folder = el("input", { type: "text", autocomplete: "off", required: true, placeholder: "loading …", title: "Give the name of a folder.", oninput: () => (state.named = true) });
-  parts.seed = el("input", { type: "text", inputmode: "numeric", value: kept.seed ?? "1", required: true, pattern: "[0-9]+", title: "Give a whole number of at least 0." });
+  parts.folder = el("input", { type: "text", autocomplete: "off", required: true, placeholder: "loading …", title: "Enter the name of a folder.", oninput: () => (state.named = true) });
+  parts.seed = el("input", { type: "text", inputmode: "numeric", value: kept.seed ?? "1", required: true, pattern: "[0-9]+", title: "Enter a whole number of at least 0." });
   parts.workers = number(kept.workers ?? offered.cores, () => {}, { low: 1, high: limits.workers, step: 1 });
   parts.said = el("p", { class: "fault", role: "alert", id: "form-said" });
   parts.waiting = el("p", { class: "quiet", role: "status" });
@@ -205,7 +208,7 @@ function goalPart(form) {
   };
   parts.amount = number(state[state.budget], (value) => (state[state.budget] = value), { low: 1, high: limits[state.budget], step: 1 });
   parts.amount.required = true;
-  parts.amount.title = "Give a whole number of at least 1.";
+  parts.amount.title = "Enter a whole number of at least 1.";
   parts.amount.id = "campaign-amount";
   parts.amount.setAttribute("aria-label", state.budget === "units" ? "Units" : "Seconds");
   const pairs = [

@@ -38,13 +38,15 @@ export function makeStatus(campaign) {
   );
   const element = el("div", { class: "status-part" }, parts.line, parts.bar, parts.best, parts.fault, parts.tables);
   const status = { campaign, parts, past: [], strategies: new Map(), state: null, smallest: null, offered: "null" };
-  for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = true; // until a campaign is shown
+  // until a campaign is shown
+  for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = true;
   return {
     element,
     actions: parts.actions,
     show: (state) => show(status, state),
     sizes: (smallest) => {
-      status.smallest = smallest; // by class, the simplest first; null while the folder is being read
+      // by class, the simplest first; null while the folder is being read
+      status.smallest = smallest;
       if (status.state) showFailures(status);
     },
   };

@@ -232,7 +232,8 @@ function lookAt(wall, failure, first = false) {
     wall.looks.set(key, asked);
     asked.catch(() => wall.looks.delete(key));
   }
-  if (first) wall.queue.sort((a, b) => Number(b.key === key) - Number(a.key === key)); // ahead of the others
+  // ahead of the others
+  if (first) wall.queue.sort((a, b) => Number(b.key === key) - Number(a.key === key));
   pump(wall);
   return asked;
 }

@@ -10,7 +10,8 @@ const OPEN = "open",
 const folderOf = (name) => name.slice(0, Math.max(0, name.lastIndexOf("/")));
 
 /**
- * Returns the sources of worlds that can be chosen, as pairs of a key and words; the user's own folders come first.
+ * Returns the sources of worlds that can be chosen, as pairs of a key and words; the user's own
+ * folders come first.
  * @param {{name: string, world: boolean, found: boolean}[]} files
  * @returns {[string, string][]}
  */

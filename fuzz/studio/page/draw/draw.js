@@ -303,7 +303,8 @@ function showPlace(draw, parts, point) {
     : `${world.width} x ${world.height} cells, ${grouped(draw.studio.model.solid)} solid${changes} · ${(world.width * side).toFixed(2)} x ${(world.height * side).toFixed(2)} m${fleet}`;
   const { head, words, kind } = proofWords(draw.board.proof);
   parts.where.textContent = place;
-  if (parts.proof.textContent === head + words) return; // so that a screen reader reads it only once
+  // so that a screen reader reads it only once
+  if (parts.proof.textContent === head + words) return;
   parts.proof.className = `proof ${kind}`;
   parts.proof.title = head + words;
   parts.proof.replaceChildren(el("b", {}, head), words);

@@ -10,7 +10,8 @@ import { Refused } from "#studio/shared/refusals.js";
 /**
  * Makes the form.
  * @param {Studio} studio
- * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Runs an action that the server may refuse, and shows the result
+ * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Runs an action that the
+ *   server may refuse, and shows the result
  * @param {() => void} wrote - Called after files have been written to the folder
  * @returns {{element: HTMLElement, refresh: () => void}}
  */
@@ -91,9 +92,9 @@ function asked(form, parts) {
   for (const input of [parts.at, parts.x, parts.y])
     if (!input.validity.valid) {
       input.focus();
-      throw new Refused("Give a number; a time must be 0 or more.");
+      throw new Refused("Enter a number; a time must be 0 or more.");
     }
-  if ((parts.x.value === "") !== (parts.y.value === "")) throw new Refused("An origin has x and y; give both, or neither.");
+  if ((parts.x.value === "") !== (parts.y.value === "")) throw new Refused("An origin has x and y; enter both or neither.");
   const changing = form.studio.model.world.events !== null;
   return {
     options: form.given,

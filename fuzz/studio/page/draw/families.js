@@ -9,11 +9,14 @@ import { Refused } from "#studio/shared/refusals.js";
  * Makes the pictures, which are requested when they first become visible.
  * @param {Studio} studio
  * @param {(name: string) => void} choose
- * @returns {{element: HTMLElement, offer: () => void, redraw: () => void, choose: (name: string) => void}}
+ * @returns {{element: HTMLElement, offer: () => void, redraw: () => void, choose: (name: string) =>
+ *   void}}
  */
 export function makeFamilies(studio, choose) {
   const element = el("div", { class: "families", role: "group", "aria-label": "Families" });
-  /** @type {Map<string, {button: HTMLElement, canvas: HTMLCanvasElement, world: DrawnWorld | null}>} */
+  /**
+   * @type {Map<string, {button: HTMLElement, canvas: HTMLCanvasElement, world: DrawnWorld | null}>}
+   */
   const shown = new Map();
   let asked = false;
   const draw = () => {

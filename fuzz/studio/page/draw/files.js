@@ -196,6 +196,7 @@ function fileButton(studio, { parts }, file) {
 export async function openFile(studio, file, wanted = () => true) {
   const answer = await studio.connection.ask(file.world ? "open" : "bring", { name: file.name });
   if (!wanted()) return "";
-  studio.show(answer, file.world && answer.file ? file.name : "", file.name); // archives cannot be written
+  // archives cannot be written
+  studio.show(answer, file.world && answer.file ? file.name : "", file.name);
   return [`${file.world ? "Opened" : "Imported"} ${file.name}.`, ...(answer.notes || [])].join(" ");
 }

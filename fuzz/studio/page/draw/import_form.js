@@ -10,7 +10,8 @@ const AS_FOUND = ""; // lets the server recognise the format
 /**
  * Makes the form.
  * @param {Studio} studio
- * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Runs an action that the server may refuse, and shows the result
+ * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Runs an action that the
+ *   server may refuse, and shows the result
  * @returns {any}
  */
 export function makeImport(studio, trying) {
@@ -123,7 +124,8 @@ async function textOf(file) {
 function bring(form, parts, brought) {
   form.brought = brought;
   form.found = AS_FOUND;
-  if (!parts.format || parts.format.value === AS_FOUND) showOptions(form, parts); // options of another map do not apply
+  // options of another map do not apply
+  if (!parts.format || parts.format.value === AS_FOUND) showOptions(form, parts);
   parts.row.value = "";
   parts.rows.hidden = true;
   parts.again.disabled = false;

@@ -30,7 +30,8 @@ export function makeMaker(studio) {
     parts.fields,
   );
   element.addEventListener("keydown", (event) => {
-    if (event.key === "Enter" && isField(event.target)) setTimeout(() => generate(studio, state, parts)); // after the field has taken the typed value
+    // after the field has taken the typed value
+    if (event.key === "Enter" && isField(event.target)) setTimeout(() => generate(studio, state, parts));
   });
   return {
     element,

@@ -28,7 +28,7 @@ export function emptyWorld(width, height, { cell_size: cell, robot_radius, robot
     events: null,
     others: [],
     source: null,
-    name: "", // of its file in the folder; empty without a file
+    name: "", // name of its file in the folder; empty if it has none
     file: null, // the digest of that file when it was opened or saved
     sheet: Symbol("sheet"), // the same for all versions of one drawing
   };
@@ -66,7 +66,8 @@ export function round(value) {
 }
 
 /**
- * Returns a world from the server ready for editing, with the name and digest of its file, if it has one.
+ * Returns a world from the server ready for editing, with the name and digest of its file, if it
+ * has one.
  * @param {WorldMessage} message
  * @param {string} [name]
  * @param {string | null} [file]
@@ -75,7 +76,8 @@ export function round(value) {
 export function worldOf(message, name = "", file = null) {
   const text = atob(message.cells),
     cells = new Uint8Array(message.width * message.height);
-  for (let k = 0; k < cells.length; k += 1) cells[k] = (text.charCodeAt(k >> 3) >> (k & 7)) & 1; // ten times as fast as from()
+  // ten times as fast as from()
+  for (let k = 0; k < cells.length; k += 1) cells[k] = (text.charCodeAt(k >> 3) >> (k & 7)) & 1;
   return { ...message, others: message.others ?? [], cells, name, file, sheet: Symbol("sheet") };
 }
 
@@ -107,14 +109,15 @@ export class Model {
     this.past = [];
     /** @type {HistoryEntry[]} */
     this.future = [];
-    this.version = 0; // of the visible world; increases with each change
+    this.version = 0; // version of the visible world; increases with each change
     this.counted = { version: -1, solid: 0 };
     /** @type {HistoryEntry | null} */
     this.saved = null; // the last entry of the past at the time of saving
     /** @type {Uint8Array | null} */
     this.stroke = null; // the cells before the current stroke
     /** @type {{since: number, boxes: (Box & {version: number})[]}} */
-    this.painted = { since: 0, boxes: [] }; // the cells changed after that version, each box with its version
+    // the cells changed after that version, each box with its version
+    this.painted = { since: 0, boxes: [] };
   }
 
   get unsaved() {
@@ -149,7 +152,8 @@ export class Model {
   /** Sets cells by their numbers, which count row by row from the lowest. */
   paintCells(numbers, value) {
     const all = this.begun();
-    for (let k = 0; k < numbers.length; k += 1) all[numbers[k]] = value; // much faster than for ... of for millions of cells
+    // much faster than for ... of for millions of cells
+    for (let k = 0; k < numbers.length; k += 1) all[numbers[k]] = value;
     this.touch(rowsOf(numbers, this.world.width));
   }
 

@@ -50,7 +50,8 @@ function down(draw, state, event) {
     return;
   }
   draw.cancelKeys();
-  if (!state.stroke) begin(draw, state, board.pointAt(event), how(event)); // otherwise another button was pressed while drawing
+  // otherwise another button was pressed while drawing
+  if (!state.stroke) begin(draw, state, board.pointAt(event), how(event));
 }
 
 function begin(draw, state, point, how) {
@@ -99,7 +100,8 @@ function move(draw, state, event) {
     const now = pinchOf(state),
       last = state.pinch;
     board.pan(now.clientX - last.clientX, now.clientY - last.clientY);
-    board.zoom(now.wide / Math.max(1, last.wide), now); // the point between the fingers stays in place
+    // the point between the fingers stays in place
+    board.zoom(now.wide / Math.max(1, last.wide), now);
     state.pinch = now;
     return;
   }

@@ -7,7 +7,8 @@ import { messageOf, robotsIn } from "#studio/draw/model.js";
 import { Refused } from "#studio/shared/refusals.js";
 
 const SOON = 60; // ms after the last change
-const LATER = 500; // ms of quiet before asking for the widest robot, or whether several robots can arrive
+// ms of quiet before asking for the widest robot, or whether several robots can arrive
+const LATER = 500;
 const LARGEST_WIDEST = 40_000; // cells: in larger worlds the user has to ask for the widest robot
 const LARGE = 500_000; // cells of a world whose proof takes seconds
 const DECIDING = {}; // placeholder for a proof that takes a while
@@ -47,7 +48,8 @@ export function proofWords(proof) {
 }
 
 /**
- * Returns the reading of the thesis's robot in each cell; null if there is none, with the reason announced.
+ * Returns the reading of the thesis's robot in each cell; null if there is none, with the reason
+ * announced.
  * @param {Studio} studio
  * @param {boolean} noise
  * @returns {Promise<Board["signal"]>}
@@ -65,10 +67,13 @@ export async function askSignal(studio, noise) {
 }
 
 /**
- * Makes a function that asks for the proof after each change; its `widest` searches for the widest robot on request.
+ * Makes a function that asks for the proof after each change; its `widest` searches for the widest
+ * robot on request.
  * @param {Studio} studio - Its model and connection
- * @param {(proof: Proof) => void} proved - Called with the proof of the current drawing, or a placeholder if it takes a while
- * @param {(radius: number | symbol | null) => void} widest - Called with the largest radius that passes, m;
+ * @param {(proof: Proof) => void} proved - Called with the proof of the current drawing, or a
+ *   placeholder if it takes a while
+ * @param {(radius: number | symbol | null) => void} widest - Called with the largest radius that
+ *   passes, m;
  *     null while it is unknown, LOOKING during a search on request
  * @returns {{(): void, widest: () => Promise<void>}}
  */
@@ -93,7 +98,8 @@ async function decide(studio, proved) {
   const version = studio.model.version,
     current = (proof) => version === studio.model.version && proved(proof),
     large = studio.model.world.cells.length > LARGE,
-    waiting = setTimeout(() => current(large ? DECIDING_LONG : DECIDING), 150); // so that a quick proof does not flicker
+    // so that a quick proof does not flicker
+    waiting = setTimeout(() => current(large ? DECIDING_LONG : DECIDING), 150);
   try {
     const sent = messageOf(studio.model.world);
     // The server reads the other robots from the file's text; one robot does not need it.

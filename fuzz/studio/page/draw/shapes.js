@@ -6,7 +6,8 @@ export const KEEP = 2;
 
 /**
  * Returns the cells of a straight line, including both ends.
- * Source: Jack E. Bresenham, "Algorithm for computer control of a digital plotter", IBM Systems Journal 4 (1965).
+ * Source: Jack E. Bresenham, "Algorithm for computer control of a digital plotter", IBM Systems
+ * Journal 4 (1965).
  * @param {CellPlace} from
  * @param {CellPlace} to
  * @returns {CellPlace[]}
@@ -75,7 +76,8 @@ export function brushBox([x, y], size) {
 }
 
 /**
- * Returns the numbers of all cells that are connected by sides to the one at (x, y) and equal to it.
+ * Returns the numbers of all cells that are connected by sides to the one at (x, y) and equal to
+ * it.
  * @param {{cells: Uint8Array, width: number, height: number}} map
  * @param {CellPlace} cell
  * @returns {Int32Array}
@@ -83,7 +85,8 @@ export function brushBox([x, y], size) {
 export function floodCells({ cells, width, height }, [x, y]) {
   const wanted = cells[y * width + x],
     seen = new Uint8Array(width * height),
-    found = new Int32Array(width * height); // the neighbours of those before `done` have been visited
+    // the neighbours of those before `done` have been visited
+    found = new Int32Array(width * height);
   let count = 0;
   const meet = (to) => {
     if (seen[to] || cells[to] !== wanted) return;

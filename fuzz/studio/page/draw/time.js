@@ -3,7 +3,7 @@
 import { BURNING, FREE, SOLID } from "#player/decode.js";
 import { el } from "#player/dom.js";
 
-const STEPS = 400; // of the slider
+const STEPS = 400; // positions of the slider
 
 /**
  * Returns the last moment that matters, s: the last change, or the arrival of the timed path.

@@ -271,7 +271,8 @@ function stamper(kit) {
 }
 
 /**
- * Moves the start to the middle of a cell, or with Alt to the exact place; dragging away from it turns it.
+ * Moves the start to the middle of a cell, or with Alt to the exact place; dragging away from it
+ * turns it.
  * @param {any} kit
  * @returns {Tool}
  */
@@ -289,7 +290,8 @@ function starter(kit) {
         dy = point[1] * side - at[1];
       if (Math.hypot(dx, dy) < 0.6 * side) return;
       const heading = Math.atan2(dy, dx),
-        steps = Math.round((heading * 180) / Math.PI / 5) * 5; // steps of five degrees are easy to hit
+        // steps of five degrees are easy to hit
+        steps = Math.round((heading * 180) / Math.PI / 5) * 5;
       kit.model.change("turn of the start", { start: [...at, round((steps * Math.PI) / 180)] }, true);
     },
     end() {},

@@ -206,7 +206,8 @@ function hardPart(studio) {
     found,
   );
   const forget = () => {
-    if (measured !== studio.model.version) found.replaceChildren(); // the result is for another world
+    // the result is for another world
+    if (measured !== studio.model.version) found.replaceChildren();
   };
   return { element, forget };
 }

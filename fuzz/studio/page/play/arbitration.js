@@ -11,7 +11,8 @@ const SMALLEST = 0.7; // scale of a tall chart's text; a taller one scrolls
 /**
  * Makes the chart, hidden until the user asks for it, and the button for it.
  * @param {Studio} studio
- * @returns {{element: HTMLElement, button: HTMLButtonElement, offer: (robot: Robot | null) => void, at: (player: Player) => void, toggle: () => void}}
+ * @returns {{element: HTMLElement, button: HTMLButtonElement, offer: (robot: Robot | null) => void,
+ *   at: (player: Player) => void, toggle: () => void}}
  */
 export function makeArbitration(studio) {
   const element = el("section", { class: "arbitration", id: "arbitration", tabindex: "0", "aria-label": "How its behaviours take turns", hidden: true });

@@ -11,7 +11,8 @@ const BY_ITSELF = "run-edited"; // key for the choice, in the browser's storage
  * Makes the note, which is empty until a file has been edited.
  * @param {Studio} studio
  * @param {() => void} run
- * @returns {{element: HTMLElement, setting: HTMLElement, offer: () => void, edited: (files: CodeFile[]) => boolean, ran: () => void}}
+ * @returns {{element: HTMLElement, setting: HTMLElement, offer: () => void, edited: (files:
+ *   CodeFile[]) => boolean, ran: () => void}}
  */
 export function makeCodeNote(studio, run) {
   const words = el("span", {});

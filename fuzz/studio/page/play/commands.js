@@ -13,7 +13,8 @@ const KEYS = { ArrowUp: "forward", w: "forward", ArrowDown: "back", s: "back", A
 export const directionOf = (key) => KEYS[key.length === 1 ? key.toLowerCase() : key];
 
 /**
- * Returns the command for the keys that are held down: a share of the top speed, and a turn rate, rad/s.
+ * Returns the command for the keys that are held down: a share of the top speed, and a turn rate,
+ * rad/s.
  * @param {Set<string>} held
  * @returns {[number, number]}
  */

@@ -305,7 +305,8 @@ function look(play, number) {
     play.arbitration.at(player);
   };
   play.player = buildPlayer(parts.canvas, parts.under, drawn, former, shown);
-  for (const canvas of parts.stage.querySelectorAll("canvas")) canvas.style.height = ""; // the page lays it out
+  // the page lays it out
+  for (const canvas of parts.stage.querySelectorAll("canvas")) canvas.style.height = "";
   if (seen) goOn(play.player, seen, playing);
   else play.player.fit();
   showCut(play);
@@ -366,7 +367,8 @@ function besideOf(play) {
 // Returns the files that the server can make of the same runs: pictures and pages.
 /** @returns {NonNullable<Drawn["saves"]>} */
 function savesOf(play) {
-  const message = { ...play.message, looked: play.looked }; // of these runs, even if others start meanwhile
+  // refers to these runs, even if others start in the meantime
+  const message = { ...play.message, looked: play.looked };
   /** @type {(words: string, kind: string) => [string, () => Promise<string>]} */
   const file = (words, kind) => [words, () => keepPicture(play, kind, message)];
   return [file("Animation, GIF", "gif"), file("Drawing, SVG", "svg"), file("Replay, one HTML file", "html")];

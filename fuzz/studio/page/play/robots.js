@@ -9,7 +9,8 @@ import { Refused } from "#studio/shared/refusals.js";
 import { makeSettings } from "#studio/play/settings.js";
 
 const SETUP = "play"; // key for the set-up of the last run, in the browser's storage
-const FLEET = { motion: "swept", controller: "naive" }; // of each robot of a fleet, if nothing that fits was chosen
+// defaults for each robot of a fleet, if no suitable choice was made
+const FLEET = { motion: "swept", controller: "naive" };
 const WIDE = 15; // letters of a name that fill half a line
 
 /**
@@ -218,7 +219,8 @@ function suitFleet(robots) {
 function takeOffered(robots) {
   const { studio, state, parts } = robots;
   const before = robots.offered;
-  const again = before !== null; // the studio was restarted and offers something else, or code was edited
+  // the studio was restarted and offers something else, or code was edited
+  const again = before !== null;
   robots.offered = studio.offered;
   if (!again) Object.assign(state, { time_step: studio.offered.time_step }, setupIn(studio.folder, studio.offered));
   else followMended(robots, before);
@@ -357,7 +359,7 @@ function showNumbers(robots) {
   const { steps, time_steps: [low, high] } = robots.studio.limits;
   parts.seed = number(state.seed, (value) => (state.seed = Math.round(value)), { low: 0, high: Number.MAX_SAFE_INTEGER, step: 1 });
   parts.step = number(state.time_step, (value) => (state.time_step = value), { low, high });
-  for (const input of [parts.seed, parts.step]) Object.assign(input, { required: true, title: "Give a number." });
+  for (const input of [parts.seed, parts.step]) Object.assign(input, { required: true, title: "Enter a number." });
   parts.steps = el("input", {
     type: "number",
     value: state.steps,

@@ -3,7 +3,8 @@
 import { el, say } from "#player/dom.js";
 
 /**
- * Copies a text and confirms that on the button; if the browser does not allow it, shows the text for manual copying.
+ * Copies a text and confirms that on the button; if the browser does not allow it, shows the text
+ * for manual copying.
  * @param {HTMLElement} button
  * @param {string} text
  * @returns {Promise<void>}

@@ -40,7 +40,8 @@ function newestToken() {
  * @property {WebSocket | null} socket
  * @property {number} number - Number of the last request
  * @property {number} largest - Limit of a message to the server, bytes, once the server has sent it
- * @property {Map<number, {done: (answer: any) => void, fail: (error: Error) => void, part: (part: any) => void}>} waiting
+ * @property {Map<number, {done: (answer: any) => void, fail: (error: Error) => void, part: (part:
+ *   any) => void}>} waiting
  * @property {number} wait - ms before the next attempt to reconnect
  * @property {boolean} opened
  */
@@ -54,7 +55,8 @@ export class Ended extends Error {}
  * @param {Given} given - By the server with the page
  * @param {(begins: Begins) => void} begun - Called whenever the connection is established
  * @param {(forbidden: boolean, why: string) => void} lost - Called when it is lost;
- *     forbidden: the server runs but no longer accepts this page; why: a sentence from the server, or empty
+ *     forbidden: the server runs but no longer accepts this page; why: a sentence from the server,
+ *     or empty
  * @param {Promise<any>} ready - The connection opens after this promise
  * @returns {Connection}
  */

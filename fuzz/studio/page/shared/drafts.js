@@ -16,11 +16,15 @@ const WAIT = 60; // ms
      taken    the key of the one that this tab continues
      letGo    releases the lock on this tab's draft; null without a lock
      kept     the version of the model in the draft */
-/** @type {{key: string, left: {key: string, at: number}[], taken: string, letGo: (() => void) | null, kept: number | null}} */
+/**
+ * @type {{key: string, left: {key: string, at: number}[], taken: string, letGo: (() => void) |
+ *   null, kept: number | null}}
+ */
 const state = { key: "", left: [], taken: "", letGo: null, kept: null };
 
 /**
- * Finds the drawing of this tab before it was reloaded, or else one left by a closed tab; null if there is none.
+ * Finds the drawing of this tab before it was reloaded, or else one left by a closed tab; null if
+ * there is none.
  * @returns {Promise<EditedWorld | null>}
  */
 export async function findDraft() {
@@ -51,7 +55,8 @@ async function claim() {
 
 // Holds a lock until the page ends or releases it; false if another page has it.
 async function hold(key) {
-  if (!navigator.locks) return true; // not available on this connection: duplicated tabs share a draft
+  // not available on this connection: duplicated tabs share a draft
+  if (!navigator.locks) return true;
   for (let k = 0; k < PATIENCE; k += 1) {
     const had = await new Promise((done) => {
       navigator.locks.request(key, { ifAvailable: true }, (lock) => {
@@ -66,7 +71,8 @@ async function hold(key) {
 }
 
 /**
- * Releases the draft when the server is lost, so that the tab opened by a restarted server may continue the drawing.
+ * Releases the draft when the server is lost, so that the tab opened by a restarted server may
+ * continue the drawing.
  * @param {import("#studio/draw/model.js").Model} model
  */
 export function lendDraft(model) {
@@ -150,7 +156,8 @@ export function keepDraft(model) {
     }
     return true;
   } catch {
-    return !model.unsaved; // the browser stores nothing, or not that much: the page asks before the user leaves it
+    // the browser stores nothing, or not that much: the page asks before the user leaves it
+    return !model.unsaved;
   }
 }
 

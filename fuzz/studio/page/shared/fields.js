@@ -69,8 +69,8 @@ export function number(value, change, { low = null, high = null, step = "any" } 
 }
 
 /**
- * Makes a field for a parameter as the server declares it: { name, default, kind, choices, low, high }, and `chosen`, a
- * single number that is allowed in addition to the range.
+ * Makes a field for a parameter as the server declares it: { name, default, kind, choices, low,
+ * high }, and `chosen`, a single number that is allowed in addition to the range.
  * @param {Parameter} parameter
  * @param {any} value
  * @param {(value: any) => void} change
@@ -90,7 +90,8 @@ export function parameterField(parameter, value, change) {
   }
   if (kind === "str") return el("input", { type: "text", value, onchange: (event) => change(event.target.value) });
   const { chosen } = parameter,
-    isAutomatic = typeof chosen === "number"; // this number stands for "automatic", and is shown as an empty field
+    // this number stands for "automatic", and is shown as an empty field
+    isAutomatic = typeof chosen === "number";
   const input = number(value === chosen ? "" : value, change, { low, high, step: kind === "int" ? 1 : "any" });
   if (isAutomatic) {
     input.placeholder = "automatic";
@@ -139,7 +140,8 @@ export function rangeWords({ low, high, above, chosen, unit }) {
 }
 
 /**
- * Makes fields for the options of a format; the values that a user enters are stored in `given` by name.
+ * Makes fields for the options of a format; the values that a user enters are stored in `given` by
+ * name.
  * @param {Parameter[]} options
  * @param {Record<string, any>} given
  * @returns {HTMLElement[]}
@@ -214,14 +216,15 @@ export function isGood(input) {
 
 /**
  * Returns what is wrong with a field and what to enter instead; empty if nothing is.
- * @param {Pick<HTMLInputElement, "validity" | "min" | "max" | "step" | "title" | "validationMessage">} input
+ * @param {Pick<HTMLInputElement, "validity" | "min" | "max" | "step" | "title" |
+ *   "validationMessage">} input
  * @returns {string}
  */
 export function faultOf({ validity, min, max, step, title, validationMessage }) {
   if (validity.customError) return validationMessage;
   const kind = step === "any" ? "a number" : "a whole number";
   const from = min === "" ? "" : max === "" ? ` from ${min} on` : ` from ${min} to ${Number(max).toLocaleString("en-US")}`;
-  if (validity.badInput || validity.rangeUnderflow || validity.rangeOverflow || validity.stepMismatch) return `Give ${kind}${from}.`;
+  if (validity.badInput || validity.rangeUnderflow || validity.rangeOverflow || validity.stepMismatch) return `Enter ${kind}${from}.`;
   return validity.valueMissing || validity.patternMismatch ? title : "";
 }
 

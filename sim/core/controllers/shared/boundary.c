@@ -4,9 +4,10 @@
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 
-// of the radius; less than the diameter, otherwise the robot would step over openings
+// fraction of the radius; a stride longer than the diameter would step over openings
 static const double STRIDE = 0.03 / 0.07;
-static const double LEAST_STRIDE = 0.005;  // m: a robot smaller than half of this would take forever
+// m: a robot smaller than half of this would take forever
+static const double LEAST_STRIDE = 0.005;
 static const double FLAT = 20.0 * DEGREE;  // lean on a flat wall
 static const double ROUND = 40.0 * DEGREE;  // lean around a corner
 static const double FLAT_AFTER = 2.0;  // touches in a row by which a wall counts as flat

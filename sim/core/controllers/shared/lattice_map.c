@@ -7,7 +7,7 @@
 
 enum {
     MOVES_A_WORD = 16,  // numbers of 3 bits: 48 bits, which a double holds exactly
-    NODES_A_WORD = 12,  // of 4 bits
+    NODES_A_WORD = 12,  // 4 bits each
     MOST_MOVES = MOVES_A_WORD * 64,
     STRAIGHT = 5,  // costs of a move, nearly in the ratio of 1 to the root of 2
     DIAGONAL = 7,
@@ -24,11 +24,11 @@ typedef struct Bit {
 
 // The working memory of a search; numbered by the nodes of the window, row by row.
 typedef struct Search {
-    int32_t *cost;  // of the best path to each node so far; INT32_MAX: none
+    int32_t *cost;  // cost of the best path to each node so far; INT32_MAX: none
     int8_t *move;   // by which that path came there; -1: none
     int64_t *heap;  // bound << 32 | node, smallest first
-    int64_t count;  // of the heap
-    int64_t room;   // of the heap
+    int64_t count;  // entries in the heap
+    int64_t room;   // capacity of the heap
 } Search;
 
 WgNode wg_neighbour(WgNode node, int64_t move)

@@ -43,7 +43,7 @@ ADVANCE, PRESS = 0.0, 1.0
 
 _STRIDE = (
     0.03 / 0.07
-)  # of the radius: longest step along a wall; less than the diameter, or it steps over openings
+)  # radii: longest step along a wall; less than the diameter, or it steps over openings
 _LEAST_STRIDE = 0.005  # m: a robot smaller than half of this would take forever
 _DEGREE = math.pi / 180.0
 # lean on a flat wall, and around a corner
@@ -97,7 +97,7 @@ def head_for_target(observation: Floats, memory: Floats, command: Floats) -> Non
 
 
 def is_stopped(observation: Floats, memory: Floats, far: float) -> bool:
-    """Return whether a wall stopped the last step to the target, of at most a stride, rather than deflecting it.
+    """Return whether a wall stopped, not deflected, the last step to the target, at most a stride.
 
     A wall that is no longer ahead has only deflected it, however far that step went: the disc has
     slid around it.

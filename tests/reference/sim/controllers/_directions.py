@@ -1,4 +1,4 @@
-"""Directions and distances in the plane, where a beam and the target are, and how to command a turn.
+"""Directions and distances in the plane, places of a beam and the target, and commands to turn.
 
 Only ``+ - * /``, ``sqrt`` and fdlibm's functions are used, so the bits are the same on every
 machine.
@@ -56,7 +56,7 @@ def distance_to_way(
 
 
 def bearing_of(beam: int, beams: int) -> float:
-    """Direction of a range beam from the heading, rad, for beams all around, the first one ahead."""
+    """Direction of a range beam from the heading, rad, for beams all around, the first ahead."""
     return WHOLE_TURN * beam / beams
 
 

@@ -1,10 +1,9 @@
-"""A small map: a square window of the plane in nodes of a grid, with a bit for each edge that was found blocked.
+"""A small map: a square window of the plane in nodes of a grid, with a bit per blocked edge.
 
 A node has eight neighbours, and four bits: its edges to the east, north-east, north and north-west;
-    the others are its
-neighbours'. Twelve nodes are packed into one number of a controller's memory. The window moves with
-the robot, and nodes outside it are forgotten. The path is planned with A*, treating every edge as
-free that is not known to be blocked.
+the others are its neighbours'. Twelve nodes are packed into one number of a controller's memory.
+The window moves with the robot, and nodes outside it are forgotten. The path is planned with A*,
+treating every edge as free that is not known to be blocked.
 
 Sources: P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination
     of minimum cost
@@ -27,7 +26,7 @@ Ints = npt.NDArray[np.int64]
 
 # Layout of the memory; places are in nodes from the start.
 SIDE, WINDOW_X, WINDOW_Y = 0, 1, 2  # nodes of the window along a side; its lowest node
-TARGET_X, TARGET_Y = 3, 4  # of the target, not rounded
+TARGET_X, TARGET_Y = 3, 4  # the target's place, not rounded
 DOORS = 5  # bits of the nodes next to the target from which the path to it was found blocked
 PLAN_AT, PLAN_LENGTH = 6, 7  # finished moves, and all moves of the plan
 PLAN = 8
@@ -35,7 +34,7 @@ OWN = PLAN + 64  # numbers of the controller's own
 OWN_SIZE = 12
 NODES = OWN + OWN_SIZE  # the bits of the nodes begin here
 
-_MOVES_A_WORD, _NODES_A_WORD = 16, 12  # of 3 and 4 bits: 48 bits, which a float64 holds exactly
+_MOVES_A_WORD, _NODES_A_WORD = 16, 12  # 3 and 4 bits each: 48 bits, which a float64 holds exactly
 SHOWN = (DOORS, *range(PLAN_LENGTH, OWN))
 """Numbers, besides those of the nodes, on which blocked edges and plan depend."""
 _MOST_MOVES = _MOVES_A_WORD * (OWN - PLAN)
@@ -50,7 +49,7 @@ def memory_size(side: int) -> int:
 
 
 def neighbour(x: int, y: int, move: int) -> tuple[int, int]:
-    """The node that a move leads to: 0 is east, continuing counter-clockwise by eighths of a turn."""
+    """The node that a move leads to: 0 is east, then counter-clockwise by eighths of a turn."""
     dx = 1 if move in (0, 1, 7) else (-1 if move in (3, 4, 5) else 0)
     dy = 1 if move in (1, 2, 3) else (-1 if move in (5, 6, 7) else 0)
     return x + dx, y + dy
@@ -198,7 +197,7 @@ def _at_least(memory: Floats, x: int, y: int) -> int:
 
 
 def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap: Ints) -> int:
-    """A* from a node; returns the number in the window of the plan's last node, -1 if there is no path.
+    """A* from a node; returns the window's number of the plan's last node, -1 without a path.
 
     A plan ends next to the target, or where it leaves the window, at the cost of the remaining path
     plus a penalty that makes it the last resort.

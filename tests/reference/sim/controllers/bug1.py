@@ -2,7 +2,7 @@
 
 It drives straight to the target. If a wall stops it, at the hit point, it follows the wall with its
 left hand all the way around, and notes where it was nearest to the target: the leave point. From
-the hit point it goes there by the shorter way, and drives straight to the target again. Leave
+the hit point it takes the shorter path there, and drives straight to the target again. Leave
 points come nearer and nearer, so it arrives if the target can be reached, on a path of at most the
 distance plus one and a half times the perimeters of the obstacles that it meets.
 
@@ -42,8 +42,8 @@ SIZE = body.BODY_SIZE + 12
 
 START, GOAL, MEET, ROUND, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
 
-_SAME_PLACE = 0.5  # of a step
-_ELSEWHERE = 1.5  # of a step: farther than this from the hit point, it has been away
+_SAME_PLACE = 0.5  # fraction of a step
+_ELSEWHERE = 1.5  # steps: beyond this distance from the hit point, it has left it
 _SAME_WALL = math.radians(
     100.0
 )  # rad by which the direction of the wall may differ at the same place

@@ -1,4 +1,4 @@
-"""Bug2 goes around an obstacle until it is back on the straight line to the target, at a nearer point.
+"""Bug2 goes around an obstacle until it is back on the straight line to the target, nearer to it.
 
 It drives straight to the target. If a wall stops it, at the hit point, it follows the wall with its
 left hand until it crosses the line from the hit point to the target at a place nearer to the target
@@ -31,7 +31,7 @@ from tests.reference.sim.fdlibm import cos, sin
 Floats = npt.NDArray[np.float64]
 
 # Memory after the body's: what it does, its distance to the target before the step; the hit point,
-# its distance to the target and the direction of the line (a unit vector); the place to leave at.
+# its distance to the target and the direction of the line (a unit vector); the leave point.
 MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
 HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y = (body.BODY_SIZE + k for k in range(2, 7))
 LEAVE_X = body.BODY_SIZE + 7
@@ -41,9 +41,10 @@ SIZE = body.BODY_SIZE + 9
 START, GOAL, ROUND, BACK = 0.0, 1.0, 2.0, 3.0
 
 _NEARER = (
-    0.05  # of a step: a place to leave at must be this much nearer to the target than the hit point
+    # fraction of a step by which a leave point must be nearer to the target than the hit point
+    0.05
 )
-_THERE = 0.02  # of a step: within this distance, it is at the place to leave at
+_THERE = 0.02  # fraction of a step: within this distance it is at the leave point
 
 
 def _hit(observation: Floats, memory: Floats) -> None:
@@ -61,7 +62,7 @@ def _hit(observation: Floats, memory: Floats) -> None:
 
 
 def _crosses(observation: Floats, memory: Floats) -> bool:
-    """Return whether the last step crossed the line at a place to leave at, and note that place."""
+    """Return whether the last step crossed the line at a leave point, and note that point."""
     from_x = memory[body.X] - memory[HIT_X]
     from_y = memory[body.Y] - memory[HIT_Y]
     to_x = observation[layout.OBS_X] - memory[HIT_X]

@@ -1,4 +1,4 @@
-"""Mapping: keeps a small coarse map of where it could not pass, and drives the shortest path that the map leaves open.
+"""Mapping: keeps a coarse map of where it could not pass, and drives the shortest open path.
 
 The map is a grid of nodes around the start. The robot drives from node to node. If a wall stops it,
 it marks that edge as blocked and feels where the wall is, which blocks all edges on which it would
@@ -11,11 +11,9 @@ it are forgotten, so the robot may drive in circles larger than its memory. ``ma
 controller with a map of any size.
 
 Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and
-    Automation 8 (1992);
-for a proof that it arrives, and how long that may take: S. Koenig, C. Tovey and Y. Smirnov,
-"Performance bounds
-    for planning in
-unknown terrain", Artificial Intelligence 147 (2003).
+Automation 8 (1992); for a proof that it arrives, and how long that may take: S. Koenig, C. Tovey
+and Y. Smirnov, "Performance bounds for planning in unknown terrain", Artificial Intelligence 147
+(2003).
 """
 
 from __future__ import annotations
@@ -34,7 +32,7 @@ from tests.reference.sim.fdlibm import cos, sin
 Floats = npt.NDArray[np.float64]
 
 PITCH = 0.05  # m: half a cell of the families' worlds
-CERTAIN = 0.97  # of the radius: nearer than this to a wall there is no room, despite rounding
+CERTAIN = 0.97  # radii: nearer than this to a wall there is no room, despite rounding
 FULL_SIDE, SMALL_SIDE = 128, 12  # nodes
 LEAST_SIDE, MOST_SIDE = 8, 1024
 
@@ -48,10 +46,10 @@ MODE, FROM_X, FROM_Y, MOVE, START_X, START_Y, GRID, X, Y, STEP, TRIES, NO_ROOM =
 
 START, GO, DOOR, TOUCH, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
 
-_THERE = 0.01  # of the pitch: within this distance of a node, it is there
-_STANDS = 0.02  # of the pitch: a shorter free step cannot come nearer
+_THERE = 0.01  # fraction of the pitch: within this distance it is at a node
+_STANDS = 0.02  # fraction of the pitch: a shorter free step cannot come nearer
 _ALONG = 0.9  # share of a step by which a node must come nearer if a wall deflected the step
-_PROBE = 0.2  # of the pitch: step by which it feels for a wall
+_PROBE = 0.2  # fraction of the pitch: length of a step that feels for a wall
 # Steps on the way back that a wall may deflect before the nearest node counts as the one it is at.
 _MOST_TRIES = 12.0
 

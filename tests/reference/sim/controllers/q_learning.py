@@ -1,4 +1,4 @@
-"""Q-learning: a table of the value of each turn in each situation, learned by driving in the simulator.
+"""Q-learning: a table of the value of each turn in each situation, learned in the simulator.
 
 Every fourth step the robot senses where the target is (to an eighth of a turn), which of five
 directions are blocked, and which way it turned last; that makes 768 situations. For each, the table

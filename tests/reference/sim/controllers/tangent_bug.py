@@ -40,18 +40,19 @@ Floats = npt.NDArray[np.float64]
 
 BEAMS = 72
 RANGE = 1.0  # m: points farther away are ignored
-_APART = 1.4  # of the radius: points farther apart than this from beam to beam are ignored, too
+_APART = 1.4  # radii: points farther apart than this from beam to beam are also ignored
 # Of the radius: a touched wall counts as no nearer than this, so that it does not block the path
 # along itself.
 _TOUCHING = 0.97
 _JUMP = (
     0.08 / 0.07
-)  # of the radius: a wall ends where the free distance is longer by this in the next direction
+)  # radii: a wall ends where the free distance is longer by this in the next direction
 _LONGER = 0.05  # m: how much longer the path by an end may become before the robot follows the wall
 _HANGS_TOGETHER = (
     0.5  # share of its distance by which a wall may be nearer or farther in the next direction
 )
-_NEARER = 0.03  # m: a place to leave a wall for must be nearer to the target by this than every place of the wall
+# m: a place to leave a wall for must be nearer to the target by this than every place of the wall
+_NEARER = 0.03
 _PATIENCE = 60.0  # steps in which the path must have become shorter
 
 # Memory after the body's: what it does; shortest path so far, and steps since; the wall's least

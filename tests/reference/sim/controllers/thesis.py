@@ -1,4 +1,4 @@
-"""The thesis's robot: seek the signal, drive, and after a collision turn by a fixed or a random angle.
+"""The thesis's robot: seek the signal, drive, and turn by a fixed or random angle when it collides.
 
 Three behaviours (drive, seek, collide) under an arbiter; the one that takes control keeps it until
 it is done. Under ``stepped`` the thesis's own program runs, to the last bit

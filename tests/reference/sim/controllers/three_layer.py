@@ -40,11 +40,11 @@ from tests.reference.sim.fdlibm import cos, sin
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-SIDE = 48  # cells of the map a side; a row's bits must fit a float64's 53
+SIDE = 48  # cells of the map per side; a row's bits must fit into the 53 of a float64
 _ALL = (1 << SIDE) - 1
 _MOST_FORGOTTEN = 7.0  # a number that grows forever would keep any state from recurring
 
-# Memory: whether the map has been laid; where its corner is, m, and its cells' side, m; the
+# Memory: whether the map has been placed; where its corner is, m, and its cells' side, m; the
 # waypoint's cell (-1: none); steps since it was set; how often the map was forgotten; the robot's
 # cell, the previous one, and the target's; then a bit for each closed passage from a cell to its
 # right neighbour, one number per row, and the same for its upper neighbour.
@@ -63,7 +63,7 @@ class ThreeLayer(NamedTuple):
         margin: Margin added to the robot's radius, m.
         pitch: Side of a map cell, in robot radii; more if the map would otherwise not reach the
             target.
-        reach: Least side of the map, as a multiple of the distance from start to target.
+        reach: Minimum side of the map, as a multiple of the distance from start to target.
         look: Free distance, m, that the controller requires in its direction.
         patience: Steps after which a waypoint is given up, multiplied by one more than the number
             of times the map was forgotten.

@@ -1,4 +1,4 @@
-"""The controllers for several robots as plain Python classes, bit for bit the same as in the core."""
+"""The controllers for several robots as plain Python classes, bit for bit as in the core."""
 
 from __future__ import annotations
 

@@ -7,12 +7,10 @@ only as far as its beams and has no map: in a deeper cup, or behind a long wall,
 forth forever.
 
 Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile
-    robots", IEEE
-International Conference on Robotics and Automation, 1998: the four stages and the weights of
-    section 3. Departures:
-the histogram is filled from the scan of one step rather than from a certainty grid, so the nearest
-obstacle of a sector counts, not a sum; the speed falls with the density in the chosen direction as
-in their "The vector field histogram" (1991), equation 11.
+robots", IEEE International Conference on Robotics and Automation, 1998: the four stages and the
+weights of section 3. Departures: the histogram is filled from the scan of one step rather than from
+a certainty grid, so the nearest obstacle of a sector counts, not a sum; the speed falls with the
+density in the chosen direction as in their "The vector field histogram" (1991), equation 11.
 """
 
 from __future__ import annotations
@@ -35,7 +33,7 @@ from tests.reference.sim.fdlibm import atan, cos, sin
 
 Floats = npt.NDArray[np.float64]
 
-SECTORS = 72  # of 5 degrees, in the world's frame
+SECTORS = 72  # 5 degrees each, in the world's frame
 _WIDTH = WHOLE_TURN / SECTORS
 # memory: 1 for each blocked sector, then the last chosen heading, sectors; negative if there is
 # none yet.

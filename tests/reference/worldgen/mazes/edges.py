@@ -2,9 +2,9 @@
 
 ``kruskal`` and ``prim`` find the tree of least total weight, where each edge of the lattice has a
 random weight of 32 bits: the low half of a chamber's word is the weight of its edge to the east,
-the high half that of its edge to the north. Equal weights, one pair in four thousand million, are
-ordered by the edge's number. So with the same words both find the same tree; they only grow it in a
-different order.
+the high half is the weight of its edge to the north. Equal weights, one pair in four thousand
+million, are ordered by the edge's number. So with the same words both find the same tree; they only
+grow it in a different order.
 
 A key is a weight followed by the number of an edge, in one number of 63 bits; an edge's number is
 twice the place of its lower or left chamber, plus one if it leads north.
@@ -144,9 +144,8 @@ def growing_tree(words, board, state, stride, scratch):
     """Digs from the newest, the oldest or any chamber of a list.
 
     A chamber without a free neighbour leaves the list. Each word is one try: 16 bits choose the
-    rule,
-        16 the neighbour, 32 the entry. A number that would favour some
-    choice, and an entry that has left the list, are drawn again with the next word.
+    rule, 16 the neighbour, 32 the entry. A number that would favour some choice, and an entry that
+    has left the list, are drawn again with the next word.
 
     Args:
         words: (n,) random 64 bits as int64.

@@ -18,7 +18,7 @@ STACKED = 3  # state of the recursive division: how many rectangles are waiting
 
 
 def eller(words, board, state, stride, scratch):
-    """Joins neighbours in a row at random unless they are already joined, then goes up at least once from each set.
+    """Joins neighbours in a row at random unless already joined, then goes up from each set.
 
     Two bits a chamber: whether to join it to the next, and whether to go up. The sets of a row
     never cross, so each is a ring in the order of columns, and the next column is in the same set
@@ -110,7 +110,7 @@ def sidewinder(words, board, state, stride, scratch):
 
 
 def binary_tree(words, board, state, stride, scratch):
-    """Opens each chamber east or up with equal probability; one bit per chamber. ``scratch`` is not used.
+    """Opens each chamber east or up with equal probability; ``scratch`` is not used.
 
     Source: Jamis Buck, "Mazes for Programmers", 2015, chapter 1.
     """
@@ -127,7 +127,7 @@ def binary_tree(words, board, state, stride, scratch):
 
 
 def recursive_division(words, board, state, stride, scratch):
-    """Cuts a rectangle in two by a wall with one door, across its longer side, and then each part in the same way.
+    """Cuts a rectangle in two across its longer side, by a wall with one door, and then its parts.
 
     A part that is one chamber wide is a corridor. Each word is one cut: a bit for the side, if the
     sides are equal, 31 bits for the wall, 32 for the door; numbers that would favour some choice
@@ -135,7 +135,7 @@ def recursive_division(words, board, state, stride, scratch):
 
     ``state`` holds STACKED and USED (words). ``scratch`` has four numbers for each waiting
     rectangle: place of its first chamber, columns, rows, 0. The smaller part goes first, so the
-        number of waiting rectangles is at most the number of bits of its size.
+    number of waiting rectangles is at most the number of bits of its size.
 
     Source: Jamis Buck, "Mazes for Programmers", 2015, "Recursive Division".
     """

@@ -76,7 +76,7 @@ def carve_rooms(rng: RandomStream, links: Links, mask: Bools, count: int) -> Non
         raise InvalidParameter(
             "no-room",
             "rooms={rooms} do not fit in this maze",
-            "give at most {most}, or a larger size",
+            "use at most {most}, or a larger size",
             rooms=count,
             most=most,
         )

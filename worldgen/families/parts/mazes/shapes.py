@@ -26,7 +26,7 @@ def shape_mask(shape: str, side: int) -> Bools:
         raise InvalidParameter(
             "no-room",
             "mask={shape} needs {least} x {least} chambers, but there are {side} x {side}",
-            "give a larger size, or narrower passages and walls",
+            "use a larger size, or narrower passages and walls",
             shape=shape,
             least=LEAST[shape],
             side=side,
