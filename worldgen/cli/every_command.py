@@ -103,7 +103,9 @@ def _watch_parser(command: click.Command) -> None:
                 flag = error.option_name
                 if flag not in _FOR_A_PICTURE or "--picture" not in known:
                     raise
-                raise click.NoSuchOption(flag, None, ["--picture"], context) from None
+                # click would suggest only a name that is spelt alike.
+                message = f"No such option {flag!r}; to draw, write --picture OUT"
+                raise click.UsageError(message, context) from None
             _refuse_repetition(order, context)
             if not context.resilient_parsing:
                 given = {parameter.name for parameter in order if parameter.name is not None}
