@@ -269,7 +269,12 @@ def _report(
 
     best = search.best
     if best is None:
-        note("no world with a reachable target was found; give more time, or another --family")
+        note(
+            "no world with a reachable target was found; give more time, or another --family"
+            if search.ended
+            else "not one run ended before the search did; give more time with --budget, or fewer "
+            "steps, as in reached@<400"
+        )
     if as_json:
         emit_json(
             {

@@ -181,8 +181,7 @@ def test_a_budget_ends_the_run_of_a_slow_controller_that_is_under_way(mine, tmp_
         "--workers", 1, "--out", tmp_path / "w.grid",
     )  # fmt: skip
     assert (
-        result.code == 1
-        and "no world with a reachable target was found; give more time" in result.err
+        result.code == 1 and "not one run ended before the search did; give more time" in result.err
     )
 
 
