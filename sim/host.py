@@ -113,9 +113,7 @@ def main() -> None:
     try:
         serve(controller, sys.stdin.buffer, answers)
     except ContractBroken as broken:
-        sys.exit(
-            f"sim.host: {broken.error}, it was {broken.evidence.answer}; {broken.evidence.remedy}"
-        )
+        sys.exit(f"sim.host: {broken.error}: {broken.evidence.answer}; {broken.evidence.remedy}")
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ Contents, each imported when it is first used:
         OutputError: an error as data and as a sentence.
     families, compose, interop, render, testing: Submodules: ``worldgen.families.maze(seed=7)``,
         worlds from parts, import and export, pictures, and checks for your own families.
+    __version__: The installed version.
 
 PYTEST_DONT_REWRITE: lets a program that has imported this package call pytest.main() without a
 warning about assertion rewriting.
@@ -19,11 +20,13 @@ warning about assertion rewriting.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
+    __version__: str
+
     from worldgen.errors import (
         FormatError,
         GenerationFailed,
@@ -48,7 +51,7 @@ if TYPE_CHECKING:
         World,
     )
 
-__getattr__, __dir__ = lazy_names(
+_lazy, __dir__ = lazy_names(
     __name__,
     {
         "errors": (
@@ -77,6 +80,15 @@ __getattr__, __dir__ = lazy_names(
     },
     modules=("compose", "families", "interop", "render", "testing"),
 )
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("worldgen")
+    return _lazy(name)
+
 
 __all__ = [
     "CellState", "Cut", "Event", "FailureRecord", "FormatError", "GenerationFailed",

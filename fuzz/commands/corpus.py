@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
+from worldgen.cli.output import PATH, check_out, emit_json, force_option, json_option, note
 from worldgen.files.whole import write_bytes
 from worldgen.support.plain_text import aligned, counted, shown
 
@@ -92,45 +92,47 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
         note(f"skipped {counted(found.others, 'world')} without a failure")
 
 
-@corpus.command(epilog="\b\n  worldgen corpus show failures/ --png failures.png")
+@corpus.command(epilog="\b\n  worldgen corpus show failures/ --picture failures.png")
 @_paths
 @_filters
 @click.option(
-    "--png", type=PATH, metavar="OUT", help="Draw all on one sheet instead, as a PNG picture."
+    "--picture",
+    type=PATH,
+    metavar="OUT.png",
+    help="Draw all on one sheet instead.",
 )
 @json_option
 @force_option
 def show(
     paths: tuple[Path, ...],
-    png: Path | None,
+    picture: Path | None,
     as_json: bool,
     force: bool,
     **patterns: tuple[str, ...],
 ) -> None:
     """Show failures in the terminal: picture, evidence and the command that replays each.
 
-    --png draws all of them on one sheet instead. This runs the controllers that the files name.
+    --picture draws all of them on one sheet instead. This runs the controllers that the files name.
     """
     from fuzz.corpus import contact_sheet
     from fuzz.describe import describe
     from fuzz.failure import Failure
     from worldgen.errors import WorldgenError
-    from worldgen.files.whole import check_output
 
     # Draw the contact sheet.
+    check_out("--picture", picture, ".png", force=force)
     entries = _read(paths, patterns).entries
-    if png is not None:
-        check_output(png, force)
-        write_bytes(png, contact_sheet(entries), force=force)
-        note(f"wrote {png}: {counted(len(entries), 'failure')}")
+    if picture is not None:
+        write_bytes(picture, contact_sheet(entries), force=force)
+        note(f"wrote {picture}: {counted(len(entries), 'failure')}")
     if as_json:
         emit_json(
             {
-                "picture": None if png is None else str(png),
+                "picture": None if picture is None else str(picture),
                 "failures": [_json(entry) for entry in entries],
             }
         )
-    if as_json or png is not None:
+    if as_json or picture is not None:
         return
     # Describe every failure; a failure that cannot be run gets a single line.
     for entry in entries:

@@ -54,7 +54,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
     again = ["--force"] if force else []
     commands = (
         ["maze", "--size", "60", "--seed", str(_SEED), "--out", world, *again],
-        ["run", world, "--controller", controller, "--trail", str(out / "run.png"), *again],
+        ["run", world, "--controller", controller, "--picture", str(out / "run.png"), *again],
         ["fuzz", *search, *amount, "--out", failures, *again],
         ["replay", failures],
         ["report", failures, "--out", page, *again],

@@ -267,7 +267,12 @@ def _report(
 
     best = search.best
     if best is None:
-        note("no world with a reachable target was found; allow more time, or use another --family")
+        note(
+            "no world with a reachable target was found; allow more time, or use another --family"
+            if search.ended
+            else "no run ended before the search did; allow more time with --budget, or fewer steps, "
+            "as in reached@<400"
+        )
     if as_json:
         emit_json(
             {

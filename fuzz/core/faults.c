@@ -1,3 +1,5 @@
+// Finds a fault by its name.
+
 #include "faults.h"
 
 #include <string.h>

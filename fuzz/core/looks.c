@@ -1,3 +1,5 @@
+// What a seat does in addition to running a controller; looks.h describes it.
+
 #include "looks.h"
 
 #include <string.h>

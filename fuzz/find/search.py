@@ -99,11 +99,13 @@ class _UnitResult:
     Args:
         nearest: Its best world, if any was proved.
         tried: Worlds tried.
+        ended: Runs that ended.
         interrupted: True if Ctrl-C interrupted the unit; the search must then end.
     """
 
     nearest: NearestWorld | None
     tried: int
+    ended: int
     interrupted: bool = False
 
 
@@ -144,6 +146,7 @@ class _Unit:
         self._stopped = stopped
         self.rng = RandomStream(config.seed).child("find", number)
         self.tried = 0
+        self.ended = 0
         self.best: _Candidate | None = None
         self._cheap_first = sorted(config.targets, key=lambda target: target.cost)
 
@@ -154,6 +157,7 @@ class _Unit:
         for target in self._cheap_first:
             try:
                 total += target.look(world).distance
+                self.ended += 1
             except InvalidWorld:
                 return float("inf")
             if total > most:
@@ -193,7 +197,7 @@ class _Unit:
                 self._search()
         except KeyboardInterrupt:
             interrupted = True
-        return _UnitResult(self.found(), self.tried, interrupted)
+        return _UnitResult(self.found(), self.tried, self.ended, interrupted)
 
     def _search(self) -> None:
         config = self.config
@@ -378,6 +382,7 @@ class OutcomeSearch(UnitSearch[_UnitResult, NearestWorld]):
         self.best: NearestWorld | None = None
         self.done = 0
         self.tried = 0
+        self.ended = 0
 
     def _hand_out_one(self, executor: Executor) -> bool:
         # The first unit tries at least one world, however short the time is.
@@ -394,6 +399,7 @@ class OutcomeSearch(UnitSearch[_UnitResult, NearestWorld]):
         found = result.nearest
         self.done += 1
         self.tried += result.tried
+        self.ended += result.ended
         if found is not None and (self.best is None or _rank(found) < _rank(self.best)):
             self.best = found
             yield found

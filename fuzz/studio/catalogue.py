@@ -14,7 +14,7 @@ from typing import Any
 
 from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_STRATEGIES
-from fuzz.studio.campaigns.fuzz_words import options
+from fuzz.studio.campaigns.fuzz_arguments import options
 from fuzz.studio.folder import KNOWN
 from fuzz.studio.refusals import refusal
 from fuzz.triage.cause import Cause

@@ -75,7 +75,7 @@ def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force:
     if build:
         click.echo(build)
     click.echo("worldgen trap --size 20 --seed 4 --out w.grid")
-    click.echo(f"worldgen run w.grid --controller {shlex.quote(controller)} --trail run.png")
+    click.echo(f"worldgen run w.grid --controller {shlex.quote(controller)} --picture run.png")
     click.echo(f"worldgen fuzz --controller {shlex.quote(controller)} --budget 30s --out failures/")
 
 

@@ -17,6 +17,7 @@ from worldgen.cli.output import (
     emit_json,
     force_option,
     json_option,
+    named_also,
     note,
     time_step_option,
     typed,
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from worldgen.world import World
 
 EXAMPLES = (
-    "\b\n  worldgen run w.grid --controller turn-right --trail run.png\n"
+    "\b\n  worldgen run w.grid --controller turn-right --picture run.png\n"
     "  worldgen run two-robots.grid --controller 1=bug2,2=turn-right\n"
     "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json\n"
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
@@ -59,8 +60,9 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 )
 @time_step_option
 @click.option("--seed", type=SEED, default=0, help="Seed of random controllers.")
-@click.option(
-    "--trail",
+@named_also(
+    "--picture",
+    also="--trail",
     type=PATH,
     metavar="OUT",
     help="Draw the world and the trail: .png, .svg, .html, or an animated .gif.",
@@ -90,7 +92,7 @@ def run(
     steps: int | None,
     time_step: float | None,
     seed: int,
-    trail: Path | None,
+    picture: Path | None,
     trace: Path | None,
     transcript: Path | None,
     as_json: bool,
@@ -123,7 +125,7 @@ def run(
         note(f"note: {sentence}")
     # Refuse bad output before the run.
     check_transcript(scenarios, transcript)
-    check_out("--trail", trail, *_PICTURES, force=force)
+    check_out("--picture", picture, *_PICTURES, force=force)
     check_out("--trace", trace, force=force)
     steps = _stored_budget(world, scenarios) if steps is None else steps
     # Run; record only if something needs the recording.
@@ -135,7 +137,7 @@ def run(
         arbitration = scenarios[0].arbitration if len(scenarios) == 1 else None
         short = scenarios[0].options(world, steps).steps <= MAX_RECORDED
         counts = as_json and arbitration is not None and short
-        episode = _simulated(world, scenarios, steps, record=bool(trail or trace or counts))
+        episode = _simulated(world, scenarios, steps, record=bool(picture or trace or counts))
     acted = _acted(arbitration, episode)
     # Explain what went wrong, if anything did.
     check_contract(_at_fault(scenarios, episode), episode.evidence, episode.steps)
@@ -165,14 +167,14 @@ def run(
     states = _csv(episode, acted)
     if trace is not None and states:
         write_out(trace, states.encode(), force=force)
-    if trail is not None:
+    if picture is not None:
         title = (
             f"{_label(scenarios)}, {scenarios[0].run.motion}: {_sentence(episode)}, "
             f"{episode.area_covered:.4g} m2 covered"
         )
-        with working(f"drawing {trail}"):
-            picture = _picture(world, episode, scenarios[0].controller, title, trail.suffix)
-        write_out(trail, picture, force=force)
+        with working(f"drawing {picture}"):
+            drawn = _picture(world, episode, scenarios[0].controller, title, picture.suffix)
+        write_out(picture, drawn, force=force)
     if episode.verdict not in ARRIVALS:
         raise SystemExit(1)
 

@@ -212,6 +212,7 @@ class CompiledController:
         arbitration: How it arbitrates among behaviours, if it does; for traces and charts.
         learning: The part of its memory that it learns, if any, for ``worldgen train``.
         variants: Its own options, such as the size of its memory, if it has any.
+        about: What it does, in one line, for ``worldgen controllers``.
 
     Raises:
         InvalidParameter: If a sense does not exist, ``needs`` is not a :class:`RobotOptions`, or
@@ -233,6 +234,7 @@ class CompiledController:
     arbitration: Arbitration | None = None
     learning: Learning | None = None
     variants: Variants | None = None
+    about: str = ""
 
     def __post_init__(self) -> None:
         check_declared(self.name, self.senses, self.needs)

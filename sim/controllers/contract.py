@@ -125,7 +125,7 @@ def check_contract(name: str, evidence: Evidence | None, steps: int) -> None:
     if isinstance(evidence, FaultEvidence) and evidence.remedy is not None and steps <= 1:
         raise InvalidParameter(
             "contract-broken",
-            "controller {name!r}: {fault}, but {answer}",
+            "controller {name!r}: {fault}: {answer}",
             "{remedy}",
             name=name,
             fault=evidence.error,

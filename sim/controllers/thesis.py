@@ -90,7 +90,7 @@ def thesis_arbitration(rule: int, options: ThesisOptions | None = None) -> Arbit
 _SENSES = ("bump", "signal_heading", "heading", "time_step", "top_speed")
 
 
-def _controller(name: str, rule: int) -> CompiledController:
+def _controller(name: str, rule: int, way: str) -> CompiledController:
     """Return the robot under one of the thesis's rules; it starts at its top speed."""
     return CompiledController(
         name,
@@ -102,9 +102,10 @@ def _controller(name: str, rule: int) -> CompiledController:
         senses=(*_SENSES, "random") if rule == RANDOM else _SENSES,
         memory_fields=_FIELDS,
         arbitration=thesis_arbitration(rule),
+        about=f"Drive towards the signal, and turn {way} at each wall: the thesis's robot {rule}.",
     )
 
 
-turn_right = _controller("turn-right", RIGHT)
-turn_left = _controller("turn-left", LEFT)
-turn_random = _controller("turn-random", RANDOM)
+turn_right = _controller("turn-right", RIGHT, "right")
+turn_left = _controller("turn-left", LEFT, "left")
+turn_random = _controller("turn-random", RANDOM, "at random")

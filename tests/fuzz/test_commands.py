@@ -220,7 +220,7 @@ def test_fuzz_reports_a_controller_that_crashes_and_replays_it(body, kind, tmp_p
 
 def test_a_picture_of_an_unknown_kind_is_refused(tmp_path):
     world = read_world_with_start_in_target(tmp_path)
-    result = worldgen("run", world, "--controller", "turn-left", "--trail", tmp_path / "x.bmp")
+    result = worldgen("run", world, "--controller", "turn-left", "--picture", tmp_path / "x.bmp")
     assert result.code == 2 and "name a .png, .svg, .html, .gif file" in result.err
 
 
@@ -259,7 +259,7 @@ def test_a_run_of_the_files_failure_has_its_budget(patient, options, steps):
 
 
 def test_a_picture_of_a_run_shows_no_other_verdict(patient, tmp_path):
-    worldgen("run", patient, "--controller", "bug2", "--trail", tmp_path / "run.svg")
+    worldgen("run", patient, "--controller", "bug2", "--picture", tmp_path / "run.svg")
     picture = (tmp_path / "run.svg").read_text()
     assert "bug2, swept: reached" in picture and "turn-right under swept" not in picture
 

@@ -448,7 +448,7 @@ def test_words_from_a_strangers_file_cannot_steer_the_terminal(tmp_path):
 
 
 def test_show_draws_a_corpus_on_one_sheet(tmp_path):
-    result = worldgen("corpus", "show", FAULTS, "--png", tmp_path / "sheet.png")
+    result = worldgen("corpus", "show", FAULTS, "--picture", tmp_path / "sheet.png")
     assert result.code == 0 and (tmp_path / "sheet.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -456,9 +456,11 @@ def test_a_failure_whose_controller_is_not_here_is_shown_without_its_way(tmp_pat
     failure(tmp_path, "x", controller="./absent.py:Robot")
     result = worldgen("corpus", "show", tmp_path)
     assert result.code == 0 and "9x3, 0 solid" in result.out and "cannot be run here" in result.err
-    assert worldgen("corpus", "show", tmp_path, "--png", tmp_path / "sheet.png").code == 0
+    assert worldgen("corpus", "show", tmp_path, "--picture", tmp_path / "sheet.png").code == 0
 
 
 def test_a_sheet_of_nothing_is_refused(tmp_path):
-    result = worldgen("corpus", "show", FAULTS, "--class", "none", "--png", tmp_path / "sheet.png")
+    result = worldgen(
+        "corpus", "show", FAULTS, "--class", "none", "--picture", tmp_path / "sheet.png"
+    )
     assert result.code == 2 and result.error_code == "nothing-given"

@@ -1,5 +1,6 @@
 """Requested oracles: what they object to, and what they accept."""
 
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 from fuzz.failure import Failure
-from fuzz.oracles import NamedOracle, Trial, Violation
+from fuzz.oracles import ORACLES, NamedOracle, Trial, Violation
 from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_near_the_path
 from fuzz.oracles.worlds import mirrored, scaled, shifted, turned
 from fuzz.replay.regression import CONFIRMED, check
@@ -461,3 +462,13 @@ def test_a_campaign_finds_the_same_with_one_worker_and_with_two(tmp_path):
         {file.name: file.read_bytes() for file in (tmp_path / n).glob("*.grid")} for n in "12"
     )
     assert one == two and "detour.grid" in one
+
+
+def test_the_list_of_oracles_says_how_each_is_written():
+    listed = json.loads(worldgen("oracles", "--json").out)["oracles"]
+    assert [one["name"] for one in listed] == ORACLES.names()
+    written = {one["name"]: one["written"] for one in listed}
+    assert (written["detour"], written["repeat"], written["wall"]) == (
+        "detour=NUMBER", "repeat[=NUMBER]", "wall",
+    )  # fmt: skip
+    assert len(worldgen("oracles").out.splitlines()) == len(listed) + 1

@@ -50,6 +50,14 @@ class Forgets(Back):
     def action(self, observation, memory):
         return Command(), ()
 
+class Words(Back):
+    def action(self, observation, memory):
+        return ("fast", 0.4), memory
+
+class WordsInMemory(Back):
+    def action(self, observation, memory):
+        return Command(), ("far",)
+
 class Hides(Back):
     def action(self, observation, memory):
         self.count = getattr(self, "count", 0) + 1
@@ -173,13 +181,22 @@ def test_the_arbiter_treats_a_behaviour_in_python_as_one_in_c():
     ]
 
 
-@pytest.mark.parametrize(("name", "verdict"), [("Raises", "crash"), ("Forgets", "invalid-command")])
+@pytest.mark.parametrize(
+    ("name", "verdict"),
+    [
+        ("Raises", "crash"),
+        ("Forgets", "invalid-command"),
+        ("Words", "invalid-command"),
+        ("WordsInMemory", "invalid-command"),
+    ],
+)
 def test_a_behaviour_in_python_that_fails_ends_the_run_as_a_controller_would(
-    tmp_path, name, verdict
+    tmp_path, capfd, name, verdict
 ):
     (tmp_path / "mine.py").write_text(MINE)
     episode = simulate(WORLD, f"behaviours:{tmp_path}/mine.py:{name},approach", steps=500)
     assert episode.verdict == verdict
+    assert capfd.readouterr().err == ""  # cffi would print a traceback there, and go on
 
 
 def test_a_behaviour_with_hidden_state_is_not_proved_to_loop(tmp_path):

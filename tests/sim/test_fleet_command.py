@@ -41,7 +41,7 @@ def test_a_trace_begins_each_row_with_the_robot(grid, tmp_path):
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".html", ".gif"])
 def test_all_robots_are_drawn(grid, tmp_path, suffix):
     out = tmp_path / f"trail{suffix}"
-    result = worldgen("run", grid, "--controller", "turn-right", "--steps", "60", "--trail", out)
+    result = worldgen("run", grid, "--controller", "turn-right", "--steps", "60", "--picture", out)
     assert result.code == 1
     assert out.stat().st_size > 1000
     if suffix in (".svg", ".html"):

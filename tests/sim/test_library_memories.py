@@ -117,7 +117,7 @@ def test_the_picture_of_a_run_shows_what_the_robot_remembers(tmp_path, name):
     world = tmp_path / "w.grid"
     worldgen("trap", "--seed", 3, "--size", 24, "--out", world)
     out = tmp_path / "run.svg"
-    worldgen("run", world, "--controller", name, "--trail", out)
+    worldgen("run", world, "--controller", name, "--picture", out)
     assert MEMORY in out.read_text() and "the robot&#x27;s own map" in out.read_text()
 
 

@@ -258,7 +258,7 @@ def test_every_command_has_quiet_verbose_and_json(command):
 def test_show_prints_the_facts_of_a_world_as_json(project):
     project("")
     made("--seed", 1)
-    facts = json.loads(worldgen("show", "w.grid", "--json", "--png", "w.png").out)
+    facts = json.loads(worldgen("show", "w.grid", "--json", "--picture", "w.png").out)
     assert (facts["file"], facts["certificate"], facts["pictures"]) == (
         "w.grid",
         "witness",

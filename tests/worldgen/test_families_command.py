@@ -248,3 +248,11 @@ def test_the_command_loads_nothing_heavy():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "0 []\n"
+
+
+def test_the_list_of_families_has_each_with_its_parameters():
+    listed = json.loads(run("families", "--json").out)["families"]
+    assert [one["name"] for one in listed] == FAMILIES.names()
+    assert all(one["about"] and one["parameters"] for one in listed)
+    lines = run("families").out.splitlines()
+    assert [line.split()[0] for line in lines] == ["family", *FAMILIES.names()]

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -15,7 +16,23 @@ from sim.controllers import CONTROLLERS
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 
+ROOT = Path(__file__).parents[2]
 SCRIPT = "from worldgen.cli.main import main; main()"
+# `pip install -e` looks for our modules after Python has looked in the folders of its path.
+EDITABLE = f"""
+import sys
+from importlib.machinery import PathFinder
+
+class Editable:
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        if name.partition(".")[0] in ("worldgen", "worldgen_plugins", "sim", "fuzz"):
+            return PathFinder.find_spec(name, ["/".join([{str(ROOT)!r}, *name.split(".")[:-1]])])
+
+sys.path.remove({str(ROOT)!r}) if {str(ROOT)!r} in sys.path else None
+sys.meta_path.insert(sys.meta_path.index(PathFinder) + 1, Editable)
+{SCRIPT}
+"""
 ROBOT_TEST = """
 import pytest
 
@@ -61,6 +78,16 @@ def test_the_program_works_next_to_a_folder_of_the_same_name(project, by_path):
     run_in(project, *program, "maze", "--seed", "3", "--size", "12", "--out", "w.grid", **found)
     result = run_in(project, *program, "run", "w.grid", "--controller", "wall-left", **found)
     assert result.returncode in {0, 1}, result.stderr
+    assert ", trace " in result.stdout
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("project", ["worldgen/README"], indirect=True)
+def test_an_editable_installation_works_next_to_a_folder_named_worldgen(project):
+    grid = ("maze", "--seed", "3", "--size", "12", "--out", "w.grid")
+    for words in (grid, ("run", "w.grid", "--controller", "wall-left")):
+        result = run_in(project, "-c", EDITABLE, *words)
+        assert result.returncode in {0, 1}, result.stderr
     assert ", trace " in result.stdout
 
 

@@ -152,10 +152,14 @@ def test_errors_name_places_in_the_coordinates_in_which_they_are_given(run):
     assert "x from -3.16 to 12.2 and y from -9.36 to 9.92" in str(caught.value)
 
 
-def test_a_frame_without_places_has_no_effect_and_says_so(tmp_path, capsys):
-    args = ["import", HALL, "--frame", "map", "--out", str(tmp_path / "w.grid")]
+def test_places_are_printed_in_the_frame_that_was_asked_for(tmp_path, capsys):
+    places = ["--start", "4.84,-0.36,0.5", "--target=-0.91,-8.11,0.1"]
+    args = ["import", HALL, "--frame", "map", *places, "--out", str(tmp_path / "w.grid")]
     cli.main(args, standalone_mode=False)
-    assert "--frame has no effect without --start or --target" in capsys.readouterr().err
+    assert capsys.readouterr().out.splitlines()[1] == (
+        "start (4.84, -0.36) m, heading 0.5 rad; "
+        "target (-0.91, -8.11) m in the file's coordinates, radius 0.1 m"
+    )
 
 
 def test_equal_seeds_place_equally_and_the_file_is_the_same_to_the_byte(run, tmp_path):

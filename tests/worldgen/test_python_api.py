@@ -8,10 +8,12 @@ from __future__ import annotations
 import importlib
 import inspect
 import pydoc
+from importlib.metadata import version
 
 import numpy as np
 import pytest
 
+import worldgen
 from tests.helpers.raising import raises
 from worldgen import Cut, Provenance, World, families, generate, stream, world_digest
 from worldgen.errors import InvalidParameter
@@ -60,6 +62,10 @@ def test_the_docstring_lists_every_public_name(name):
 def test_a_name_that_a_package_lacks_is_an_attribute_error():
     with pytest.raises(AttributeError, match="'sim' has no attribute 'simulat'"):
         _ = importlib.import_module("sim").simulat
+
+
+def test_the_version_is_that_of_the_installation():
+    assert worldgen.__version__ == version("worldgen")
 
 
 def test_a_family_that_is_called_gives_the_world_of_generate(small):

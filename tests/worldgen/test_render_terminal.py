@@ -113,10 +113,10 @@ def test_a_large_world_is_scaled_down_and_says_so():
     lines = text.splitlines()
     assert len(lines[0]) == 42
     assert len(lines) == 42 + 2
-    assert lines[40 - 150 // 5][1 + 150 // 5] == "+"
+    assert lines[40 - 150 // 5][1 + 150 // 5] == "%"
     assert lines[40][:21] == "|" + "#" * 20
     assert lines[-1].endswith("; 1 character is 5 x 5 cells")
-    assert "+ partly solid" in lines[-2]
+    assert "% partly solid" in lines[-2]
 
 
 @pytest.mark.parametrize("color", [True, False])

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from tests.helpers.command_line import worldgen
 from worldgen.commands.show import show
 from worldgen.errors import FormatError, InvalidParameter, OutputError
 from worldgen.files.grid import write_world
@@ -49,7 +50,7 @@ def test_a_world_is_drawn_on_stdout_as_plain_text_when_it_is_no_terminal(grid):
 )
 def test_a_picture_file_is_written_and_named_on_stderr(grid, tmp_path, kind, begin):
     out = tmp_path / f"picture.{kind}"
-    result = run(grid, f"--{kind}", out)
+    result = run(grid, "--picture", out)
     assert result.exit_code == 0
     assert out.read_bytes().startswith(begin)
     assert (result.stdout, result.stderr) == ("", f"wrote {out}\n")
@@ -57,16 +58,16 @@ def test_a_picture_file_is_written_and_named_on_stderr(grid, tmp_path, kind, beg
 
 def test_all_kinds_may_be_written_at_once(grid, tmp_path):
     outs = [tmp_path / f"p.{kind}" for kind in ("png", "svg", "html")]
-    assert run(grid, "--png", outs[0], "--svg", outs[1], "--html", outs[2]).exit_code == 0
+    assert run(grid, *(word for out in outs for word in ("--picture", out))).exit_code == 0
     assert all(out.stat().st_size > 1000 for out in outs)
 
 
 def test_an_existing_file_is_kept_unless_forced(grid, tmp_path):
     out = tmp_path / "p.svg"
     out.write_text("mine")
-    assert isinstance(run(grid, "--svg", out).exception, OutputError)
+    assert isinstance(run(grid, "--picture", out).exception, OutputError)
     assert out.read_text() == "mine"
-    assert run(grid, "--svg", out, "--force").exit_code == 0
+    assert run(grid, "--picture", out, "--force").exit_code == 0
     assert out.read_text() != "mine"
 
 
@@ -74,7 +75,7 @@ def test_bad_input_is_an_error_of_ours_with_a_sentence(grid, tmp_path):
     (tmp_path / "bad.grid").write_text("hello")
     assert isinstance(run(tmp_path / "bad.grid").exception, FormatError)
     assert isinstance(
-        run(grid, "--png", tmp_path / "p.png", "--pixels", 3).exception, InvalidParameter
+        run(grid, "--picture", tmp_path / "p.png", "--pixels", 3).exception, InvalidParameter
     )
 
 
@@ -93,8 +94,8 @@ def test_a_failure_file_names_controller_motion_verdict_and_replay(tmp_path):
 
 def test_the_signal_and_the_witness_can_be_left_out(grid, tmp_path):
     plain, full = tmp_path / "plain.svg", tmp_path / "full.svg"
-    run(grid, "--svg", plain, "--no-signal", "--no-witness")
-    run(grid, "--svg", full)
+    run(grid, "--picture", plain, "--no-signal", "--no-witness")
+    run(grid, "--picture", full)
     assert "radialGradient" in full.read_text()
     assert "radialGradient" not in plain.read_text()
 
@@ -108,3 +109,14 @@ def test_the_terminal_picture_needs_no_pillow(grid):
         subprocess.run([sys.executable, "-c", code], check=False, capture_output=True).returncode
         == 0
     )
+
+
+@pytest.mark.parametrize("flag", ["--out", "--png", "--svg"])
+def test_what_people_write_for_a_picture_is_answered_with_its_option(grid, tmp_path, flag):
+    result = worldgen("show", grid, flag, tmp_path / "p.png")
+    assert result.code == 2 and "write --picture OUT" in result.err
+
+
+def test_a_picture_of_an_unknown_kind_is_refused_before_the_work(tmp_path):
+    result = worldgen("show", tmp_path / "missing.grid", "--picture", tmp_path / "p.bmp")
+    assert result.code == 2 and "name a .png, .svg, .html file" in result.err

@@ -43,6 +43,8 @@ QUIET_AND_VERBOSE: tuple[click.Option, ...] = (
     ),
 )
 
+# What people write for --picture.
+_FOR_A_PICTURE = ("--html", "--image", "--out", "--plot", "--png", "--svg")
 _EQUIPPED: weakref.WeakSet[click.Command] = weakref.WeakSet()
 
 
@@ -85,13 +87,23 @@ def _watch_parser(command: click.Command) -> None:
     """Check the arguments before click does, because click would take the last of two values."""
     make_parser = command.make_parser
 
+    known = {flag for parameter in command.params for flag in parameter.opts}
+
     # The parser is wrapped because click applies defaults before a command can see what was given.
     def strict_parser(context: click.Context) -> Any:
         parser = make_parser(context)
         parse_args = parser.parse_args
 
         def parse(args: list[str]) -> Any:
-            opts, rest, order = parse_args(args)
+            try:
+                opts, rest, order = parse_args(args)
+            except click.NoSuchOption as error:
+                flag = error.option_name
+                if flag not in _FOR_A_PICTURE or "--picture" not in known:
+                    raise
+                # click would suggest only a name that is spelt alike.
+                message = f"No such option {flag!r}; to draw, write --picture OUT"
+                raise click.UsageError(message, context) from None
             _refuse_repetition(order, context)
             if not context.resilient_parsing:
                 given = {parameter.name for parameter in order if parameter.name is not None}

@@ -24,7 +24,7 @@ from worldgen.support.progress import display_on_stderr
 
 EPILOG = (
     "\b\n  worldgen maze --size 60 --out w.grid\n  worldgen run w.grid --controller turn-right "
-    "--trail run.png\n"
+    "--picture run.png\n"
     "  worldgen fuzz --controller turn-right --budget 30s --out failures/\n  worldgen replay "
     "failures/\n\n"
     "Every command has --help. Exit codes: 0 success, 1 a failure was found, 2 bad input, 3 "

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
@@ -15,7 +15,7 @@ from click.core import ParameterSource
 
 from worldgen.domain import MASK64
 from worldgen.files.whole import check_output, write_bytes
-from worldgen.support.plain_text import shown_lines
+from worldgen.support.plain_text import aligned, shown_lines
 from worldgen.support.progress import is_quiet, spoke
 
 CONTROLLER_HELP = (
@@ -140,6 +140,24 @@ def emit_json(result: Mapping[str, Any]) -> None:
     """Print one JSON object to stdout; infinities and NaN become null."""
     spoke()
     click.echo(json.dumps(_finite(result), allow_nan=False))
+
+
+def emit_list(
+    name: str, rows: Sequence[Mapping[str, Any]], columns: Mapping[str, str], *, as_json: bool
+) -> None:
+    """Print what a package offers under one name, as a table or as one JSON object.
+
+    Args:
+        name: Key of the JSON object, such as ``formats``.
+        rows: The facts about each one.
+        columns: The facts that the table shows, and its headings.
+        as_json: Print the object, which has all facts.
+    """
+    if as_json:
+        emit_json({name: rows})
+        return
+    table = [[str(row[fact]) for fact in columns] for row in rows]
+    click.echo(aligned([list(columns.values()), *table]))
 
 
 def _finite(value: Any) -> Any:

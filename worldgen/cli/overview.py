@@ -7,6 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 COMMANDS: dict[str, dict[str, str]] = {
     "Make worlds": {
+        "families": "List the families of worlds.",
         "compose": "Make worlds from parts with a recipe, such as a trap in a maze.",
         "regenerate": "Rebuild a set of worlds from its manifest, or check it.",
         "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
@@ -14,6 +15,7 @@ COMMANDS: dict[str, dict[str, str]] = {
         "check-family": "Check that your own family keeps the promises that every family makes.",
     },
     "Run controllers": {
+        "controllers": "List the controllers, and what each of them senses.",
         "behaviours": "List behaviours, or show how a controller chooses among its own.",
         "new-controller": "Write a working, commented controller to start from.",
         "train": "Train a learning controller in worlds, and store what it learned.",
@@ -24,6 +26,7 @@ COMMANDS: dict[str, dict[str, str]] = {
     "Find failures": {
         "demo": "Make a world, run a robot in it and find its failures, in one command.",
         "fuzz": "Search for worlds in which a controller fails.",
+        "oracles": "List the oracles that fuzz --oracle adds to the verdict.",
         "find": "Search for a world with the outcomes that you name.",
         "boundary": "Find the radius, speed or heading at which failures begin.",
         "chance": "Decide whether a random controller always, never or sometimes arrives.",

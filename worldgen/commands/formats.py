@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, json_option
+from worldgen.cli.output import emit_list, json_option
 
 if TYPE_CHECKING:
     from worldgen.interop import Format
@@ -27,20 +27,19 @@ def formats(name: str | None, as_json: bool) -> None:
 
     names = FORMATS.names() if name is None else [name]
     known = [FORMATS.get(one) for one in names]
-    if as_json:
-        listed = [
-            {
-                "name": one.name, "direction": one.direction, "files": one.summary, "suffixes": list(one.suffixes),
-                "holds": [held for held in HELD if held in one.holds], "changes": one.changes, "client": one.client,
-                "read_options": _options(one.read_options), "write_options": _options(one.write_options),
-            }
-            for one in known
-        ]  # fmt: skip
-        emit_json({"formats": listed})
-    elif name is None:
-        _print_table(known)
-    else:
+    if name is not None and not as_json:
         _print_one(known[0])
+        return
+    rows = [
+        {
+            "name": one.name, "direction": one.direction, "files": one.summary, "suffixes": list(one.suffixes),
+            "holds": [held for held in HELD if held in one.holds], "changes": one.changes, "client": one.client,
+            "read_options": _options(one.read_options), "write_options": _options(one.write_options),
+        }
+        for one in known
+    ]  # fmt: skip
+    columns = {"name": "format", "direction": "way", "files": "files"}
+    emit_list("formats", rows, columns, as_json=as_json)
 
 
 def _options(parameters: tuple[Parameter, ...]) -> list[dict[str, object]]:
@@ -48,16 +47,6 @@ def _options(parameters: tuple[Parameter, ...]) -> list[dict[str, object]]:
         {"name": one.name, "default": one.default, "choices": list(one.choices), "help": one.help}
         for one in parameters
     ]
-
-
-def _print_table(known: list[Format]) -> None:
-    from worldgen.support.plain_text import aligned
-
-    click.echo(
-        aligned(
-            [("format", "way", "files"), *((one.name, one.direction, one.summary) for one in known)]
-        )
-    )
 
 
 def _print_one(known: Format) -> None:

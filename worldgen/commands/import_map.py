@@ -48,7 +48,7 @@ EXAMPLES = (
     type=click.Choice(["corner", "map"]),
     default="corner",
     show_default=True,
-    help="Measure --start and --target from the lower-left corner, or in the file's own coordinates, "
+    help="Read and print places from the lower-left corner, or in the file's own coordinates, "
     "such as ROS's map frame.",
 )
 @click.option("--scen", type=PATH, help="MovingAI scenario file for start and target.")
@@ -173,8 +173,6 @@ def import_map(
         write_world(imported.world, out, force=force)
     for sentence in imported.notes:
         note(sentence)
-    if frame == "map" and start is None and target is None:
-        note("warning: --frame has no effect without --start or --target")
     for sentence in imported.warnings:
         note(f"warning: {sentence}")
     # Report the result; the exit code shows whether the target can be reached.

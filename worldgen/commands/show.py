@@ -4,30 +4,38 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import PATH, emit_json, force_option, json_option, note
-from worldgen.files.whole import write_bytes
+from worldgen.cli.output import (
+    PATH,
+    check_out,
+    emit_json,
+    force_option,
+    json_option,
+    write_out,
+)
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from worldgen.world import Certificate, FailureRecord, Robot, World
 
-T = TypeVar("T")
-
-EXAMPLES = "\b\n  worldgen show w.grid\n  worldgen show w.grid --png w.png"
+# Function of render for each kind of picture; imported when used, because it needs Pillow.
+_DRAWN_BY = {".png": "draw_png", ".svg": "draw_svg", ".html": "draw_html"}
+EXAMPLES = "\b\n  worldgen show w.grid\n  worldgen show w.grid --picture w.png"
 
 
 @click.command(epilog=EXAMPLES)
 @click.argument("path", type=PATH)
-@click.option("--png", type=PATH, metavar="OUT", help="Write a PNG picture.")
-@click.option("--svg", type=PATH, metavar="OUT", help="Write an SVG picture.")
 @click.option(
-    "--html", type=PATH, metavar="OUT", help="Write an HTML page with the picture and the facts."
+    "--picture",
+    "outs",
+    type=PATH,
+    multiple=True,
+    metavar="OUT",
+    help="Write a picture instead: .png, .svg, or .html, a page with the facts. May be repeated.",
 )
 @click.option(
     "--pixels",
@@ -44,9 +52,7 @@ EXAMPLES = "\b\n  worldgen show w.grid\n  worldgen show w.grid --png w.png"
 @force_option
 def show(
     path: Path,
-    png: Path | None,
-    svg: Path | None,
-    html: Path | None,
+    outs: tuple[Path, ...],
     pixels: int,
     signal: bool,
     witness: bool,
@@ -55,32 +61,28 @@ def show(
 ) -> None:
     """Draw a world in the terminal, or as PNG, SVG or HTML.
 
-    With --png, --svg or --html nothing is drawn in the terminal; they can be combined. With --json
-    the world's facts are printed instead of a drawing.
+    With --json the world's facts are printed instead of a drawing.
     """
     from worldgen import render
     from worldgen.files.grid import read_world
 
-    world = read_world(path)
-
-    def look(draw: Callable[..., T]) -> T:
-        with working(f"drawing {path}"):
-            return draw(world, signal=signal, witness=witness, title=path.name, pixels=pixels)
-
+    # Refuse bad output before the work.
+    outs = tuple(dict.fromkeys(outs))
+    for out in outs:
+        check_out("--picture", out, *_DRAWN_BY, force=force)
     # Draw all pictures before any is written.
+    world = read_world(path)
     pictures: list[tuple[Path, bytes]] = []
-    if png is not None:
-        pictures.append((png, look(render.draw_png)))
-    if svg is not None:
-        pictures.append((svg, look(render.draw_svg).encode()))
-    if html is not None:
-        pictures.append((html, look(render.draw_html).encode()))
+    for out in outs:
+        with working(f"drawing {path}"):
+            draw = getattr(render, _DRAWN_BY[out.suffix])
+            drawn = draw(world, signal=signal, witness=witness, title=path.name, pixels=pixels)
+        pictures.append((out, drawn if isinstance(drawn, bytes) else drawn.encode()))
     for out, data in pictures:
-        write_bytes(out, data, force=force)
-        note(f"wrote {out}")
+        write_out(out, data, force=force)
     # Print facts, or the drawing if there are no pictures.
     if as_json:
-        emit_json(_facts(world, path, [out for out, _ in pictures]))
+        emit_json(_facts(world, path, list(outs)))
         return
     if not pictures:
         color = render.wants_color(sys.stdout)

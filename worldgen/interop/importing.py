@@ -72,6 +72,7 @@ class Imported:
         radius_from: Where the robot's radius comes from.
         unread: Obstacles of the file that the world lacks.
         withheld: True if a path was found that does not count because of them.
+        origin: The grid's lower-left corner, m, in the frame in which people are told places.
     """
 
     world: World
@@ -81,6 +82,7 @@ class Imported:
     radius_from: str = ""
     unread: tuple[str, ...] = ()
     withheld: bool = False
+    origin: tuple[float, float] = (0.0, 0.0)
 
 
 def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
@@ -180,6 +182,7 @@ def import_world(
         radius_from,
         found.unread,
         withheld,
+        found.origin if robot.in_file_frame else (0.0, 0.0),
     )
 
 
@@ -429,11 +432,13 @@ def describe(file: str | None, imported: Imported) -> list[str]:
     decision = imported.decision
     start = world.start
     target = world.target
+    left, low = imported.origin
+    frame = " in the file's coordinates" if imported.origin != (0.0, 0.0) else ""
     radius = f"robot radius {world.robot_radius:g} m ({imported.radius_from})"
     return [
         (f"{file}: " if file is not None else "")
         + f"{world.width} x {world.height} cells of {world.cell_size:g} m, {radius}",
-        f"start ({start.x:g}, {start.y:g}) m, heading {start.heading:.4g} rad; "
-        f"target ({target.x:g}, {target.y:g}) m, radius {target.radius:g} m",
+        f"start ({start.x + left:g}, {start.y + low:g}) m, heading {start.heading:.4g} rad; "
+        f"target ({target.x + left:g}, {target.y + low:g}) m{frame}, radius {target.radius:g} m",
         f"{decision.result}: {decision.reason}",
     ]

@@ -13,11 +13,11 @@ import importlib.util
 import sys
 from pathlib import Path
 
-import worldgen
 from worldgen.errors import InvalidParameter
 
 _PACKAGES = ("sim", "fuzz", "worldgen_plugins")
-_ROOT = Path(worldgen.__file__).resolve().parent.parent
+# A user's folder may be named worldgen, so that the package itself is not the way to this file.
+_ROOT = Path(__file__).resolve().parents[2]
 
 
 def prefer_own_packages() -> None:

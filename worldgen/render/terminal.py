@@ -62,7 +62,7 @@ class Sign:
 
 SIGNS = {
     FREE: Sign(".", FLOOR),
-    PARTLY: Sign("+", mix(FLOOR, WALL, 0.6), "partly solid"),
+    PARTLY: Sign("%", mix(FLOOR, WALL, 0.6), "partly solid"),
     SOLID: Sign("#", WALL),
     CLOSES: Sign("x", mix(FLOOR, GREY, 0.6), "closes later"),
     BURNS: Sign("^", mix(FLOOR, FIRE, 0.7), "burns"),

@@ -22,7 +22,7 @@ from typing import Any
 
 from fuzz.campaign.store import MEMORY, FolderStore, forget_error, read_error
 from fuzz.studio.campaigns.elites import elite_of, runs_in
-from fuzz.studio.campaigns.fuzz_words import (
+from fuzz.studio.campaigns.fuzz_arguments import (
     baseline,
     begun,
     budget,

@@ -13,7 +13,7 @@ from sim._core import ffi, lib
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.behaviours.arbitration import Arbitration
 from sim.controllers.behaviours.base import Behaviour
-from sim.controllers.contract import no_memory
+from sim.controllers.contract import no_command, no_memory
 from sim.controllers.memory_view import MemoryField
 from sim.kernels.layout import OBS_SIZE
 from sim.options.robot import RobotOptions
@@ -147,16 +147,20 @@ def _action(behaviour: Behaviour, now: _Now) -> Callable[[Any], int]:
             return 1
         for k, number in enumerate(memory):
             situation.state[k] = number
-        situation.command.speed = float(command[0])
-        situation.command.turn_rate = float(command[1])
-        situation.command.used_random = float(bool(command[2])) if len(command) > 2 else 0.0
+        situation.command.speed = command.speed
+        situation.command.turn_rate = command.turn_rate
+        situation.command.used_random = float(command.used_random)
         return int(done)
 
     return call
 
 
-def _taken_apart(answer: Any, size: int) -> tuple[Any, Memory, bool]:
-    """Return the command, the memory and whether the behaviour is done."""
+def _taken_apart(answer: Any, size: int) -> tuple[Command, Memory, bool]:
+    """Return the command, the memory and whether the behaviour is done, as the core takes them.
+
+    Raises:
+        ContractBroken: If the answer is something else.
+    """
     if not isinstance(answer, tuple) or len(answer) not in (2, 3) or hasattr(answer, "_fields"):
         raise no_memory(answer, "action")
     command, memory, *done = answer
@@ -164,4 +168,13 @@ def _taken_apart(answer: Any, size: int) -> tuple[Any, Memory, bool]:
         raise no_memory(answer, "action")
     if not isinstance(command, tuple) or len(command) < 2:
         raise no_memory(answer, "action")
-    return command, tuple(float(number) for number in memory), bool(done and done[0])
+    try:
+        numbers = tuple(float(number) for number in memory)
+    except (TypeError, ValueError):
+        raise no_memory(answer, "action") from None
+    try:
+        used_random = len(command) > 2 and bool(command[2])
+        taken = Command(float(command[0]), float(command[1]), used_random)
+    except (TypeError, ValueError):
+        raise no_command(answer, "action") from None
+    return taken, numbers, bool(done and done[0])

@@ -1,6 +1,6 @@
 """A controller that numba compiles, for millions of steps a second. Edit it and try it with:
 
-worldgen run w.grid --controller ./example.py:example --trail run.png
+worldgen run w.grid --controller ./example.py:example --picture run.png
 """  # noqa: D415 - a command has no full stop
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 // A controller in C, as fast as the simulator itself. Build it and try it with:
 //
 //     cc -std=c17 -O2 -shared -fPIC -I"$(worldgen --include)" example.c -o example.so
-//     worldgen run w.grid --controller lib:./example.so:example --trail run.png
+//     worldgen run w.grid --controller lib:./example.so:example --picture run.png
 
 #include <math.h>
 

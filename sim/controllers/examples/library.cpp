@@ -1,7 +1,7 @@
 // A controller in C++, as fast as the simulator itself. Build it and try it with:
 //
 //     c++ -std=c++20 -O2 -shared -fPIC -I"$(worldgen --include)" example.cpp -o example.so
-//     worldgen run w.grid --controller lib:./example.so:example --trail run.png
+//     worldgen run w.grid --controller lib:./example.so:example --picture run.png
 
 #include <cmath>
 #include <numbers>

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A controller as a separate program; any language will do. Edit it and try it with:
 
-worldgen run w.grid --controller cmd:./example.py --trail run.png
+worldgen run w.grid --controller cmd:./example.py --picture run.png
 
 It reads lines of JSON and must answer each observation within a second, with one line that holds
 the command. Its stderr is kept, and shown if it fails. docs/reference/controllers.md describes the

@@ -1,6 +1,6 @@
 """A controller as a Python class. Edit it and try it with:
 
-worldgen run w.grid --controller ./example.py:Example --trail run.png
+worldgen run w.grid --controller ./example.py:Example --picture run.png
 """  # noqa: D415 - a command has no full stop
 
 from __future__ import annotations

@@ -40,6 +40,7 @@ bug1 = CompiledController(
     "bug1",
     CoreAct("bug1"),
     memory_at_reset(size_of("WgBug1Memory"), {HAND: 1.0, AT.leave_far: math.inf}),
+    about="Circle each obstacle, then leave it where it was nearest to the target.",
     senses=BY_TOUCH,
     memory_fields=(
         MemoryField(

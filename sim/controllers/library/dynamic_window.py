@@ -67,6 +67,7 @@ dynamic_window = CompiledController(
     "dynamic-window",
     CoreAct("dynamic-window"),
     memory_at_reset(size_of("WgDynamicWindowMemory"), {}),
+    about="Drive the best arc on which the robot could still stop in time.",
     senses=("bump", *TO_TARGET, "beams"),
     needs=RobotOptions(beams=36, beam_range=2.0),
     slow=True,

@@ -187,6 +187,7 @@ def mapping(
         CoreAct("mapper"),
         memory_at_reset(size, {AT.side: float(side), AT.grid: pitch, AT.no_room: no_room}),
         senses=BY_TOUCH,
+        about=f"Map where it could not pass, {side} x {side} nodes, and plan around it.",
         memory_fields=_FIELDS,
         memory_map=shown_map,
         memory_map_on=(

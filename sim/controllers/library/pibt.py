@@ -118,6 +118,7 @@ class _Bystander(NamedTuple):
 class Pibt:
     """Moves from node to node by PIBT."""
 
+    about = "Know the map, and plan each move together with the robots nearby."
     senses = ("heading", "x", "y", "time_step", "top_speed", "radius", "neighbours")
     needs = RobotOptions(neighbour_range=1e6, neighbours=64, message=_MESSAGE)
     memory_fields = (MemoryField("steps left", _LEFT),)

@@ -53,6 +53,7 @@ q_learner = CompiledController(
     "q-learner",
     CoreAct("q-learner"),
     AT_RESET,
+    about="Choose turns from a learned table, and keep learning.",
     senses=(*SENSES, "target_distance"),
     needs=NEEDS,
     memory_fields=(

@@ -41,6 +41,9 @@ def best_turns(table: Ints) -> Ints:
     return best
 
 
+_ABOUT = "Choose each turn from a table that was learned by simulation."
+
+
 def q_learning_robot(table: Ints, name: str = "q-learning") -> CompiledController:
     """Return a controller that looks up its turns in a table.
 
@@ -49,9 +52,11 @@ def q_learning_robot(table: Ints, name: str = "q-learning") -> CompiledControlle
         name: Name in messages and files.
     """
     memory = AT_RESET + tuple(map(float, best_turns(table)))
-    return CompiledController(name, CoreAct("q-learning-tuned"), memory, senses=SENSES, needs=NEEDS)
+    return CompiledController(
+        name, CoreAct("q-learning-tuned"), memory, senses=SENSES, needs=NEEDS, about=_ABOUT
+    )
 
 
 q_learning = CompiledController(
-    "q-learning", CoreAct("q-learning"), AT_RESET, senses=SENSES, needs=NEEDS
+    "q-learning", CoreAct("q-learning"), AT_RESET, senses=SENSES, needs=NEEDS, about=_ABOUT
 )

@@ -15,6 +15,7 @@ random_walk = CompiledController(
     "random-walk",
     CoreAct("random-walk"),
     (0.0,),
+    about="Drive legs in random directions; a wall ends a leg.",
     randomised=True,
     senses=("bump", "random", "time_step", "top_speed"),
 )

@@ -50,6 +50,7 @@ def _reckoning(
     name: str,
     driven: CompiledController,
     senses: tuple[str, ...],
+    about: str,
     *,
     cell: float = 0.0,
     shows_itself: bool,
@@ -74,6 +75,7 @@ def _reckoning(
         act=CoreAct(name),
         memory=(*memory_at_reset(SIZE, {AT.cell: cell}), *driven.memory),
         senses=senses,
+        about=about,
         memory_fields=tuple(one._replace(place=one.place + SIZE) for one in driven.memory_fields),
         memory_map=shown_map,
         memory_map_on=(*own, *(at + SIZE for at in driven.memory_map_on)),
@@ -84,12 +86,14 @@ odometry_bug = _reckoning(
     "odometry-bug",
     bug2.bug2,
     _senses(bug2.bug2, ("x", "y", "heading"), _ODOMETRY),
+    "Like bug2, but know its own place only from its wheels.",
     shows_itself=True,
 )
 signal_mapper = _reckoning(
     "signal-mapper",
     mapper.mapper,
     _senses(mapper.mapper, ("x", "y"), (*_ODOMETRY, "signal")),
+    "Like mapper, but estimate its own place from wheels, compass and signal.",
     shows_itself=True,
 )
 
@@ -109,7 +113,8 @@ def signal_three_layer_robot(
     check_positive("cell", cell, "m")
     driven = three_layer.three_layer
     senses = _senses(driven, ("target_heading", "target_distance"), ("signal", "signal_heading"))
-    made = _reckoning("signal-three-layer", driven, senses, cell=cell, shows_itself=False)
+    about = "Like three-layer, but know the target only by its signal."
+    made = _reckoning("signal-three-layer", driven, senses, about, cell=cell, shows_itself=False)
     return replace(made, name=name)
 
 

@@ -38,6 +38,7 @@ tangent_bug = CompiledController(
     "tangent-bug",
     CoreAct("tangent-bug"),
     memory_at_reset(size_of("WgTangentBugMemory"), {HAND: 1.0, AT.best: math.inf}),
+    about="Look ahead, and go around obstacles along their tangents.",
     senses=(*BY_TOUCH, "beams"),
     needs=RobotOptions(beams=BEAMS, beam_range=RANGE),
     memory_fields=(

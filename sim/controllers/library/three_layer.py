@@ -96,6 +96,7 @@ three_layer = CompiledController(
     "three-layer",
     CoreAct("three-layer"),
     memory_at_reset(MEMORY, {}),
+    about="Plan on a coarse map, supervise progress, and steer around walls.",
     senses=(*LOCATED, "beams"),
     needs=RobotOptions(beams=36, beam_range=2.0),
     memory_fields=(

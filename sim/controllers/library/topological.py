@@ -88,6 +88,7 @@ def topological_robot(options: TopologicalOptions, name: str = "topological") ->
         name,
         CoreAct("topological"),
         memory_at_reset(size, {MOST: float(options.places)}),
+        about="Map the places where the robot made decisions, and the paths between them.",
         senses=("bump", *LOCATED, "beams"),
         needs=RobotOptions(beams=72, beam_range=1.0),
         memory_fields=_FIELDS,

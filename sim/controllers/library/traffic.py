@@ -19,16 +19,23 @@ from sim.options.robot import RobotOptions
 _SENSES = ("heading", "target_heading", "time_step", "top_speed", "radius")
 _SENSING = RobotOptions(neighbour_range=2.0)
 
-naive = CompiledController("naive", CoreAct("naive"), senses=_SENSES)
+naive = CompiledController(
+    "naive", CoreAct("naive"), senses=_SENSES, about="Drive straight at the target."
+)
 
 right_hand = CompiledController(
-    "right-hand", CoreAct("right-hand"), senses=(*_SENSES, "neighbours"), needs=_SENSING
+    "right-hand",
+    CoreAct("right-hand"),
+    senses=(*_SENSES, "neighbours"),
+    needs=_SENSING,
+    about="Drive at the target, and give way to the right of other robots.",
 )
 
 orca = CompiledController(
     "orca",
     CoreAct("orca"),
     (0.0,),
+    about="Avoid collisions with other robots by reciprocal velocities.",
     senses=(*_SENSES, "neighbours"),
     needs=_SENSING,
     memory_fields=(MemoryField("speed", place("WgOrcaMemory", "speed")),),

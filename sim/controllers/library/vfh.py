@@ -67,6 +67,7 @@ vfh = CompiledController(
     "vfh",
     CoreAct("vfh"),
     memory_at_reset(size_of("WgVfhMemory"), {place("WgVfhMemory", "last"): -1.0}),
+    about="Drive through the opening that requires the least turning.",
     senses=("heading", "target_heading", "time_step", "top_speed", "radius", "beams"),
     needs=RobotOptions(beams=72, beam_range=2.0),
 )

@@ -19,13 +19,18 @@ from sim.controllers.memory_view import MemoryField
 AT = fields_of("WgWallMemory")
 
 
-def _controller(name: str, hand: float) -> CompiledController:
+def _controller(name: str, hand: float, side: str) -> CompiledController:
     doing = MemoryField("doing", AT.mode, ("to the target", "along the wall"))
     memory = memory_at_reset(size_of("WgWallMemory"), {HAND: hand})
     return CompiledController(
-        name, CoreAct("wall"), memory, senses=BY_TOUCH, memory_fields=(doing,)
+        name,
+        CoreAct("wall"),
+        memory,
+        senses=BY_TOUCH,
+        memory_fields=(doing,),
+        about=f"Drive to the target; from the first wall on, follow walls with the {side} hand.",
     )
 
 
-wall_left = _controller("wall-left", 1.0)
-wall_right = _controller("wall-right", -1.0)
+wall_left = _controller("wall-left", 1.0, "left")
+wall_right = _controller("wall-right", -1.0, "right")

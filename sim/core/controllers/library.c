@@ -1,3 +1,5 @@
+// Finds the act of a controller of the library by its name.
+
 #include "library.h"
 
 #include <stddef.h>

@@ -1,8 +1,8 @@
 """Export a world as a plan to scale, in SVG.
 
-One unit is a metre, and every element is named after what it shows. ``worldgen show --svg`` draws a
-picture to look at, in pixels, with caption and signal; this format is for programs that measure,
-cut or edit. Its coordinates are the world's own, as exact decimals, and all other facts are in the
+One unit is a metre, and every element is named after what it shows. ``worldgen show --picture``
+draws a picture to look at, in pixels, with caption and signal; this format is for programs that
+measure, cut or edit. Its coordinates are the world's own, as exact decimals, and all other facts are in the
 metadata.
 
 Source: W3C, "Scalable Vector Graphics (SVG) 1.1, second edition", 2011.

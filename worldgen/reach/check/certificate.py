@@ -57,6 +57,10 @@ def check_certificate(
     In a world of several robots, a joint witness proves that all of them can, and a cut that one of
     them cannot.
 
+    A certificate claims that its own path is safe if the robot keeps to its times. That it may
+    also begin later, up to a ``margin`` that a family guarantees, is not part of the claim and is
+    not checked here: :func:`worldgen.reach.witness_margin` measures it.
+
     Args:
         world: The world.
         certificate: The proof; the world's own if omitted.

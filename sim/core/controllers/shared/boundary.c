@@ -1,3 +1,5 @@
+// How a robot follows a wall by touch; boundary.h describes it.
+
 #include "boundary.h"
 
 #include "directions.h"

@@ -1,3 +1,5 @@
+// The map of nodes and blocked edges, and A* on it; lattice_map.h describes it.
+
 #include "lattice_map.h"
 
 #include <math.h>
