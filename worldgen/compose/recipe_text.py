@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from worldgen.compose._values import Choice, Scalar, Spec, spec_of
+from worldgen.compose.values import Choice, Scalar, Spec, spec_of
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import MARGIN
 from worldgen.files.grid.header import Header
