@@ -551,10 +551,8 @@ class World(HoldsFrozen):
         failed = f", failure {self.failure.outcome}" if self.failure is not None else ""
         return (
             f"<World{name}: {self.width} x {self.height} cells of {self.cell_size:g} "
-            f"m{changes}{fleet}, "
-            f"start ({self.start.x:g}, {self.start.y:g}), target ({self.target.x:g}, "
-            f"{self.target.y:g}), "
-            f"{proved}{failed}>"
+            f"m{changes}{fleet}, start ({self.start.x:g}, {self.start.y:g}), target "
+            f"({self.target.x:g}, {self.target.y:g}), {proved}{failed}>"
         )
 
     def _repr_png_(self) -> bytes:

@@ -135,8 +135,7 @@ _out_option = click.option(
     "--out",
     type=PATH,
     help="File to write, .grid or .grid.gz; with --count a folder, or an archive: .zip, .tar.gz or "
-    ".tar.bz2. "
-    "Without it, the world goes to stdout.",
+    ".tar.bz2. Without it, the world goes to stdout.",
 )
 _workers_option = click.option(
     "--workers",
@@ -146,9 +145,8 @@ _workers_option = click.option(
 _metrics_option = click.option(
     "--metrics/--no-metrics",
     default=None,
-    help="Measure each world, and store the result in its file's header.  [default: a single "
-    "world up to 2000 x 2000 "
-    "cells, and sets]",
+    help="Measure each world, and store the result in its file's header.  [default: a single world "
+    "up to 2000 x 2000 cells, and sets]",
 )
 _SET_OPTIONS = (_count_option, _out_option, _workers_option, _metrics_option)
 

@@ -100,8 +100,7 @@ def draw_corner(
         raise InvalidParameter(
             "no-room",
             "a piece of {width} x {height} cells fits nowhere {where} in {host_width} x "
-            "{host_height} cells without covering start or target, with a margin of "
-            "{margin}",
+            "{host_height} cells without covering start or target, with a margin of {margin}",
             "give a smaller piece or margin, or a larger host",
             width=piece[0],
             height=piece[1],

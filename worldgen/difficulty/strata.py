@@ -266,8 +266,7 @@ class StrataSearch:
         return GenerationFailed(
             "no-world-found",
             "{family}: only {before} of {count} worlds were found with a difficulty of {low:g} to "
-            "{high:g}, "
-            "{tries} tries after the last",
+            "{high:g}, {tries} tries after the last",
             "give more tries, fix fewer parameters, or another range",
             family=self._family.name,
             before=before,

@@ -133,8 +133,7 @@ def _loading(doing: str) -> Iterator[None]:
             "load-timeout",
             "{doing} takes longer than {seconds:g} s",
             "put code that waits for input or keeps running under if __name__ == '__main__', or "
-            "give it more "
-            "time with {variable}",
+            "give it more time with {variable}",
             doing=doing,
             seconds=seconds,
             variable=LOAD_SECONDS,

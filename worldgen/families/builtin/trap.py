@@ -379,8 +379,7 @@ def _draw_to_fit(
         raise InvalidParameter(
             "no-room",
             "size={size} has no room for shape={shape} with mouth={mouth}, depth={depth}, "
-            "thickness={thickness}"
-            f"{turns_said}: {{problem}}",
+            f"thickness={{thickness}}{turns_said}: {{problem}}",
             "give a larger size, or a smaller obstacle or robot_radius",
             size=arena.size,
             shape=shape,

@@ -176,8 +176,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
         raise FormatError(
             "nothing-there",
             "there is nothing {height:g} m above floor {floor}, which is at {level:g} m; the mesh "
-            "reaches from {low:g} "
-            "to {high:g} m",
+            "reaches from {low:g} to {high:g} m",
             "give another slice height, floor, unit or up axis",
             height=plane.height,
             floor=plane.floor,
@@ -328,8 +327,7 @@ def _notes(plane: Plane, floors: list[float], bodies: Bodies, left_out: int) -> 
     if bodies.open_count:
         notes.append(
             f"{bodies.open_count} of {bodies.open_count + bodies.closed_count} bodies are not "
-            f"closed; "
-            "their surfaces are walls, and their insides stay free"
+            "closed; their surfaces are walls, and their insides stay free"
         )
     if left_out:
         notes.append(
