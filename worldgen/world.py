@@ -289,10 +289,9 @@ class Cut(HoldsFrozen):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Cut):
             return NotImplemented
-        return (self.clearance, self.robot) == (
-            other.clearance,
-            other.robot,
-        ) and np.array_equal(self.cells, other.cells)
+        return (self.clearance, self.robot) == (other.clearance, other.robot) and np.array_equal(
+            self.cells, other.cells
+        )
 
     __hash__ = None  # type: ignore[assignment]
 

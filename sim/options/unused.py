@@ -41,10 +41,7 @@ _READ_BY = {
 _SHAPES = (
     dict.fromkeys(_BEAMS[1:], "beams")
     | dict.fromkeys(_NEIGHBOURS[1:], "neighbour_range")
-    | {
-        "smoke_reach": "smoke",
-        "drift_heading": "drift",
-    }
+    | {"smoke_reach": "smoke", "drift_heading": "drift"}
 )
 
 

@@ -169,12 +169,7 @@ def _option(parameter: Parameter, made_by: Family) -> Any:
     )
 
 
-def _make_one(
-    made_by: Family,
-    seed: int,
-    params: dict[str, Value],
-    to: Output,
-) -> None:
+def _make_one(made_by: Family, seed: int, params: dict[str, Value], to: Output) -> None:
     from worldgen.files.grid import dumps, write_world
 
     out = to.path

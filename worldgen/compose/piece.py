@@ -23,12 +23,7 @@ from worldgen.random_streams import RandomStream
 from worldgen.support.angles import SCALE, direction
 from worldgen.support.arrays import Bools, Ints
 from worldgen.timeline import Timeline
-from worldgen.world import (
-    DEFAULT_CELL_SIZE,
-    DEFAULT_ROBOT_RADIUS,
-    DEFAULT_ROBOT_SPEED,
-    World,
-)
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World
 
 # Units per cell when a piece is turned by an arbitrary angle.
 _FINE = 64

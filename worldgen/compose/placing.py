@@ -10,14 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from worldgen.compose.cells import (
-    Events,
-    How,
-    PlacedCells,
-    put_together,
-    state_of_two,
-    timeline_of,
-)
+from worldgen.compose.cells import Events, How, PlacedCells, put_together, state_of_two, timeline_of
 from worldgen.compose.marks import HALF, START, TARGET, Mark, mark_at, marks_of, moved
 from worldgen.compose.sizes import whole
 from worldgen.compose.where import DRAWN, NAMED, draw_corner, named_corner

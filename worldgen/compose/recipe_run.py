@@ -296,10 +296,7 @@ def _mark(piece: Piece, value: Any, options: Options) -> Piece:
 def _trim(piece: Piece, value: Any, options: Options) -> Piece:
     if value is not True:
         raise InvalidParameter(
-            "no-effect",
-            "trim={value!r} says nothing",
-            "write trim = true, or omit it",
-            value=value,
+            "no-effect", "trim={value!r} says nothing", "write trim = true, or omit it", value=value
         )
     return piece.trim()
 

@@ -380,11 +380,7 @@ def _declared(raw: Any) -> Declared:
                 default=default,
             )
     return Declared(
-        default,
-        least,
-        most,
-        tuple(choices),
-        " ".join(note.split()) or "A parameter of the recipe.",
+        default, least, most, tuple(choices), " ".join(note.split()) or "A parameter of the recipe."
     )
 
 

@@ -55,9 +55,6 @@ q_learner = CompiledController(
     AT_RESET,
     senses=(*SENSES, "target_distance"),
     needs=NEEDS,
-    memory_fields=(
-        MemoryField("situation", AT.situation),
-        MemoryField("turn", AT.choice),
-    ),
+    memory_fields=(MemoryField("situation", AT.situation), MemoryField("turn", AT.choice)),
     learning=LEARNING,
 )

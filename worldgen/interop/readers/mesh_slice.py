@@ -272,10 +272,7 @@ def _floors(vertices: Floats, faces: Ints, height: float) -> list[float]:
 
 
 def _frame(
-    vertices: Floats,
-    cell_size: float,
-    origin: list[float] | None,
-    size: list[int] | None,
+    vertices: Floats, cell_size: float, origin: list[float] | None, size: list[int] | None
 ) -> tuple[tuple[float, float], int, int]:
     """Return the grid's corner, m, and its sides, cells.
 
